@@ -1,0 +1,125 @@
+//! The command line: the only place that prints.
+//!
+//! Exit status: 0 converged, 1 not converged (what was reached is written), 2 bad input,
+//! 3 the machine failed (memory, disk).
+
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+mod check;
+mod progress;
+mod run;
+mod tables;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use stickslip::linear::{self, LinearError};
+use stickslip::scene::{Override, Scene, SceneError};
+
+/// Quasi-static elastic contact with Coulomb friction.
+#[derive(Parser)]
+#[command(name = "stickslip", subcommand_required = true, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Threads for the BLAS behind the factorisation
+    #[arg(long, global = true, default_value_t = 1)]
+    threads: usize,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Solve a scene over its load history
+    Run(run::RunArgs),
+    /// Read and explain a scene without solving it
+    Check(check::CheckArgs),
+    /// Compute a table of the paper and set it beside the published one
+    Tables(tables::TablesArgs),
+}
+
+/// A scene and what to change in it.
+#[derive(Args)]
+struct SceneArgs {
+    /// The scene file (TOML)
+    scene: PathBuf,
+    /// Put VALUE in place of what the scene says, e.g. mesh.elements=[50,50] or contact[0].friction=0.3
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<Override>,
+    /// The algorithm, as solver.method
+    #[arg(long)]
+    method: Option<String>,
+    /// The named set of constants, as solver.setting
+    #[arg(long)]
+    setting: Option<String>,
+    /// The linear algebra, as solver.linear
+    #[arg(long)]
+    solver: Option<String>,
+}
+
+impl SceneArgs {
+    fn read(&self) -> Result<Scene, SceneError> {
+        let options =
+            [("solver.method", &self.method), ("solver.setting", &self.setting), ("solver.linear", &self.solver)];
+        let options = options.iter().filter_map(|(key, value)| Some(Override::value(key, value.as_deref()?)));
+        let overrides: Vec<Override> = self.overrides.iter().cloned().chain(options).collect();
+        Scene::read(&self.scene, &overrides)
+    }
+}
+
+/// Why a command ended without a result.
+enum Failure {
+    /// The input is to blame: exit status 2.
+    Input(miette::Report),
+    /// The machine is: exit status 3.
+    Machine(miette::Report),
+}
+
+impl<E: miette::Diagnostic + Send + Sync + 'static> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Failure::Input(error.into())
+    }
+}
+
+impl Failure {
+    fn linear(error: &LinearError) -> Self {
+        let report = match error {
+            LinearError::OutOfMemory { .. } => {
+                miette::miette!(help = "use a coarser mesh or a machine with more memory", "{error}")
+            }
+            error => miette::miette!(help = "this is not the scene's fault; please report it", "{error}"),
+        };
+        Failure::Machine(report)
+    }
+}
+
+pub(crate) fn main() -> ExitCode {
+    let version = |[major, minor, patch]: [i32; 3]| format!("{major}.{minor}.{patch}");
+    let version = format!(
+        "{} (SuiteSparse {}, UMFPACK {})",
+        env!("CARGO_PKG_VERSION"),
+        version(linear::suitesparse_version()),
+        version(linear::umfpack_version())
+    );
+    let matches = Cli::command().version(version).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    if linear::blas::set_threads(cli.threads).is_none() {
+        eprintln!("note: the BLAS in use is not OpenBLAS, BLIS or MKL; factorisations may take several times longer");
+    }
+    let result = match &cli.command {
+        Command::Run(args) => run::run(args),
+        Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
+        Command::Tables(args) => tables::tables(args),
+    };
+    match result {
+        Ok(code) => code,
+        Err(Failure::Input(report)) => {
+            eprintln!("{report:?}");
+            ExitCode::from(2)
+        }
+        Err(Failure::Machine(report)) => {
+            eprintln!("{report:?}");
+            ExitCode::from(3)
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! `stickslip check`.
+
+use clap::Args;
+use stickslip::formulation::Layout;
+use stickslip::model::Model;
+use stickslip::scene::{Material, Mesh, Obstacle, Plane, Scene};
+
+use super::{Failure, SceneArgs};
+
+#[derive(Args)]
+pub(super) struct CheckArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+}
+
+pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
+    let scene = args.scene.read()?;
+    let model = Model::new(&scene)?;
+    println!("{}", scene.title);
+    body(&scene, &model);
+    contact(&scene, &model);
+    loads(&scene, &model);
+    let solver = &scene.solver;
+    println!(
+        "history      {} increments of {} s to t = {} s",
+        scene.time.increments,
+        scene.time.end / scene.time.increments as f64,
+        scene.time.end
+    );
+    println!(
+        "solver       {:?}, setting {:?}, {:?}; at most {} iterations; error of every law at most {:.0e}",
+        solver.method, solver.setting, solver.linear, solver.max_iterations, solver.tolerance
+    );
+    holding(&model);
+    Ok(())
+}
+
+fn body(scene: &Scene, model: &Model) {
+    let Mesh::Block { size: [width, height], elements: [nx, ny] } = scene.mesh;
+    println!(
+        "mesh         block {width} m x {height} m, {nx} x {ny} bilinear quadrilaterals, {} nodes, boundaries {}",
+        model.mesh.nodes.len(),
+        model.mesh.boundary_names().join(", ")
+    );
+    let Material { young, poisson, plane } = scene.material;
+    let state = match plane {
+        Plane::Strain => "plane strain",
+        Plane::Stress => "plane stress",
+    };
+    println!("material     E = {young:e} Pa, nu = {poisson}, {state}, unit thickness");
+    for support in &scene.supports {
+        let held = ["x", "y"].into_iter().zip(support.fix).filter(|&(_, fix)| fix).map(|(name, _)| name);
+        println!("support      {}: {} held", support.boundary, held.collect::<Vec<_>>().join(" and "));
+    }
+}
+
+fn contact(scene: &Scene, model: &Model) {
+    for contact in &scene.contacts {
+        let Obstacle::Plane { gap, .. } = contact.obstacle;
+        println!("contact      {}: plane at {gap} m, mu = {}", contact.boundary, contact.friction);
+    }
+    let layout = Layout::new(&model.problem);
+    println!("unknowns     {} displacements u", layout.displacements());
+    match (layout.contacts(), layout.tangentials()) {
+        (0, _) => println!("             no contact: one linear solve an increment, one factorisation"),
+        (n, t) => {
+            println!("             {n} normal forces p_n");
+            let rest = n - t;
+            match rest {
+                0 => println!("             {t} tangential forces p_t"),
+                _ => println!("             {t} tangential forces p_t; {rest} nodes have no friction or cannot slide"),
+            }
+        }
+    }
+}
+
+fn loads(scene: &Scene, model: &Model) {
+    for (load, case) in scene.loads.iter().zip(&model.loading.cases) {
+        let [mut x, mut y] = [0.0; 2];
+        for node in 0..model.mesh.nodes.len() {
+            let [dx, dy] = model.dofs.node(node);
+            x += dx.map_or(0.0, |dof| case.force[dof]);
+            y += dy.map_or(0.0, |dof| case.force[dof]);
+        }
+        let history: Vec<String> = load.history.iter().map(|[t, factor]| format!("{factor} at {t} s")).collect();
+        println!(
+            "load         {}: ({:e}, {:e}) N/m2, ({x:.4e}, {y:.4e}) N on what is free; factor {}",
+            load.boundary,
+            load.traction[0],
+            load.traction[1],
+            history.join(", ")
+        );
+    }
+}
+
+fn holding(model: &Model) {
+    if model.rigid_motions.is_empty() {
+        println!("held         by its supports");
+        return;
+    }
+    let by = if model.contacts.is_empty() { "nothing holds" } else { "only contact can hold" };
+    for motion in &model.rigid_motions {
+        println!("NOT HELD     {by} the body against {motion}");
+    }
+}

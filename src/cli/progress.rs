@@ -1,0 +1,82 @@
+//! What a person sees while increments are solved.
+
+use std::io::{IsTerminal, stderr};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use stickslip::history::IncrementRecord;
+
+/// Rows of the table of increments, on standard output, below a bar where there is a terminal.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    rows: bool,
+}
+
+/// The columns: head and width.
+const COLUMNS: [(&str, usize); 10] = [
+    ("inc", 5),
+    ("time", 9),
+    ("iter", 5),
+    ("back", 5),
+    ("Theta", 9),
+    ("error", 9),
+    ("open", 6),
+    ("stick", 6),
+    ("slip", 6),
+    ("s", 8),
+];
+
+impl Progress {
+    /// A display of `increments` increments; without `rows`, only the bar.
+    pub(super) fn new(increments: usize, rows: bool) -> Self {
+        let bar = bar(increments, "increments");
+        let progress = Progress { bar, rows };
+        progress.row(&COLUMNS.map(|(head, _)| head.to_string()));
+        progress
+    }
+
+    /// Shows that the iteration of an increment has reached `theta`.
+    pub(super) fn iteration(&self, iteration: usize, theta: f64) {
+        self.bar.set_message(format!("iteration {iteration}, Theta {theta:.1e}"));
+    }
+
+    /// Shows a finished increment.
+    pub(super) fn increment(&self, record: &IncrementRecord) {
+        let r = record;
+        let seconds = r.seconds.assembly + r.seconds.factorization + r.seconds.solve + r.seconds.rest;
+        self.row(&[
+            r.index.to_string(),
+            format!("{:.4}", r.time),
+            r.iterations.to_string(),
+            r.backtracks.to_string(),
+            format!("{:.1e}", r.theta),
+            format!("{:.1e}", r.kkt.worst().1),
+            r.contact.open.to_string(),
+            r.contact.stick.to_string(),
+            r.contact.slip.to_string(),
+            format!("{seconds:.3}"),
+        ]);
+        self.bar.inc(1);
+    }
+
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn row(&self, fields: &[String; COLUMNS.len()]) {
+        if !self.rows {
+            return;
+        }
+        let fields = fields.iter().zip(COLUMNS).map(|(field, (_, width))| format!("{field:>width$}"));
+        let line = fields.collect::<Vec<_>>().join(" ");
+        self.bar.suspend(|| println!("{line}"));
+    }
+}
+
+/// A bar of `length` steps on a terminal; nothing elsewhere.
+pub(super) fn bar(length: usize, unit: &str) -> ProgressBar {
+    let interactive = stderr().is_terminal();
+    let target = if interactive { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let template = format!("{{bar:30}} {{pos}}/{{len}} {unit}, {{elapsed}}, {{eta}} left  {{msg}}");
+    let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::with_draw_target(Some(length as u64), target).with_style(style)
+}

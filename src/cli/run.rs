@@ -1,0 +1,210 @@
+//! `stickslip run`.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Args;
+use stickslip::fem::RigidMotion;
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Observer, Status, Step};
+use stickslip::linear::{Direct, Umfpack};
+use stickslip::model::Model;
+use stickslip::nonlinear::{Flow, IterationRecord};
+use stickslip::report::{ContactLine, Measured, ResultFolder, RunReport, cpu_seconds, peak_rss_bytes};
+use stickslip::scene::{LinearBackend, Scene, Setting};
+
+use super::progress::Progress;
+use super::{Failure, SceneArgs};
+
+#[derive(Args)]
+pub(super) struct RunArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Write contact lines, records, plots and the report into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the report as one JSON object and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
+    let start = Instant::now();
+    let scene = args.scene.read()?;
+    let model = Model::new(&scene)?;
+    let model_seconds = start.elapsed().as_secs_f64();
+    let folder = args.out.as_deref().map(open_folder).transpose()?;
+    if !args.json {
+        print_head(&scene, &model);
+    }
+
+    let times = scene.time.all();
+    let mut watcher = Watcher {
+        model: &model,
+        title: &scene.title,
+        wanted: wanted_increments(&scene.output.times, &times),
+        folder,
+        progress: Progress::new(times.len(), !args.json),
+        failed_write: None,
+    };
+    let settings = settings(&scene, &model);
+    let LinearBackend::Umfpack = scene.solver.linear;
+    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut watcher);
+    watcher.progress.finish();
+    let Watcher { folder, failed_write, .. } = watcher;
+    let outcome = outcome.map_err(|error| Failure::linear(&error))?;
+    let measured = Measured {
+        cpu_seconds: cpu_seconds(),
+        wall_seconds: start.elapsed().as_secs_f64(),
+        model_seconds,
+        peak_rss_bytes: peak_rss_bytes(),
+    };
+    let reason = reason(&scene, &model, &outcome);
+    let report = RunReport::new(&args.scene.scene.display().to_string(), &scene, &outcome, reason, measured);
+    let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    if let Some(folder) = &folder
+        && let Err(error) = failed_write.map_or_else(|| folder.write("run.json", &json), Err)
+    {
+        return Err(disk_failure(folder.path(), &error));
+    }
+    if args.json {
+        println!("{json}");
+    } else {
+        print_verdict(&report, times.len());
+        if let Some(folder) = &folder {
+            println!("results      {}", folder.path().display());
+        }
+    }
+    Ok(if outcome.status == Status::Converged { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Feeds the display and the folder of results.
+struct Watcher<'a> {
+    model: &'a Model,
+    title: &'a str,
+    /// Increments whose contact lines are written.
+    wanted: Vec<usize>,
+    folder: Option<ResultFolder>,
+    progress: Progress,
+    failed_write: Option<io::Error>,
+}
+
+impl Observer for Watcher<'_> {
+    fn iteration(&mut self, _index: usize, record: &IterationRecord) -> Flow {
+        self.progress.iteration(record.iteration, record.theta);
+        Flow::Continue
+    }
+
+    fn increment(&mut self, step: &Step<'_>) -> Flow {
+        self.progress.increment(step.record);
+        let Some(folder) = &mut self.folder else { return Flow::Continue };
+        let mut written = folder.add_increment(step.record);
+        // What a failed increment reached is worth a look, too.
+        if self.wanted.contains(&step.record.index) || step.record.status != Status::Converged {
+            let line = ContactLine::new(&self.model.problem, &self.model.contacts, step);
+            written = written.and_then(|()| folder.add_contact_line(&line, self.title));
+        }
+        match written {
+            Ok(()) => Flow::Continue,
+            Err(error) => {
+                self.failed_write = Some(error);
+                Flow::Stop
+            }
+        }
+    }
+}
+
+fn settings(scene: &Scene, model: &Model) -> HistorySettings {
+    let solver = &scene.solver;
+    match solver.setting {
+        Setting::Paper => {
+            HistorySettings::paper(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance)
+        }
+    }
+}
+
+/// The first increment (from 1) that reaches each of the `wanted` times.
+fn wanted_increments(wanted: &[f64], times: &[f64]) -> Vec<usize> {
+    // A time computed as end · k / increments may miss the one asked for by a rounding error.
+    let slack = times.last().map_or(0.0, |end| 1e-9 * end);
+    wanted.iter().filter_map(|t| Some(1 + times.iter().position(|time| *time >= t - slack)?)).collect()
+}
+
+fn open_folder(path: &Path) -> Result<ResultFolder, Failure> {
+    ResultFolder::create(path).map_err(|error| {
+        let help = "choose a folder that can be written with --out";
+        Failure::Input(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
+    })
+}
+
+fn disk_failure(path: &Path, error: &io::Error) -> Failure {
+    let help = "what was written before is complete; make room and run again";
+    Failure::Machine(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
+}
+
+/// Why the run did not converge, in words; empty if it did.
+fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
+    let Some(record) = outcome.records.iter().find(|record| record.status != Status::Converged) else {
+        return match outcome.status {
+            Status::Singular => unheld(model, outcome),
+            Status::Interrupted => "stopped on request".to_string(),
+            _ => String::new(),
+        };
+    };
+    let (law, error) = record.kkt.worst();
+    let violated = format!("{law} is violated by {error:.1e} (tolerance {:.0e})", scene.solver.tolerance);
+    let why = match outcome.status {
+        Status::Singular => unheld(model, outcome),
+        Status::MaxIterations => format!(
+            "no convergence within {} iterations: {violated}; try more increments (time.increments)",
+            scene.solver.max_iterations
+        ),
+        Status::Inaccurate => format!("the method stopped with Theta = {:.1e}, but {violated}", record.theta),
+        _ => violated,
+    };
+    format!("increment {} (t = {} s): {why}", record.index, record.time)
+}
+
+fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
+    let motion = outcome.unheld.as_ref().and_then(|weights| RigidMotion::combination(&model.rigid_motions, weights));
+    match motion {
+        Some(motion) => format!("nothing holds the body against {motion}; add a support"),
+        None => "the linearised problem is singular".to_string(),
+    }
+}
+
+fn print_head(scene: &Scene, model: &Model) {
+    let layout = stickslip::formulation::Layout::new(&model.problem);
+    println!("{}", scene.title);
+    println!(
+        "unknowns     {} = {} u + {} p_t + {} p_n\n",
+        layout.unknowns(),
+        layout.displacements(),
+        layout.tangentials(),
+        layout.contacts()
+    );
+}
+
+fn print_verdict(report: &RunReport, increments: usize) {
+    let totals = &report.totals;
+    let done = report.increments.iter().filter(|record| record.status == Status::Converged).count();
+    let (law, error) = report
+        .increments
+        .iter()
+        .map(|record| record.kkt.worst())
+        .fold(("none", 0.0), |a, b| if b.1 > a.1 { b } else { a });
+    println!("\nverdict      {}, {done} of {increments} increments", report.status);
+    if !report.reason.is_empty() {
+        println!("             {}", report.reason);
+    }
+    println!("error        {error:.1e} at most ({law}); backward error of the solves {:.1e}", totals.backward_error);
+    println!("contact      sum p_n = {:.6e} N, sum p_t = {:.6e} N", report.end.sum_p_n, report.end.sum_p_t);
+    println!(
+        "work         {} iterations, {} factorisations, {} symbolic analysis, {} entries in L and U",
+        totals.iterations, totals.factorizations, totals.symbolic_analyses, totals.nnz_factors
+    );
+    let memory = totals.peak_rss_bytes.map_or(String::new(), |bytes| format!(", {:.0} MB", bytes as f64 * 1e-6));
+    println!("took         {:.2} s ({:.2} s CPU){memory}", totals.wall_seconds, totals.cpu_seconds);
+}

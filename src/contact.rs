@@ -1,0 +1,11 @@
+//! Contact: obstacles, the maps `C_n` and `C_t`, the laws of Signorini and Coulomb, and the error
+//! measure that judges every solution.
+
+pub mod coulomb;
+mod kinematics;
+mod kkt;
+mod obstacle;
+
+pub use kinematics::{ContactNode, contact_nodes, unreachable};
+pub use kkt::{ContactStatus, KktErrors, KktScales, statuses};
+pub use obstacle::Plane;

@@ -1,0 +1,100 @@
+//! The laws of Signorini and Coulomb at one contact node as equations, and their linearisation:
+//! the rows of (19) and the cases of (21). Pure functions of scalars, in any consistent units.
+
+/// `x₊ = max(x, 0)`.
+pub fn positive(x: f64) -> f64 {
+    x.max(0.0)
+}
+
+/// `Π(q)`, the projection on the friction interval `|p_t| ≤ radius`, the 2D form of (18).
+pub fn project(q: f64, radius: f64) -> f64 {
+    q.clamp(-radius, radius)
+}
+
+/// The normal row of (19): `-min(p_n, r (g - w_n))`.
+pub fn normal_residual(p_n: f64, w_n: f64, gap: f64, r: f64) -> f64 {
+    -p_n.min(r * (gap - w_n))
+}
+
+/// The tangential row of (19): `-p_t + Π(p_t + r Δw_t)` with the radius `μ (p_n)₊`.
+pub fn tangential_residual(p_t: f64, p_n: f64, slip: f64, mu: f64, r: f64) -> f64 {
+    -p_t + project(p_t + r * slip, mu * positive(p_n))
+}
+
+/// The normal cases of (21).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NormalCase {
+    /// `p_n + r (w_n - g) ≤ 0`; row `-dp_n`.
+    Open,
+    /// `p_n + r (w_n - g) > 0`; row `r C_n du`.
+    Closed,
+}
+
+/// The tangential cases of (21).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TangentialCase {
+    /// `p_n ≤ 0`; row `-dp_t`.
+    NoPressure,
+    /// `p_n > 0`, `|q| < μ p_n`; row `r C_t du`.
+    Stick,
+    /// `p_n > 0`, `|q| ≥ μ p_n`; row `-dp_t + μ sign dp_n`. The term `R` vanishes in 2D.
+    Slip {
+        /// `q / |q|`.
+        sign: f64,
+    },
+}
+
+/// The share of `μ p_n` by which `|q|` must stay below it to count as stick: a node that slipped
+/// starts every new increment exactly on that border, and there the paper's counts are only
+/// reproduced if it goes on slipping in its old direction. Well above rounding, far below any load.
+pub const SLIP_BORDER: f64 = 1e-9;
+
+/// The normal case of a node.
+pub fn normal_case(p_n: f64, w_n: f64, gap: f64, r: f64) -> NormalCase {
+    if p_n + r * (w_n - gap) > 0.0 { NormalCase::Closed } else { NormalCase::Open }
+}
+
+/// The tangential case of a node with the slip increment `slip = w_t - w̄_t`.
+pub fn tangential_case(p_t: f64, p_n: f64, slip: f64, mu: f64, r: f64) -> TangentialCase {
+    let q = p_t + r * slip;
+    if p_n <= 0.0 {
+        TangentialCase::NoPressure
+    } else if q.abs() <= mu * p_n * (1.0 - SLIP_BORDER) {
+        TangentialCase::Stick
+    } else {
+        TangentialCase::Slip { sign: q.signum() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn residuals_vanish_exactly_on_the_law() {
+        let r = 3.0;
+        // Open, grazing, closed.
+        for (p_n, w_n) in [(0.0, -1.0), (0.0, 0.5), (2.0, 0.5)] {
+            assert_eq!(normal_residual(p_n, w_n, 0.5, r), 0.0);
+        }
+        assert_ne!(normal_residual(2.0, 0.4, 0.5, r), 0.0);
+        assert_ne!(normal_residual(-1.0, 0.5, 0.5, r), 0.0);
+        assert_ne!(normal_residual(0.0, 0.6, 0.5, r), 0.0);
+        // Stick, slip either way, no pressure.
+        for (p_t, p_n, slip) in [(0.3, 1.0, 0.0), (0.4, 1.0, 2.0), (-0.4, 1.0, -2.0), (0.0, 0.0, 7.0)] {
+            assert_eq!(tangential_residual(p_t, p_n, slip, 0.4, r), 0.0);
+        }
+        assert_ne!(tangential_residual(-0.4, 1.0, 2.0, 0.4, r), 0.0);
+        assert_ne!(tangential_residual(0.3, 1.0, 0.1, 0.4, r), 0.0);
+        assert_ne!(tangential_residual(0.5, 1.0, 0.1, 0.4, r), 0.0);
+    }
+
+    #[test]
+    fn the_border_counts_as_slip() {
+        assert_eq!(tangential_case(0.4, 1.0, 0.0, 0.4, 1.0), TangentialCase::Slip { sign: 1.0 });
+        assert_eq!(tangential_case(-0.4, 1.0, 0.0, 0.4, 1.0), TangentialCase::Slip { sign: -1.0 });
+        assert_eq!(tangential_case(0.399, 1.0, 0.0, 0.4, 1.0), TangentialCase::Stick);
+        assert_eq!(tangential_case(0.1, 0.0, 1.0, 0.4, 1.0), TangentialCase::NoPressure);
+        assert_eq!(normal_case(0.0, 0.5, 0.5, 1.0), NormalCase::Open);
+    }
+}

@@ -1,0 +1,55 @@
+//! The stiffness matrix of a mesh.
+
+use std::sync::Arc;
+
+use super::dofs::Dofs;
+use super::elastic::{Elasticity, element_stiffness};
+use crate::mesh::Mesh;
+use crate::sparse::{Csc, Pattern};
+
+/// An element whose Jacobian is not positive at a Gauss point.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("element {element} near ({:.6}, {:.6}) is inverted or degenerate", centre[0], centre[1])]
+pub struct InvertedElement {
+    /// Its number, from 0.
+    pub element: usize,
+    /// Its centre, m.
+    pub centre: [f64; 2],
+}
+
+/// `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m per unit depth.
+///
+/// # Errors
+/// [`InvertedElement`] for the first element that is not sound.
+pub fn assemble(mesh: &Mesh, dofs: &Dofs, material: &Elasticity) -> Result<Csc, InvertedElement> {
+    let n = dofs.free();
+    let pattern = Pattern::from_entries(n, n, |take| {
+        for quad in &mesh.quads {
+            let element = dofs.element(quad);
+            for column in element.into_iter().flatten() {
+                for row in element.into_iter().flatten() {
+                    take(row, column);
+                }
+            }
+        }
+    });
+    let mut k = Csc::zeros(Arc::new(pattern));
+    for (e, quad) in mesh.quads.iter().enumerate() {
+        let corners = mesh.corners(e);
+        let element = element_stiffness(&corners, material).ok_or_else(|| InvertedElement {
+            element: e,
+            centre: [0, 1].map(|c| corners.iter().map(|x| x[c]).sum::<f64>() / 4.0),
+        })?;
+        let dofs = dofs.element(quad);
+        for (i, row) in dofs.iter().enumerate() {
+            for (j, column) in dofs.iter().enumerate() {
+                if let (Some(row), Some(column)) = (*row, *column)
+                    && let Some(slot) = k.pattern.slot(row, column)
+                {
+                    k.values[slot] += element[i][j];
+                }
+            }
+        }
+    }
+    Ok(k)
+}

@@ -1,0 +1,85 @@
+//! Which unknowns a problem has, and where they stand in `z = (u, p_t, p_n)`.
+
+use crate::problem::{ContactProblem, State};
+use crate::units::Scaling;
+
+/// The layout of `z = (u, p_t, p_n)`. A contact node has a `p_t` only where there is friction and
+/// tangential freedom.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Layout {
+    displacements: usize,
+    /// For each contact node its place in `z`, if it has a tangential unknown.
+    tangential: Vec<Option<usize>>,
+    first_normal: usize,
+}
+
+impl Layout {
+    /// The layout that `problem` needs.
+    pub fn new(problem: &ContactProblem) -> Self {
+        let displacements = problem.displacements();
+        let mut next = displacements;
+        let tangential = (0..problem.contacts())
+            .map(|i| {
+                (problem.mu[i] > 0.0 && !problem.c_t.row(i).is_empty()).then(|| {
+                    next += 1;
+                    next - 1
+                })
+            })
+            .collect();
+        Layout { displacements, tangential, first_normal: next }
+    }
+
+    /// The length of `z`.
+    pub fn unknowns(&self) -> usize {
+        self.first_normal + self.contacts()
+    }
+
+    /// n_u, the number of displacements.
+    pub fn displacements(&self) -> usize {
+        self.displacements
+    }
+
+    /// n_c, the number of contact nodes and of normal unknowns.
+    pub fn contacts(&self) -> usize {
+        self.tangential.len()
+    }
+
+    /// The number of tangential unknowns.
+    pub fn tangentials(&self) -> usize {
+        self.first_normal - self.displacements
+    }
+
+    /// The place of `p_t` of contact node `i`, if it has one.
+    pub fn p_t(&self, i: usize) -> Option<usize> {
+        self.tangential[i]
+    }
+
+    /// The place of `p_n` of contact node `i`.
+    pub fn p_n(&self, i: usize) -> usize {
+        self.first_normal + i
+    }
+
+    /// `z` of a state, in the units of `scaling`.
+    pub fn pack(&self, state: &State, scaling: &Scaling) -> Vec<f64> {
+        let mut z = vec![0.0; self.unknowns()];
+        for (to, from) in z.iter_mut().zip(&state.u) {
+            *to = from / scaling.length;
+        }
+        for i in 0..self.contacts() {
+            if let Some(k) = self.tangential[i] {
+                z[k] = state.p_t[i] / scaling.force;
+            }
+            z[self.p_n(i)] = state.p_n[i] / scaling.force;
+        }
+        z
+    }
+
+    /// The state of `z`; the inverse of [`Layout::pack`].
+    pub fn unpack(&self, z: &[f64], scaling: &Scaling) -> State {
+        State {
+            u: z[..self.displacements].iter().map(|x| x * scaling.length).collect(),
+            p_t: self.tangential.iter().map(|k| k.map_or(0.0, |k| z[k] * scaling.force)).collect(),
+            p_n: z[self.first_normal..].iter().map(|x| x * scaling.force).collect(),
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Sparse linear systems `A x = b` with one fixed pattern and many values.
+//!
+//! Three steps, as every direct solver has them: [`LinearSolver::analyze`] once a run,
+//! [`LinearSolver::factorize`] once an iteration, [`LinearSolver::solve`] for each right-hand side.
+//! [`Direct`] stands in front of a backend: it counts, measures time, refines the solution and
+//! reports its backward error, the same way for every backend. `unsafe` lives in this module and
+//! nowhere else.
+
+use std::sync::Arc;
+
+use crate::sparse::Pattern;
+
+pub mod blas;
+mod direct;
+mod error;
+mod refine;
+mod sys;
+mod umfpack;
+
+pub use direct::{Direct, Statistics};
+pub use error::LinearError;
+pub use refine::{SolveInfo, backward_error};
+pub use umfpack::{Strategy, Umfpack, suitesparse_version, umfpack_version};
+
+/// What a factorisation tells about itself.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FactorInfo {
+    /// Entries stored in the factors L and U.
+    pub entries: usize,
+    /// Floating point operations.
+    pub flops: f64,
+    /// The smallest over the largest pivot, a coarse sign of trouble and no condition number.
+    pub pivot_ratio: f64,
+    /// Peak memory of the factorisation, bytes.
+    pub peak_bytes: f64,
+}
+
+/// A direct solver for square systems.
+pub trait LinearSolver {
+    /// The name a report shows.
+    fn name(&self) -> &'static str;
+
+    /// Orders the unknowns and predicts the fill for `pattern`; once a run.
+    ///
+    /// # Errors
+    /// When memory is short or the backend refuses the pattern.
+    fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError>;
+
+    /// Factors the matrix with `values` on the analysed pattern; once an iteration.
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`] when a pivot vanishes, or when memory is short.
+    fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError>;
+
+    /// Solves with the last factors, without refinement.
+    ///
+    /// # Errors
+    /// When there are no factors, or the backend fails.
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError>;
+}

@@ -1,0 +1,95 @@
+//! A backend together with what it did: counts, times, refinement, backward error.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::refine::{self, SolveInfo, Workspace};
+use super::{FactorInfo, LinearError, LinearSolver};
+use crate::sparse::{Csc, Pattern};
+
+/// What a [`Direct`] solver has done so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Statistics {
+    /// Symbolic analyses.
+    pub analyses: usize,
+    /// Numerical factorisations.
+    pub factorizations: usize,
+    /// Right-hand sides solved, refinement steps not counted.
+    pub solves: usize,
+    /// Refinement steps.
+    pub refinements: usize,
+    /// Seconds in symbolic analyses.
+    pub analysis_seconds: f64,
+    /// Seconds in factorisations.
+    pub factor_seconds: f64,
+    /// Seconds in solves, with refinement and the measuring of the backward error.
+    pub solve_seconds: f64,
+    /// The largest backward error of any solve.
+    pub worst_backward_error: f64,
+    /// The last factorisation.
+    pub factor: FactorInfo,
+}
+
+/// A direct solver in front of a backend.
+pub struct Direct {
+    backend: Box<dyn LinearSolver>,
+    work: Workspace,
+    statistics: Statistics,
+}
+
+impl Direct {
+    /// Wraps `backend`.
+    pub fn new(backend: Box<dyn LinearSolver>) -> Self {
+        Direct { backend, work: Workspace::default(), statistics: Statistics::default() }
+    }
+
+    /// The backend's name.
+    pub fn name(&self) -> &'static str {
+        self.backend.name()
+    }
+
+    /// What was done so far.
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    /// Symbolic analysis of `pattern`, once a run.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::analyze`].
+    pub fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
+        let start = Instant::now();
+        self.backend.analyze(pattern)?;
+        self.statistics.analyses += 1;
+        self.statistics.analysis_seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Factors `a`, which must stand on the analysed pattern.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::factorize`].
+    pub fn factorize(&mut self, a: &Csc) -> Result<FactorInfo, LinearError> {
+        let start = Instant::now();
+        let info = self.backend.factorize(&a.values)?;
+        self.statistics.factorizations += 1;
+        self.statistics.factor_seconds += start.elapsed().as_secs_f64();
+        self.statistics.factor = info;
+        Ok(info)
+    }
+
+    /// Solves `a x = b` with the last factors, refined.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve`], and [`LinearError::NotFinite`].
+    pub fn solve(&mut self, a: &Csc, b: &[f64], x: &mut [f64]) -> Result<SolveInfo, LinearError> {
+        let start = Instant::now();
+        let info = refine::solve(self.backend.as_mut(), a, b, x, &mut self.work)?;
+        let statistics = &mut self.statistics;
+        statistics.solves += 1;
+        statistics.refinements += info.refinements;
+        statistics.solve_seconds += start.elapsed().as_secs_f64();
+        statistics.worst_backward_error = statistics.worst_backward_error.max(info.backward_error);
+        Ok(info)
+    }
+}

@@ -1,0 +1,51 @@
+//! Why a linear system could not be solved.
+
+/// An error of the linear algebra: the run cannot go on with this matrix.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LinearError {
+    /// A pivot is exactly zero.
+    #[error("the matrix is singular (smallest over largest pivot: {pivot_ratio:.1e})")]
+    Singular {
+        /// The smallest over the largest pivot.
+        pivot_ratio: f64,
+    },
+    /// The solution holds NaN or an infinity although every pivot was accepted.
+    #[error("the solution of the linear system is not finite")]
+    NotFinite,
+    /// The backend could not get the memory it needs.
+    #[error("out of memory in {step}")]
+    OutOfMemory {
+        /// The step that failed.
+        step: &'static str,
+    },
+    /// The pattern differs from the analysed one.
+    #[error("the matrix has another pattern than the one analysed")]
+    PatternChanged,
+    /// The matrix is not square, or an array has the wrong length.
+    #[error("{what}: expected length {expected}, got {found}")]
+    Shape {
+        /// Which array or dimension.
+        what: &'static str,
+        /// The length it must have.
+        expected: usize,
+        /// The length it has.
+        found: usize,
+    },
+    /// `factorize` before `analyze`, or `solve` before `factorize`.
+    #[error("{missing} must be called first")]
+    Order {
+        /// The step that is missing.
+        missing: &'static str,
+    },
+    /// Any other status of a backend.
+    #[error("{backend} failed in {step} with status {status}")]
+    Backend {
+        /// Which backend.
+        backend: &'static str,
+        /// Which step.
+        step: &'static str,
+        /// Its status code.
+        status: i64,
+    },
+}

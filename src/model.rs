@@ -1,0 +1,131 @@
+//! From a scene to the discrete problem: mesh, `K`, contact maps, loads.
+
+use crate::contact::{ContactNode, Plane, contact_nodes, unreachable};
+use crate::fem::{Dofs, Elasticity, InvertedElement, RigidMotion, assemble, edge_load, rigid_motions};
+use crate::loading::{LoadCase, Loading};
+use crate::mesh::{self, Boundary, Mesh};
+use crate::problem::ContactProblem;
+use crate::scene::{self, Scene, SceneError};
+use crate::sparse::Csr;
+use crate::units::Scaling;
+
+/// A scene, discretised.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// The numbering of the free displacements.
+    pub dofs: Dofs,
+    /// The contact nodes, in the order of `problem`'s rows.
+    pub contacts: Vec<ContactNode>,
+    /// The algebraic problem.
+    pub problem: ContactProblem,
+    /// The loads and gaps over time.
+    pub loading: Loading,
+    /// The rigid motions behind `problem.free_motions`.
+    pub rigid_motions: Vec<RigidMotion>,
+}
+
+/// Why a scene cannot be discretised.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum ModelError {
+    /// The scene contradicts its mesh.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
+    /// An element of the mesh is not sound.
+    #[error(transparent)]
+    Element(#[from] InvertedElement),
+}
+
+impl Model {
+    /// Discretises `scene`.
+    ///
+    /// # Errors
+    /// When the scene names a boundary the mesh does not have, asks for contact where supports hold
+    /// the body inside the obstacle, or leaves nothing free.
+    pub fn new(scene: &Scene) -> Result<Self, ModelError> {
+        let scene::Mesh::Block { size, elements } = scene.mesh;
+        let mesh = mesh::block(size, elements);
+
+        let mut fixed = vec![[false; 2]; mesh.nodes.len()];
+        for support in &scene.supports {
+            for node in find(scene, &mesh, &support.boundary)?.nodes() {
+                for (fixed, fix) in fixed[node].iter_mut().zip(support.fix) {
+                    *fixed |= fix;
+                }
+            }
+        }
+        let dofs = Dofs::new(&mesh, |node, component| fixed[node][component]);
+        if let (0, Some(support)) = (dofs.free(), scene.supports.first()) {
+            let help = "support fewer boundaries, or use a finer mesh";
+            let message = "the supports fix every node of the mesh, so nothing is left to solve";
+            return Err(scene.error_at(support.boundary.span(), message, help).into());
+        }
+
+        let material = match scene.material.plane {
+            scene::Plane::Strain => Elasticity::plane_strain(scene.material.young, scene.material.poisson),
+            scene::Plane::Stress => Elasticity::plane_stress(scene.material.young, scene.material.poisson),
+        };
+        let stiffness = assemble(&mesh, &dofs, &material)?;
+
+        let (mut contacts, mut mu) = (Vec::new(), Vec::new());
+        for contact in &scene.contacts {
+            let nodes = contact_boundary(scene, &mesh, &dofs, contact)?;
+            mu.extend(nodes.iter().map(|_| contact.friction));
+            contacts.extend(nodes);
+        }
+        let (mut c_n, mut c_t) = (Csr::new(dofs.free()), Csr::new(dofs.free()));
+        for contact in &contacts {
+            c_n.push_row(contact.normal.iter().copied());
+            c_t.push_row(contact.tangent.iter().copied());
+        }
+
+        let mut loading = Loading { cases: Vec::new(), gap: contacts.iter().map(|c| c.gap).collect() };
+        for load in &scene.loads {
+            let boundary = find(scene, &mesh, &load.boundary)?;
+            let force = edge_load(&mesh, &dofs, boundary, load.traction);
+            loading.cases.push(LoadCase { force, history: load.history.clone() });
+        }
+
+        let rigid_motions = rigid_motions(&mesh, &dofs);
+        let problem = ContactProblem {
+            stiffness,
+            c_n,
+            c_t,
+            mu,
+            weight: contacts.iter().map(|c| c.weight).collect(),
+            free_motions: rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect(),
+        };
+        Ok(Model { mesh, dofs, contacts, problem, loading, rigid_motions })
+    }
+
+    /// Units for the numbers inside, see [`ContactProblem::scaling`].
+    pub fn scaling(&self) -> Scaling {
+        self.problem.scaling(self.loading.largest_force(), &self.loading.gap)
+    }
+}
+
+fn find<'a>(scene: &Scene, mesh: &'a Mesh, name: &scene::Name) -> Result<&'a Boundary, SceneError> {
+    mesh.boundary(name.as_str()).ok_or_else(|| scene.unknown_boundary(name, &mesh.boundary_names()))
+}
+
+fn contact_boundary(
+    scene: &Scene,
+    mesh: &Mesh,
+    dofs: &Dofs,
+    contact: &scene::Contact,
+) -> Result<Vec<ContactNode>, SceneError> {
+    let boundary = find(scene, mesh, &contact.boundary)?;
+    let scene::Obstacle::Plane { gap, normal, tangent } = contact.obstacle;
+    let plane = Plane::facing(mesh, boundary, gap, normal, tangent).ok_or_else(|| {
+        let message = format!("the boundary `{}` has no mean normal to face an obstacle with", contact.boundary);
+        scene.error_at(contact.boundary.span(), message, "give the obstacle a `normal`")
+    })?;
+    if let Some(node) = unreachable(mesh, dofs, boundary, &plane) {
+        let [x, y] = mesh.nodes[node];
+        let message = format!("supports hold the body inside the obstacle, at ({x}, {y}) m");
+        return Err(scene.error_at(contact.boundary.span(), message, "use a gap of at least 0, or fewer supports"));
+    }
+    Ok(contact_nodes(mesh, dofs, boundary, &plane))
+}

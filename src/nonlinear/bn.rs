@@ -1,0 +1,147 @@
+//! Algorithm BN: the B-differentiable Newton method.
+
+use std::time::Instant;
+
+use super::{Armijo, Flow, IterationRecord, Outcome, Stop};
+use crate::formulation::Formulation;
+use crate::linear::{Direct, LinearError};
+
+/// The constants of Algorithm BN.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BnSettings {
+    /// The step size rule: `β` and `σ`.
+    pub armijo: Armijo,
+    /// `ε`: the iteration ends when `Theta ≤ ε`, in the unit of the formulation's `Theta`.
+    pub epsilon: f64,
+    /// The limit of iterations.
+    pub max_iterations: usize,
+}
+
+impl BnSettings {
+    /// The paper's: `β = 0.9`, `σ = 0.1`, at most 22 backtracks, `ε = 0.01`.
+    pub fn paper(max_iterations: usize) -> Self {
+        BnSettings { armijo: Armijo { beta: 0.9, sigma: 0.1, max_backtracks: 22 }, epsilon: 1e-2, max_iterations }
+    }
+}
+
+/// Algorithm BN with its workspace.
+pub struct Bn {
+    settings: BnSettings,
+    h: Vec<f64>,
+    rhs: Vec<f64>,
+    dz: Vec<f64>,
+    /// Whether `linear` holds the factors of the formulation's current Jacobian.
+    factored: bool,
+}
+
+impl Bn {
+    /// A solver for `unknowns` equations.
+    pub fn new(settings: BnSettings, unknowns: usize) -> Self {
+        let zeros = || vec![0.0; unknowns];
+        Bn { settings, h: zeros(), rhs: zeros(), dz: zeros(), factored: false }
+    }
+
+    /// Solves `H(z) = 0` from the given `z`, which is left at the last iterate. `linear` must have
+    /// analysed the pattern of the Jacobian.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on for want of memory or by misuse. A singular matrix is
+    /// no error: it is a way to [`Stop`].
+    pub fn solve<F: Formulation>(
+        &mut self,
+        formulation: &mut F,
+        linear: &mut Direct,
+        z: &mut [f64],
+        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+    ) -> Result<Outcome, LinearError> {
+        // Step 1: initialisation.
+        let mut clock = Clock::default();
+        let mut theta = clock.time(|| {
+            formulation.residual(z, &mut self.h);
+            formulation.merit(&self.h)
+        });
+        let (mut backtracks, mut backward_error) = (0, 0.0_f64);
+        let outcome = |stop, iterations, backtracks, theta, backward_error, clock: &Clock| {
+            Ok(Outcome { stop, iterations, backtracks, theta, backward_error, assembly_seconds: clock.seconds })
+        };
+
+        for k in 0..self.settings.max_iterations {
+            // Step 2: the direction, H(z) + H̃'(z; dz) = 0 (22). The matrix is factored unless it is
+            // that of the last direction.
+            let changed = clock.time(|| formulation.linearize(z));
+            if changed || !self.factored {
+                self.factored = false;
+                if let Some(motion) = formulation.unheld_motion() {
+                    return outcome(Stop::Unheld(motion), k, backtracks, theta, backward_error, &clock);
+                }
+            }
+            let fresh = !self.factored;
+            match self.direction(formulation, linear) {
+                Ok(error) => backward_error = backward_error.max(error),
+                Err(error @ (LinearError::Singular { .. } | LinearError::NotFinite)) => {
+                    return outcome(Stop::Singular(error), k, backtracks, theta, backward_error, &clock);
+                }
+                Err(error) => return Err(error),
+            }
+
+            // Step 3: the step size (12), and the step.
+            let (step, m) = clock.time(|| {
+                let merit = formulation.merit_along(z, &self.dz, &self.h);
+                self.settings.armijo.step(theta, merit)
+            });
+            theta = clock.time(|| {
+                for (z, dz) in z.iter_mut().zip(&self.dz) {
+                    *z += step * dz;
+                }
+                formulation.residual(z, &mut self.h);
+                formulation.merit(&self.h)
+            });
+            backtracks += m;
+            let iteration = k + 1;
+            let record = IterationRecord { iteration, theta, step, backtracks: m, backward_error, factored: fresh };
+
+            // Step 4: termination.
+            let flow = observe(&record);
+            let stop = if theta <= self.settings.epsilon || formulation.is_affine() {
+                Some(Stop::Met)
+            } else if !theta.is_finite() {
+                Some(Stop::Diverged)
+            } else if flow == Flow::Stop {
+                Some(Stop::Interrupted)
+            } else {
+                None
+            };
+            if let Some(stop) = stop {
+                return outcome(stop, iteration, backtracks, theta, backward_error, &clock);
+            }
+        }
+        outcome(Stop::MaxIterations, self.settings.max_iterations, backtracks, theta, backward_error, &clock)
+    }
+
+    /// Solves for `dz`; returns the backward error.
+    fn direction<F: Formulation>(&mut self, formulation: &F, linear: &mut Direct) -> Result<f64, LinearError> {
+        if !self.factored {
+            linear.factorize(formulation.jacobian())?;
+            self.factored = true;
+        }
+        for (rhs, h) in self.rhs.iter_mut().zip(&self.h) {
+            *rhs = -h;
+        }
+        Ok(linear.solve(formulation.jacobian(), &self.rhs, &mut self.dz)?.backward_error)
+    }
+}
+
+/// Adds up the time of what it runs.
+#[derive(Default)]
+struct Clock {
+    seconds: f64,
+}
+
+impl Clock {
+    fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let result = work();
+        self.seconds += start.elapsed().as_secs_f64();
+        result
+    }
+}

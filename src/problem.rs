@@ -1,0 +1,84 @@
+//! The discrete frictional contact problem: algebra only, no mesh.
+//!
+//! With the unknowns `u`, `p_t`, `p_n` and in the conventions of the paper:
+//! equilibrium `K u + C_nᵀ p_n + C_tᵀ p_t = f` (15); contact `w_n = C_n u ≤ g`, `p_n ≥ 0`,
+//! `p_n (w_n - g) = 0` (4); friction `|p_t| ≤ μ p_n`, dissipating most against the slip increment
+//! `w_t - w̄_t` with `w_t = C_t u` (8).
+
+use crate::sparse::{Csc, Csr};
+use crate::units::Scaling;
+
+/// One body against rigid obstacles, in SI units.
+#[derive(Debug, Clone)]
+pub struct ContactProblem {
+    /// `K`, symmetric positive semidefinite, n_u × n_u, N/m.
+    pub stiffness: Csc,
+    /// `C_n`, n_c × n_u: contact displacements, positive towards the obstacle.
+    pub c_n: Csr,
+    /// `C_t`, n_c × n_u: tangential contact displacements. A row is empty where supports leave no
+    /// tangential freedom.
+    pub c_t: Csr,
+    /// `μ`, friction coefficients, n_c.
+    pub mu: Vec<f64>,
+    /// `l`, integration weights of the contact nodes, n_c, m (per unit depth): `σ = p / l` (32).
+    pub weight: Vec<f64>,
+    /// A basis of the null space of `K`, each of length n_u: the rigid motions that no support
+    /// stops. Empty for a body that is held.
+    pub free_motions: Vec<Vec<f64>>,
+}
+
+/// What drives one increment, in SI units.
+#[derive(Debug, Clone, Copy)]
+pub struct Increment<'a> {
+    /// `f`, external nodal forces at the end of the increment, n_u, N.
+    pub force: &'a [f64],
+    /// `g`, gaps at the end of the increment, n_c, m; negative for interference.
+    pub gap: &'a [f64],
+    /// `w̄_t`, tangential displacements at the end of the last increment, n_c, m.
+    pub w_t_last: &'a [f64],
+}
+
+/// A state of the body, in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// `u`, free displacements, n_u, m.
+    pub u: Vec<f64>,
+    /// `p_t`, tangential contact forces, n_c, N.
+    pub p_t: Vec<f64>,
+    /// `p_n`, normal contact forces, n_c, N; positive in compression.
+    pub p_n: Vec<f64>,
+}
+
+impl ContactProblem {
+    /// n_u, the number of free displacements.
+    pub fn displacements(&self) -> usize {
+        self.stiffness.pattern.columns()
+    }
+
+    /// n_c, the number of contact nodes.
+    pub fn contacts(&self) -> usize {
+        self.c_n.rows()
+    }
+
+    /// Units of order one for a run whose external nodal forces reach `largest_force` (N) and
+    /// whose gaps are `gap` (m): the stiffness of a typical node, and the displacement that the
+    /// force or an interference makes.
+    pub fn scaling(&self, largest_force: f64, gap: &[f64]) -> Scaling {
+        let mut diagonal = self.stiffness.diagonal();
+        let middle = diagonal.len() / 2;
+        let stiffness = match diagonal.len() {
+            0 => 1.0,
+            _ => *diagonal.select_nth_unstable_by(middle, f64::total_cmp).1,
+        };
+        let interference = gap.iter().fold(0.0_f64, |m, g| m.max(-g));
+        Scaling::near(stiffness, interference.max(largest_force / stiffness))
+    }
+}
+
+impl State {
+    /// The undeformed body without contact forces.
+    pub fn zero(problem: &ContactProblem) -> Self {
+        let n_c = problem.contacts();
+        State { u: vec![0.0; problem.displacements()], p_t: vec![0.0; n_c], p_n: vec![0.0; n_c] }
+    }
+}

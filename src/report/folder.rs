@@ -1,0 +1,97 @@
+//! The folder of a run's results, filled while the run goes on.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::contact_line::ContactLine;
+use super::{csv, plot};
+use crate::history::IncrementRecord;
+
+/// A folder that takes the results of one run: `increments.csv` grows line by line, contact lines
+/// and plots come as they are reached, `run.json` at the end.
+#[derive(Debug)]
+pub struct ResultFolder {
+    path: PathBuf,
+    increments: File,
+}
+
+impl ResultFolder {
+    /// Makes the folder if need be, removes what an earlier run left there under the names used
+    /// here, and opens `increments.csv`.
+    ///
+    /// # Errors
+    /// When the folder cannot be made or written.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        fs::create_dir_all(path)?;
+        let mut increments =
+            OpenOptions::new().create(true).write(true).truncate(true).open(path.join("increments.csv"))?;
+        for entry in fs::read_dir(path)? {
+            let entry = entry?;
+            if entry.file_name().to_str().is_some_and(is_ours) {
+                fs::remove_file(entry.path())?;
+            }
+        }
+        increments.write_all(csv::increment_header().as_bytes())?;
+        Ok(ResultFolder { path: path.to_path_buf(), increments })
+    }
+
+    /// Where the results are.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Appends the record of an increment.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_increment(&mut self, record: &IncrementRecord) -> io::Result<()> {
+        self.increments.write_all(csv::increment(record).as_bytes())?;
+        self.increments.flush()
+    }
+
+    /// Writes a contact line as CSV and as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_contact_line(&self, line: &ContactLine, title: &str) -> io::Result<()> {
+        let name = format!("contact_{:04}", line.index);
+        self.write(&format!("{name}.csv"), &line.to_csv())?;
+        if line.points.len() > 1 {
+            self.write(&format!("{name}.svg"), &plot::contact_stresses(line, title).map_err(io::Error::other)?)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a whole file; a reader never sees half of it.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn write(&self, name: &str, text: &str) -> io::Result<()> {
+        let partial = self.path.join(format!(".{name}.partial"));
+        let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, self.path.join(name)));
+        if written.is_err() {
+            // What is left of a failed write is of no use; that it stays is no second error.
+            let _ = fs::remove_file(&partial);
+        }
+        written
+    }
+}
+
+/// Whether a run writes a file of this name besides `increments.csv`.
+fn is_ours(name: &str) -> bool {
+    let stem = |suffix: &str| name.strip_prefix("contact_")?.strip_suffix(suffix);
+    let number = stem(".csv").or_else(|| stem(".svg"));
+    name == "run.json" || number.is_some_and(|digits| digits.len() >= 4 && digits.bytes().all(|b| b.is_ascii_digit()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_ours;
+
+    #[test]
+    fn only_files_of_a_run_are_replaced() {
+        assert!(["run.json", "contact_0001.csv", "contact_12345.svg"].into_iter().all(is_ours));
+        assert!(!["contact_.csv", "contact_0001.txt", "contact_mine.csv", "notes.md"].into_iter().any(is_ours));
+    }
+}

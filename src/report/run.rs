@@ -1,0 +1,131 @@
+//! The report of a whole run, as `--json` prints it.
+
+use serde::Serialize;
+
+use crate::history::{HistoryOutcome, IncrementRecord, Status};
+use crate::scene::{LinearBackend, Method, Scene, Setting};
+
+/// Everything about a run but the fields; SI units throughout.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunReport {
+    /// The scene file.
+    pub scene: String,
+    /// The scene's title.
+    pub title: String,
+    /// The algorithm.
+    pub method: Method,
+    /// Its named setting.
+    pub setting: Setting,
+    /// The linear algebra.
+    pub solver: LinearBackend,
+    /// The verdict.
+    pub status: Status,
+    /// Why the run ended early, in words; empty if it did not.
+    pub reason: String,
+    /// How many unknowns of each kind there were.
+    pub unknowns: Unknowns,
+    /// One record per increment.
+    pub increments: Vec<IncrementRecord>,
+    /// Sums over the run.
+    pub totals: Totals,
+    /// Resultants at the end.
+    #[serde(rename = "final")]
+    pub end: Final,
+}
+
+/// The numbers of unknowns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Unknowns {
+    /// Displacements.
+    pub u: usize,
+    /// Tangential contact forces.
+    pub p_t: usize,
+    /// Normal contact forces.
+    pub p_n: usize,
+}
+
+/// Sums over a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Totals {
+    /// Linear systems solved by the method.
+    pub iterations: usize,
+    /// Numerical factorisations, that of the held body included.
+    pub factorizations: usize,
+    /// Symbolic analyses.
+    pub symbolic_analyses: usize,
+    /// CPU time of the process, s.
+    pub cpu_seconds: f64,
+    /// Wall time since the scene was read, s.
+    pub wall_seconds: f64,
+    /// Wall time for mesh, assembly, patterns and symbolic analysis, s.
+    pub setup_seconds: f64,
+    /// Peak resident memory of the process, bytes.
+    pub peak_rss_bytes: Option<u64>,
+    /// Entries of the factors L and U.
+    pub nnz_factors: usize,
+    /// The largest componentwise backward error of any solve.
+    pub backward_error: f64,
+}
+
+/// Resultants of the contact forces at the end of the last converged increment.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Final {
+    /// `Σ p_n`, N.
+    pub sum_p_n: f64,
+    /// `Σ p_t`, N.
+    pub sum_p_t: f64,
+}
+
+/// What the caller measured around a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// CPU time of the process, s.
+    pub cpu_seconds: f64,
+    /// Wall time since the scene was read, s.
+    pub wall_seconds: f64,
+    /// Wall time of mesh and assembly, s.
+    pub model_seconds: f64,
+    /// Peak resident memory, bytes.
+    pub peak_rss_bytes: Option<u64>,
+}
+
+impl RunReport {
+    /// The report of a run of `scene`, which was read from the file `name`.
+    pub fn new(name: &str, scene: &Scene, outcome: &HistoryOutcome, reason: String, measured: Measured) -> Self {
+        RunReport {
+            scene: name.to_string(),
+            title: scene.title.clone(),
+            method: scene.solver.method,
+            setting: scene.solver.setting,
+            solver: scene.solver.linear,
+            status: outcome.status,
+            reason,
+            unknowns: Unknowns {
+                u: outcome.layout.displacements(),
+                p_t: outcome.layout.tangentials(),
+                p_n: outcome.layout.contacts(),
+            },
+            increments: outcome.records.clone(),
+            totals: Totals {
+                iterations: outcome.records.iter().map(|record| record.iterations).sum(),
+                factorizations: outcome.linear.factorizations,
+                symbolic_analyses: outcome.linear.analyses,
+                cpu_seconds: measured.cpu_seconds,
+                wall_seconds: measured.wall_seconds,
+                setup_seconds: measured.model_seconds + outcome.setup_seconds,
+                peak_rss_bytes: measured.peak_rss_bytes,
+                nnz_factors: outcome.linear.factor.entries,
+                backward_error: outcome.linear.worst_backward_error,
+            },
+            end: Final { sum_p_n: outcome.state.p_n.iter().sum(), sum_p_t: outcome.state.p_t.iter().sum() },
+        }
+    }
+
+    /// As one JSON object. Numbers that are not finite become `null`.
+    ///
+    /// # Errors
+    /// None that the types allow; serde's signature has one.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self)
+    }
+}

@@ -1,0 +1,271 @@
+//! Scenes: what is to be solved, read from TOML and checked. Everything is SI.
+//!
+//! ```
+//! use stickslip::scene::Scene;
+//!
+//! let text = r#"
+//!     [mesh]
+//!     kind = "block"
+//!     size = [1.0, 0.5]
+//!     elements = [20, 10]
+//!     [material]
+//!     young = 210e9
+//!     poisson = 0.3
+//!     [[support]]
+//!     boundary = "left"
+//!     fix = ["x", "y"]
+//!     [time]
+//!     end = 1.0
+//!     increments = 10
+//! "#;
+//! let scene = Scene::parse("beam.toml", text, &["material.poisson=0.25".parse()?])?;
+//! assert_eq!(scene.material.poisson, 0.25);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod check;
+mod document;
+mod error;
+mod overrides;
+
+use std::fmt;
+use std::ops::Range;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+pub use error::{Located, SceneError};
+pub use overrides::{Override, OverrideSyntax};
+
+use error::Source;
+
+/// A checked scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// A line for headings.
+    pub title: String,
+    /// The body's mesh.
+    pub mesh: Mesh,
+    /// The body's material.
+    pub material: Material,
+    /// Where the body is held.
+    pub supports: Vec<Support>,
+    /// Where the body can touch an obstacle.
+    pub contacts: Vec<Contact>,
+    /// What loads the body.
+    pub loads: Vec<Load>,
+    /// The history's end and increments.
+    pub time: Time,
+    /// How to solve.
+    pub solver: Solver,
+    /// What to write.
+    pub output: Output,
+    source: Source,
+}
+
+/// How the mesh is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Mesh {
+    /// A rectangle with its lower left corner in the origin.
+    Block {
+        /// Width and height, m.
+        size: [f64; 2],
+        /// Elements along x and y.
+        elements: [usize; 2],
+    },
+}
+
+/// An isotropic linear elastic material in the plane, of unit thickness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio, in (-1, 0.5).
+    pub poisson: f64,
+    /// Plane strain or plane stress.
+    pub plane: Plane,
+}
+
+/// The plane state of the body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Plane {
+    /// `ε_zz = 0`: a slice of a long body.
+    #[default]
+    Strain,
+    /// `σ_zz = 0`: a thin plate.
+    Stress,
+}
+
+/// The name of a boundary, and where the scene says it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Name {
+    text: String,
+    span: Range<usize>,
+}
+
+/// Components of the displacement held at zero on a boundary.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Support {
+    /// The boundary.
+    pub boundary: Name,
+    /// Whether x and y are held.
+    pub fix: [bool; 2],
+}
+
+/// A boundary that can touch an obstacle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contact {
+    /// The boundary.
+    pub boundary: Name,
+    /// Coulomb's coefficient `μ ≥ 0`.
+    pub friction: f64,
+    /// The obstacle.
+    pub obstacle: Obstacle,
+}
+
+/// A rigid obstacle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Obstacle {
+    /// A plane.
+    Plane {
+        /// Distance to the nearest point of the boundary, m; negative for interference.
+        gap: f64,
+        /// Unit vector out of the body towards the obstacle; without it, the boundary's outward normal.
+        normal: Option<[f64; 2]>,
+        /// Unit vector of positive slip; without it, the normal turned by +90°.
+        tangent: Option<[f64; 2]>,
+    },
+}
+
+/// A uniform traction on a boundary, times a factor that changes in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Load {
+    /// The boundary.
+    pub boundary: Name,
+    /// Traction at factor 1, N/m².
+    pub traction: [f64; 2],
+    /// Points `[time (s), factor]` with increasing times; linear between, constant outside.
+    pub history: Vec<[f64; 2]>,
+}
+
+/// The time of the history, which starts at 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Time {
+    /// The end, s.
+    pub end: f64,
+    /// The number of equal increments.
+    pub increments: usize,
+}
+
+/// How to solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solver {
+    /// The algorithm.
+    pub method: Method,
+    /// A named set of its constants.
+    pub setting: Setting,
+    /// The linear algebra.
+    pub linear: LinearBackend,
+    /// The most iterations an increment may take.
+    pub max_iterations: usize,
+    /// An increment has converged when every component of the error measure is at most this.
+    pub tolerance: f64,
+}
+
+/// The algorithm for one increment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// The B-differentiable Newton method.
+    #[default]
+    Bn,
+}
+
+/// A named set of constants and conventions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Setting {
+    /// Those behind the tables of Christensen, Klarbring, Pang and Strömberg (1998).
+    #[default]
+    Paper,
+}
+
+/// The linear algebra.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LinearBackend {
+    /// UMFPACK on the uncondensed system.
+    #[default]
+    Umfpack,
+}
+
+/// What to write.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output {
+    /// Times (s) whose contact lines are written: each at the first increment that reaches it.
+    pub times: Vec<f64>,
+}
+
+impl Scene {
+    /// Reads the scene file at `path`, with `overrides` in place of what it says.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or the scene is not sound; the message names file and line.
+    pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| SceneError::Io { path: path.display().to_string(), source })?;
+        Self::parse(&path.display().to_string(), &text, overrides)
+    }
+
+    /// Reads a scene from `text`; `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// When the scene is not sound; the message names `name` and the line.
+    pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, SceneError> {
+        let source = overrides::apply(name, text, overrides)?;
+        let document = document::Document::parse(&source)?;
+        check::scene(document, source)
+    }
+
+    /// An error at `span` of this scene, for what only a later stage can see.
+    pub fn error_at(&self, span: Range<usize>, message: impl Into<String>, help: impl Into<String>) -> SceneError {
+        self.source.error(span, message, help)
+    }
+
+    /// The error for a boundary that the mesh does not have.
+    pub fn unknown_boundary(&self, name: &Name, known: &[&str]) -> SceneError {
+        let help = format!("the mesh has the boundaries {}", known.join(", "));
+        self.error_at(name.span(), format!("the mesh has no boundary `{name}`"), help)
+    }
+}
+
+impl Name {
+    /// The name.
+    pub fn as_str(&self) -> &str {
+        &self.text
+    }
+
+    /// Its place in the scene's text.
+    pub fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl Time {
+    /// The end of increment `k` (from 1), s.
+    pub fn at(&self, k: usize) -> f64 {
+        if k == self.increments { self.end } else { self.end * k as f64 / self.increments as f64 }
+    }
+
+    /// The ends of all increments, s.
+    pub fn all(&self) -> Vec<f64> {
+        (1..=self.increments).map(|k| self.at(k)).collect()
+    }
+}

@@ -1,0 +1,77 @@
+//! Errors that point into the scene's text.
+
+use std::io;
+use std::ops::Range;
+
+use miette::{Diagnostic, NamedSource, SourceSpan};
+
+/// Why a scene was refused.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+pub enum SceneError {
+    /// The file cannot be read.
+    #[error("{path}: the scene cannot be read: {source}")]
+    #[diagnostic(help("name an existing TOML file; data/scenes/block.toml is an example"))]
+    Io {
+        /// The file.
+        path: String,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Something in it is wrong.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Invalid(Box<Located>),
+    /// A `--set` does not fit the scene.
+    #[error("--set {text}: {message}")]
+    #[diagnostic(help("{help}"))]
+    Override {
+        /// The override as given.
+        text: String,
+        /// What is wrong.
+        message: String,
+        /// How to mend it.
+        help: String,
+    },
+}
+
+/// An error with its place.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+#[error("{file}:{line}: {message}")]
+#[diagnostic(help("{help}"))]
+pub struct Located {
+    /// The file.
+    pub file: String,
+    /// The line, from 1.
+    pub line: usize,
+    /// What is wrong.
+    pub message: String,
+    /// How to mend it.
+    pub help: String,
+    #[source_code]
+    source_code: NamedSource<String>,
+    #[label("here")]
+    span: SourceSpan,
+}
+
+/// The text of a scene and its name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Source {
+    pub(super) name: String,
+    pub(super) text: String,
+}
+
+impl Source {
+    /// An error at `span`.
+    pub(super) fn error(&self, span: Range<usize>, message: impl Into<String>, help: impl Into<String>) -> SceneError {
+        let start = span.start.min(self.text.len());
+        let line = 1 + self.text.as_bytes()[..start].iter().filter(|&&byte| byte == b'\n').count();
+        SceneError::Invalid(Box::new(Located {
+            file: self.name.clone(),
+            line,
+            message: message.into(),
+            help: help.into(),
+            source_code: NamedSource::new(&self.name, self.text.clone()).with_language("TOML"),
+            span: (start..span.end.clamp(start, self.text.len())).into(),
+        }))
+    }
+}

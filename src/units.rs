@@ -1,0 +1,50 @@
+//! The units of the numbers inside: SI at every border, numbers of order one between.
+
+/// A unit of force and a unit of length for the unknowns of one run.
+///
+/// Contact forces and displacements of order one, with a stiffness of order one, is what makes the
+/// factorisation of the mixed system `(u, p)` sound: with newtons beside metres its pivots span
+/// eleven decades more than they need to. Both units are powers of two, so that converting is exact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scaling {
+    /// The unit of force, N.
+    pub force: f64,
+    /// The unit of displacement, m.
+    pub length: f64,
+}
+
+impl Scaling {
+    /// Newtons and metres: no scaling.
+    pub const SI: Scaling = Scaling { force: 1.0, length: 1.0 };
+
+    /// Units near the given `stiffness` (N/m) and `length` (m).
+    pub fn near(stiffness: f64, length: f64) -> Self {
+        let length = power_of_two(length);
+        Scaling { force: power_of_two(stiffness) * length, length }
+    }
+
+    /// The unit of stiffness, N/m.
+    pub fn stiffness(&self) -> f64 {
+        self.force / self.length
+    }
+}
+
+/// The power of two next to `x`; 1 if `x` is zero or not finite.
+fn power_of_two(x: f64) -> f64 {
+    if x.is_normal() { x.abs().log2().round().exp2() } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_powers_of_two() {
+        let scaling = Scaling::near(210e9, 3e-5);
+        for unit in [scaling.force, scaling.length, scaling.stiffness()] {
+            assert_eq!(unit.log2().fract(), 0.0);
+        }
+        assert!((0.7..1.5).contains(&(210e9 / scaling.stiffness())));
+        assert_eq!(Scaling::near(0.0, f64::INFINITY), Scaling::SI);
+    }
+}
