@@ -103,7 +103,7 @@ pub(crate) fn main() -> ExitCode {
     );
     let matches = Cli::command().version(version).get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    if linear::blas::set_threads(cli.threads).is_none() {
+    if linear::process::set_blas_threads(cli.threads).is_none() {
         eprintln!("note: the BLAS in use is not OpenBLAS, BLIS or MKL; factorisations may take several times longer");
     }
     let result = match &cli.command {

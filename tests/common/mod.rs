@@ -1,0 +1,46 @@
+//! What several tests need: the block of the paper, built and run.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Observer};
+use stickslip::linear::{Direct, Umfpack};
+use stickslip::model::Model;
+use stickslip::problem::{Increment, State};
+use stickslip::scene::Scene;
+
+/// The paper's block with overrides.
+pub fn block(overrides: &[&str]) -> Scene {
+    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
+    Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &overrides).unwrap()
+}
+
+/// Runs a scene as the command line does.
+pub fn run(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> HistoryOutcome {
+    let solver = &scene.solver;
+    let settings = HistorySettings::paper(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
+    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, observer).unwrap()
+}
+
+/// Keeps the state and the data of every increment.
+#[derive(Default)]
+pub struct Keep {
+    pub states: Vec<State>,
+    pub forces: Vec<Vec<f64>>,
+    pub w_t_last: Vec<Vec<f64>>,
+}
+
+impl Keep {
+    /// The data of increment `k`, from 0.
+    pub fn increment<'a>(&'a self, k: usize, gap: &'a [f64]) -> Increment<'a> {
+        Increment { force: &self.forces[k], gap, w_t_last: &self.w_t_last[k] }
+    }
+}
+
+impl Observer for Keep {
+    fn increment(&mut self, step: &stickslip::history::Step<'_>) -> stickslip::nonlinear::Flow {
+        self.states.push(step.state.clone());
+        self.forces.push(step.increment.force.to_vec());
+        self.w_t_last.push(step.increment.w_t_last.to_vec());
+        stickslip::nonlinear::Flow::Continue
+    }
+}

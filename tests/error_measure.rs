@@ -1,0 +1,100 @@
+//! The error measure: small on every solution of the block, and the truth about wrong states.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use stickslip::contact::KktErrors;
+use stickslip::history::Status;
+use stickslip::model::Model;
+use stickslip::problem::State;
+
+/// Every component at most 1e-10 in every increment. n = 100 is computed in one of the cells.
+#[test]
+fn every_law_holds_on_the_block() {
+    for n in [5, 10, 20, 50, 100] {
+        for mu in [0.0, 0.1, 0.4, 0.8] {
+            if n == 100 && mu != 0.4 {
+                continue;
+            }
+            let scene = common::block(&[
+                &format!("mesh.elements=[{n},{n}]"),
+                &format!("contact.friction={mu}"),
+                "time.increments=10",
+            ]);
+            let model = Model::new(&scene).unwrap();
+            let outcome = common::run(&scene, &model, &mut ());
+            assert_eq!(outcome.status, Status::Converged, "n = {n}, mu = {mu}");
+            assert_eq!(outcome.records.len(), 10);
+            assert_eq!(outcome.linear.analyses, 1);
+            assert!(outcome.linear.worst_backward_error <= 1e-15);
+            for record in &outcome.records {
+                for (law, error) in record.kkt.components() {
+                    assert!(error <= 1e-10, "n = {n}, mu = {mu}, increment {}: {law} {error:e}", record.index);
+                }
+            }
+        }
+    }
+}
+
+/// One spoilt number raises the law it breaks, by what it breaks it.
+#[test]
+fn each_component_sees_its_own_violation() {
+    let scene = common::block(&["mesh.elements=[10,10]", "time.increments=2"]);
+    let model = Model::new(&scene).unwrap();
+    let mut keep = common::Keep::default();
+    common::run(&scene, &model, &mut keep);
+    let problem = &model.problem;
+    // At the end some nodes are open, some stick, some slip.
+    let (increment, state) = (keep.increment(1, &model.loading.gap), &keep.states[1]);
+    let statuses = stickslip::contact::statuses(problem, &increment, state);
+    let find = |wanted| statuses.iter().position(|&s| s == wanted).unwrap();
+    use stickslip::contact::ContactStatus::{Open, Slip, Stick};
+    let (open, slip, stick) = (find(Open), find(Slip), find(Stick));
+    let force = (state.p_n.iter().chain(increment.force)).fold(0.0_f64, |m, p| m.max(p.abs()));
+    let length = state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+    let measure = |spoil: &dyn Fn(&mut State)| {
+        let mut spoilt = state.clone();
+        spoil(&mut spoilt);
+        KktErrors::measure(problem, &increment, &spoilt)
+    };
+    let size = 1e-3;
+    let near = |error: f64| (0.9 * size..1.1 * size).contains(&error);
+    let dof = |i: usize, c: usize| model.dofs.node(model.contacts[i].node)[c].unwrap();
+
+    let tension = measure(&|s| s.p_n[open] = -size * force);
+    assert!(near(tension.tension) && near(tension.equilibrium), "{tension:?}");
+    let across_a_gap = measure(&|s| s.p_n[open] = size * force);
+    assert!(across_a_gap.complementarity > 0.1 * size && across_a_gap.tension == 0.0, "{across_a_gap:?}");
+    let penetration = measure(&|s| s.u[dof(stick, 1)] -= size * length);
+    assert!(near(penetration.penetration), "{penetration:?}");
+    let cone = measure(&|s| s.p_t[slip] += size * force * s.p_t[slip].signum());
+    assert!(near(cone.cone) && cone.dissipation < 1e-12, "{cone:?}");
+    let wrong_sign = measure(&|s| s.p_t[slip] = -s.p_t[slip]);
+    assert!(wrong_sign.dissipation > 1e-4 && wrong_sign.cone < 1e-12, "{wrong_sign:?}");
+    let creep = measure(&|s| s.u[dof(stick, 0)] += size * length);
+    assert!(near(creep.dissipation), "{creep:?}");
+    let not_a_number = measure(&|s| s.u[0] = f64::NAN);
+    assert!(not_a_number.worst().1.is_nan(), "{not_a_number:?}");
+}
+
+/// The measure does not depend on the system of units: all lengths and forces times a factor.
+#[test]
+fn the_measure_is_unit_free() {
+    let scene = common::block(&["mesh.elements=[8,8]", "time.increments=2"]);
+    let model = Model::new(&scene).unwrap();
+    let mut keep = common::Keep::default();
+    common::run(&scene, &model, &mut keep);
+    let (increment, mut state) = (keep.increment(1, &model.loading.gap), keep.states[1].clone());
+    state.u.iter_mut().enumerate().for_each(|(k, u)| *u *= 1.0 + 1e-3 * (k as f64).sin());
+    let si = KktErrors::measure(&model.problem, &increment, &state);
+    // Powers of two, so that equality is exact.
+    let (f, l) = (1024.0, 1.0 / 4096.0);
+    let times = |values: &[f64], factor: f64| values.iter().map(|v| v * factor).collect::<Vec<_>>();
+    let mut problem = model.problem.clone();
+    problem.stiffness.values.iter_mut().for_each(|k| *k *= f / l);
+    let (force, gap, w_t_last) = (times(increment.force, f), times(increment.gap, l), times(increment.w_t_last, l));
+    let increment = stickslip::problem::Increment { force: &force, gap: &gap, w_t_last: &w_t_last };
+    let state = State { u: times(&state.u, l), p_t: times(&state.p_t, f), p_n: times(&state.p_n, f) };
+    assert_eq!(KktErrors::measure(&problem, &increment, &state), si);
+    assert!(si.worst().1 > 1e-4);
+}
