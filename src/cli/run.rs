@@ -133,9 +133,12 @@ fn wanted_increments(wanted: &[f64], times: &[f64]) -> Vec<usize> {
 }
 
 fn open_folder(path: &Path) -> Result<ResultFolder, Failure> {
-    ResultFolder::create(path).map_err(|error| {
-        let help = "choose a folder that can be written with --out";
-        Failure::Input(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
+    ResultFolder::create(path).map_err(|error| match error.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => disk_failure(path, &error),
+        _ => {
+            let help = "choose a folder that can be written with --out";
+            Failure::Input(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
+        }
     })
 }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::document::{self, Direction, Document};
+use super::document::{self, Direction, Document, Pair};
 use super::error::Source;
 use super::{Contact, Load, Material, Mesh, Name, Obstacle, Output, Scene, SceneError, Solver, Support, Time};
 
@@ -61,10 +61,11 @@ impl Check<'_> {
         Ok(*value.get_ref())
     }
 
-    fn finite_pair(&self, name: &str, value: &Spanned<[f64; 2]>) -> Result<[f64; 2], SceneError> {
-        let sound = value.get_ref().iter().all(|x| x.is_finite());
+    fn finite_pair(&self, name: &str, value: &Spanned<Pair<f64>>) -> Result<[f64; 2], SceneError> {
+        let Pair(pair) = *value.get_ref();
+        let sound = pair.iter().all(|x| x.is_finite());
         self.demand(sound, name, value, "two finite numbers", "give numbers other than nan or inf")?;
-        Ok(*value.get_ref())
+        Ok(pair)
     }
 
     fn time(&self, time: &document::Time) -> Result<Time, SceneError> {
@@ -82,7 +83,7 @@ impl Check<'_> {
         let size = self.finite_pair("mesh.size", &mesh.size)?;
         let sound = size.iter().all(|&x| x > 0.0);
         self.demand(sound, "mesh.size", &mesh.size, "two positive lengths", "give width and height in m")?;
-        let [nx, ny] = *mesh.elements.get_ref();
+        let Pair([nx, ny]) = *mesh.elements.get_ref();
         let help = "give the numbers of elements along x and y";
         self.demand(nx > 0 && ny > 0, "mesh.elements", &mesh.elements, "two numbers of at least 1", help)?;
         let few = nx.checked_mul(ny).is_some_and(|n| n <= MOST_ELEMENTS);
@@ -140,7 +141,7 @@ impl Check<'_> {
     }
 
     /// A direction of any length, as a unit vector.
-    fn direction(&self, name: &str, value: &Spanned<[f64; 2]>) -> Result<[f64; 2], SceneError> {
+    fn direction(&self, name: &str, value: &Spanned<Pair<f64>>) -> Result<[f64; 2], SceneError> {
         let [x, y] = self.finite_pair(name, value)?;
         let length = x.hypot(y);
         self.demand(length > 0.0, name, value, "a vector with a direction", "give e.g. [0, -1]")?;
@@ -154,7 +155,7 @@ impl Check<'_> {
             return Ok(Load { boundary: name(load.boundary), traction, history: ramp });
         };
         let span = history.span();
-        let history = history.into_inner();
+        let history: Vec<[f64; 2]> = history.into_inner().into_iter().map(|Pair(point)| point).collect();
         if history.is_empty() {
             return self.fail(span, "history is empty", "give points [time, factor], e.g. [[0, 0], [1, 1]]");
         }

@@ -1,10 +1,32 @@
 //! The scene file as it stands, with the place of every value that is checked later.
 
+use std::fmt;
+
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::Source;
 use super::{LinearBackend, Method, Plane, SceneError, Setting};
+
+/// Two values. An array type would do but for that the TOML reader passes over what is too many.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "Vec<T>")]
+pub(super) struct Pair<T>(pub [T; 2]);
+
+impl<T: fmt::Debug> fmt::Debug for Pair<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl<T> TryFrom<Vec<T>> for Pair<T> {
+    type Error = String;
+
+    fn try_from(values: Vec<T>) -> Result<Self, String> {
+        let count = values.len();
+        values.try_into().map(Pair).map_err(|_| format!("invalid length {count}, expected 2 values"))
+    }
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -35,8 +57,8 @@ pub(super) enum MeshKind {
 #[serde(deny_unknown_fields)]
 pub(super) struct Mesh {
     pub kind: MeshKind,
-    pub size: Spanned<[f64; 2]>,
-    pub elements: Spanned<[i64; 2]>,
+    pub size: Spanned<Pair<f64>>,
+    pub elements: Spanned<Pair<i64>>,
 }
 
 #[derive(Deserialize)]
@@ -81,16 +103,16 @@ pub(super) enum ObstacleKind {
 pub(super) struct Obstacle {
     pub kind: ObstacleKind,
     pub gap: Option<Spanned<f64>>,
-    pub normal: Option<Spanned<[f64; 2]>>,
-    pub tangent: Option<Spanned<[f64; 2]>>,
+    pub normal: Option<Spanned<Pair<f64>>>,
+    pub tangent: Option<Spanned<Pair<f64>>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Load {
     pub boundary: Spanned<String>,
-    pub traction: Spanned<[f64; 2]>,
-    pub history: Option<Spanned<Vec<[f64; 2]>>>,
+    pub traction: Spanned<Pair<f64>>,
+    pub history: Option<Spanned<Vec<Pair<f64>>>>,
 }
 
 #[derive(Deserialize)]
@@ -119,10 +141,23 @@ pub(super) struct Output {
     pub times: Option<Spanned<Vec<f64>>>,
 }
 
+/// What the TOML reader calls its types, and what the author of a scene does.
+const JARGON: [(&str, &str); 6] = [
+    ("type: map", "type: table"),
+    ("type: sequence", "type: list"),
+    ("expected a sequence", "expected a list"),
+    ("expected f64", "expected a number"),
+    ("expected i64", "expected a whole number"),
+    ("expected struct ", "expected a table: "),
+];
+
 impl Document {
     pub(super) fn parse(source: &Source) -> Result<Self, SceneError> {
         toml::from_str(&source.text).map_err(|error| {
-            let message = error.message().trim().replace('\n', ", ");
+            let mut message = error.message().trim().replace('\n', ", ");
+            for (jargon, plain) in JARGON {
+                message = message.replace(jargon, plain);
+            }
             let help = match message.split(' ').take(2).collect::<Vec<_>>()[..] {
                 ["unknown", "field"] => "remove the key or correct its spelling",
                 ["missing", "field"] => "add the key; data/scenes/block.toml shows a complete scene",

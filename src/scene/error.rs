@@ -9,13 +9,13 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum SceneError {
     /// The file cannot be read.
-    #[error("{path}: the scene cannot be read: {source}")]
-    #[diagnostic(help("name an existing TOML file; data/scenes/block.toml is an example"))]
+    #[error("{path}: the scene cannot be read: {error}")]
+    #[diagnostic(help("name an existing TOML file in UTF-8; data/scenes/block.toml is an example"))]
     Io {
         /// The file.
         path: String,
-        /// What the system said.
-        source: io::Error,
+        /// What the system said; not a `source`, since the message has it already.
+        error: io::Error,
     },
     /// Something in it is wrong.
     #[error(transparent)]
@@ -64,7 +64,7 @@ impl Source {
     /// An error at `span`.
     pub(super) fn error(&self, span: Range<usize>, message: impl Into<String>, help: impl Into<String>) -> SceneError {
         let start = span.start.min(self.text.len());
-        let line = 1 + self.text.as_bytes()[..start].iter().filter(|&&byte| byte == b'\n').count();
+        let line = self.text.as_bytes()[..start].split(|&byte| byte == b'\n').count();
         SceneError::Invalid(Box::new(Located {
             file: self.name.clone(),
             line,

@@ -3,7 +3,7 @@
 
 use std::str::FromStr;
 
-use toml_edit::{DocumentMut, Item, Table, Value};
+use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
 use super::SceneError;
 use super::error::Source;
@@ -59,11 +59,10 @@ impl Override {
         SceneError::Override { text: self.text.clone(), message, help: help.to_string() }
     }
 
-    /// Follows the path below `item` and sets the value.
-    fn set(&self, item: &mut Item, path: &[Segment]) -> Result<(), SceneError> {
-        let Some((Segment { name, index }, rest)) = path.split_first() else { return Ok(()) };
-        let Some(table) = item.as_table_like_mut() else {
-            return self.error_at_value(name);
+    /// Follows the path below `table` and sets the value.
+    fn set(&self, table: &mut dyn TableLike, path: &[Segment]) -> Result<(), SceneError> {
+        let Some((Segment { name, index }, rest)) = path.split_first() else {
+            return Err(self.error("this is a whole table".to_string(), "set one of its keys"));
         };
         if rest.is_empty() && index.is_none() {
             match table.get_mut(name) {
@@ -84,31 +83,41 @@ impl Override {
             }
             table.insert(name, Item::Table(Table::new()));
         }
-        let Some(child) = table.get_mut(name) else { return self.error_at_value(name) };
-        match (child, index) {
-            (Item::ArrayOfTables(list), index) => {
-                let count = list.len();
-                if let Some(k) = index.filter(|&k| k >= count) {
-                    let message = format!("the scene has {count} [[{name}]], so there is no {name}[{k}]");
-                    return Err(self.error(message, "count from 0"));
-                }
-                for (_, table) in list.iter_mut().enumerate().filter(|(k, _)| index.is_none_or(|index| index == *k)) {
-                    let mut item = Item::Table(std::mem::take(table));
-                    let result = self.set(&mut item, rest);
-                    if let Item::Table(changed) = item {
-                        *table = changed;
-                    }
-                    result?;
-                }
-                Ok(())
+        match table.get_mut(name) {
+            Some(Item::ArrayOfTables(list)) => {
+                self.set_in_list(name, *index, list.iter_mut().map(|table| table as &mut dyn TableLike).collect(), rest)
             }
-            (child, None) => self.set(child, rest),
-            (_, Some(_)) => Err(self.error(format!("`{name}` is not a list of tables"), "leave the [index] out")),
+            Some(Item::Value(Value::Array(list))) if LISTS.contains(&name.as_str()) => {
+                let tables = list.iter_mut().filter_map(Value::as_inline_table_mut);
+                self.set_in_list(name, *index, tables.map(|table| table as &mut dyn TableLike).collect(), rest)
+            }
+            Some(_) if index.is_some() => {
+                Err(self.error(format!("`{name}` is not a list of tables"), "leave the [index] out"))
+            }
+            child => match child.and_then(Item::as_table_like_mut) {
+                Some(table) => self.set(table, rest),
+                None => Err(self.error(format!("`{name}` is not a table"), "look the key up in the scene file")),
+            },
         }
     }
 
-    fn error_at_value(&self, name: &str) -> Result<(), SceneError> {
-        Err(self.error(format!("there is no table that could hold `{name}`"), "look the key up in the scene file"))
+    /// Sets the value in all `tables` of the list `name`, or in the one at `index`.
+    fn set_in_list(
+        &self,
+        name: &str,
+        index: Option<usize>,
+        mut tables: Vec<&mut dyn TableLike>,
+        rest: &[Segment],
+    ) -> Result<(), SceneError> {
+        let count = tables.len();
+        match index {
+            None => tables.into_iter().try_for_each(|table| self.set(table, rest)),
+            Some(k) if k < count => self.set(tables.swap_remove(k), rest),
+            Some(k) => {
+                let message = format!("the scene has {count} [[{name}]], so there is no {name}[{k}]");
+                Err(self.error(message, "count from 0"))
+            }
+        }
     }
 }
 
@@ -133,13 +142,11 @@ pub(super) fn apply(name: &str, text: &str, overrides: &[Override]) -> Result<So
     if overrides.is_empty() {
         return Ok(source);
     }
-    let document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
+    let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
         source.error(error.span().unwrap_or(0..0), error.message().trim().replace('\n', ", "), "mend the TOML here")
     })?;
-    let mut root = Item::Table(document.as_table().clone());
     for change in overrides {
-        change.set(&mut root, &change.path)?;
+        change.set(document.as_table_mut(), &change.path)?;
     }
-    let text = root.as_table().map_or_else(String::new, |table| DocumentMut::from(table.clone()).to_string());
-    Ok(Source { name: format!("{name} (with --set)"), text })
+    Ok(Source { name: format!("{name} (with --set)"), text: document.to_string() })
 }

@@ -1,0 +1,383 @@
+//! The program as a user meets it: exit status, output, and the files it leaves.
+
+#![cfg(feature = "cli")]
+// Values that were given are read back exactly.
+#![allow(clippy::unwrap_used, clippy::float_cmp)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use serde_json::Value;
+
+const BLOCK: &str = include_str!("../data/scenes/block.toml");
+
+/// A folder of its own for a test, gone when the test ends.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new() -> Self {
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let name = format!("stickslip-cli-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+        let path = std::env::temp_dir().join(name);
+        fs::create_dir_all(&path).unwrap();
+        Folder(path)
+    }
+
+    /// A folder with the scene `text` in it, and the path of the scene.
+    fn with_scene(text: &str) -> (Self, String) {
+        let folder = Folder::new();
+        let path = folder.join("scene.toml");
+        fs::write(&path, text).unwrap();
+        (folder, path)
+    }
+
+    fn join(&self, name: &str) -> String {
+        self.0.join(name).display().to_string()
+    }
+
+    fn names(&self, folder: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.0.join(folder)).unwrap();
+        let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The block with 4 × 4 elements and 4 increments: 40 displacements, 4 contact nodes that can move.
+fn small() -> String {
+    edit(&edit(BLOCK, "[100, 100]", "[4, 4]"), "increments = 40", "increments = 4")
+}
+
+fn edit(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "the scene has no `{from}` to edit");
+    text.replacen(from, to, 1)
+}
+
+/// `text` without its tables from `from` to `to`.
+fn without(text: &str, from: &str, to: &str) -> String {
+    [&text[..text.find(from).unwrap()], &text[text.find(to).unwrap()..]].concat()
+}
+
+fn stickslip(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_stickslip")).args(args).output().unwrap()
+}
+
+fn stdout(output: &Output) -> &str {
+    std::str::from_utf8(&output.stdout).unwrap()
+}
+
+fn stderr(output: &Output) -> &str {
+    std::str::from_utf8(&output.stderr).unwrap()
+}
+
+#[track_caller]
+fn assert_exit(output: &Output, code: i32) {
+    assert_eq!(output.status.code(), Some(code), "{}{}", stdout(output), stderr(output));
+}
+
+/// Standard output as the one JSON object that it must be.
+fn json(output: &Output) -> Value {
+    let values: Vec<Value> =
+        serde_json::Deserializer::from_str(stdout(output)).into_iter().collect::<Result<_, _>>().unwrap();
+    let [value] = values.as_slice() else { panic!("{} JSON values", values.len()) };
+    assert!(value.is_object());
+    value.clone()
+}
+
+/// Runs the scene `text` with `--json`, expects exit status `code`, and returns the report.
+fn report(text: &str, code: i32) -> Value {
+    let (_folder, scene) = Folder::with_scene(text);
+    let output = stickslip(&["run", &scene, "--json"]);
+    assert_exit(&output, code);
+    json(&output)
+}
+
+fn count(value: &Value) -> u64 {
+    value.as_u64().unwrap_or_else(|| panic!("not a count: {value}"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("not a finite number: {value}"))
+}
+
+/// The header and the rows of a CSV file, every row as long as the header.
+fn csv(path: &Path) -> (String, Vec<Vec<String>>) {
+    let text = fs::read_to_string(path).unwrap();
+    assert!(text.ends_with('\n'));
+    let mut lines = text.lines();
+    let header = lines.next().unwrap().to_string();
+    let rows: Vec<Vec<String>> = lines.map(|line| line.split(',').map(str::to_string).collect()).collect();
+    assert!(rows.iter().all(|row| row.len() == header.split(',').count()), "{text}");
+    (header, rows)
+}
+
+#[test]
+fn a_good_run_fills_its_folder() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("new/out");
+    let output = stickslip(&["run", &scene, "--json", "--out", &out]);
+    assert_exit(&output, 0);
+    let lines = ["contact_0002.csv", "contact_0002.svg", "contact_0004.csv", "contact_0004.svg"];
+    assert_eq!(folder.names("new/out"), [&lines[..], &["increments.csv", "run.json"]].concat());
+
+    let out = Path::new(&out);
+    let (header, rows) = csv(&out.join("increments.csv"));
+    assert!(header.starts_with("index,time,status,iterations,backtracks,theta,equilibrium,penetration,"), "{header}");
+    assert!(header.contains(",backward_error,open,stick,slip,"), "{header}");
+    assert_eq!(rows.len(), 4);
+    for (k, row) in rows.iter().enumerate() {
+        assert_eq!((&row[0], &row[2]), (&(k + 1).to_string(), &"converged".to_string()));
+        assert_eq!(row[1].parse::<f64>().unwrap(), 0.5 * (k + 1) as f64);
+    }
+
+    for name in ["contact_0002", "contact_0004"] {
+        let (header, rows) = csv(&out.join(name).with_extension("csv"));
+        assert_eq!(header, "x,y,p_n,p_t,sigma_n,sigma_t,w_n,w_t,status");
+        assert_eq!(rows.len(), 4);
+        for row in &rows {
+            assert!(["open", "stick", "slip"].contains(&row[8].as_str()), "{row:?}");
+            assert!(row[..8].iter().all(|field| field.parse::<f64>().unwrap().is_finite()), "{row:?}");
+        }
+        let svg = fs::read_to_string(out.join(name).with_extension("svg")).unwrap();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{name}");
+        assert!(svg.contains("<polyline") || svg.contains("<line") || svg.contains("<path"), "{name} shows no line");
+        assert_eq!(svg.matches("<text").count(), svg.matches("</text>").count());
+        assert!(!svg.contains("NaN"));
+    }
+    let written: Value = serde_json::from_str(&fs::read_to_string(out.join("run.json")).unwrap()).unwrap();
+    assert_eq!(written, json(&output));
+}
+
+#[test]
+fn the_report_has_every_field() {
+    let report = report(&small(), 0);
+    assert!(report["scene"].as_str().unwrap().ends_with("scene.toml"));
+    assert_eq!(report["title"], "Elastic block on a frictional foundation");
+    for (key, value) in [("method", "bn"), ("setting", "paper"), ("solver", "umfpack"), ("status", "converged")] {
+        assert_eq!(report[key], value, "{key}");
+    }
+    assert_eq!(report["reason"], "");
+    let unknowns = &report["unknowns"];
+    assert_eq!([&unknowns["u"], &unknowns["p_t"], &unknowns["p_n"]].map(count), [40, 4, 4]);
+
+    let increments = report["increments"].as_array().unwrap();
+    assert_eq!(increments.len(), 4);
+    for (k, increment) in increments.iter().enumerate() {
+        assert_eq!((count(&increment["index"]), number(&increment["time"])), (k as u64 + 1, 0.5 * (k + 1) as f64));
+        assert_eq!(increment["status"], "converged");
+        assert!(count(&increment["iterations"]) >= 1);
+        count(&increment["backtracks"]);
+        assert!(number(&increment["theta"]) >= 0.0);
+        for law in ["equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation"] {
+            assert!((0.0..=1e-10).contains(&number(&increment["kkt"][law])), "{law}: {increment}");
+        }
+        let contact = &increment["contact"];
+        assert_eq!(count(&contact["open"]) + count(&contact["stick"]) + count(&contact["slip"]), 4);
+        for part in ["assembly", "factorization", "solve", "rest"] {
+            assert!(number(&increment["seconds"][part]).abs() < 600.0, "{part}");
+        }
+    }
+
+    let totals = &report["totals"];
+    let iterations: u64 = increments.iter().map(|increment| count(&increment["iterations"])).sum();
+    assert_eq!(count(&totals["iterations"]), iterations);
+    // One for the interior's answer to the loads, and one an iteration unless the last still serves;
+    // one pattern serves the whole run.
+    assert!((2..=iterations + 1).contains(&count(&totals["factorizations"])), "{totals}");
+    assert_eq!(count(&totals["symbolic_analyses"]), 1);
+    assert!(number(&totals["cpu_seconds"]) > 0.0 && number(&totals["wall_seconds"]) > 0.0);
+    assert!(!cfg!(target_os = "linux") || count(&totals["peak_rss_bytes"]) > 1 << 20);
+    assert!(count(&totals["nnz_factors"]) > 48);
+    let end = &report["final"];
+    assert!(number(&end["sum_p_n"]) > 0.0);
+    assert!(number(&end["sum_p_t"]).abs() <= 0.4 * number(&end["sum_p_n"]) * (1.0 + 1e-9));
+}
+
+#[test]
+fn without_friction_there_are_no_tangential_unknowns() {
+    let report = report(&edit(&small(), "friction = 0.4", "friction = 0"), 0);
+    assert_eq!((count(&report["unknowns"]["p_t"]), count(&report["unknowns"]["p_n"])), (0, 4));
+    assert_eq!(number(&report["final"]["sum_p_t"]), 0.0);
+}
+
+#[test]
+fn without_contact_an_increment_is_one_linear_solve() {
+    let report = report(&without(&small(), "[[contact]]", "[[load]]"), 0);
+    assert_eq!((count(&report["unknowns"]["p_t"]), count(&report["unknowns"]["p_n"])), (0, 0));
+    for increment in report["increments"].as_array().unwrap() {
+        assert_eq!(count(&increment["iterations"]), 1);
+    }
+    assert_eq!((count(&report["totals"]["iterations"]), count(&report["totals"]["factorizations"])), (4, 1));
+}
+
+#[test]
+fn no_convergence_is_status_1_and_what_was_reached_is_written() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    let output = stickslip(&["run", &scene, "--json", "--out", &out, "--set", "solver.max_iterations=1"]);
+    assert_exit(&output, 1);
+    let report = json(&output);
+    assert_eq!(report["status"], "max-iterations");
+    let reason = report["reason"].as_str().unwrap();
+    assert!(reason.contains("no convergence within 1 iteration") && reason.contains("time.increments"), "{reason}");
+    let records = report["increments"].as_array().unwrap();
+    let last = records.last().unwrap();
+    assert_eq!(last["status"], "max-iterations");
+    let (_, rows) = csv(&Path::new(&out).join("increments.csv"));
+    assert_eq!((rows.len(), rows.last().unwrap()[2].as_str()), (records.len(), "max-iterations"));
+    let names = folder.names("out");
+    assert!(names.contains(&format!("contact_{:04}.csv", count(&last["index"]))), "{names:?}");
+    let written: Value = serde_json::from_str(&fs::read_to_string(Path::new(&out).join("run.json")).unwrap()).unwrap();
+    assert_eq!(written, report);
+}
+
+#[test]
+fn a_body_that_nothing_holds_is_singular_and_has_no_numbers() {
+    let (folder, scene) = Folder::with_scene(&without(&small(), "[[support]]", "[[load]]"));
+    let out = folder.join("out");
+    let output = stickslip(&["run", &scene, "--json", "--out", &out]);
+    assert_exit(&output, 1);
+    let report = json(&output);
+    assert_eq!(report["status"], "singular");
+    let reason = report["reason"].as_str().unwrap();
+    assert!(reason.contains("nothing holds the body against a "), "{reason}");
+    assert!(reason.contains("translation along") || reason.contains("rotation about"), "{reason}");
+    assert_eq!(report["increments"].as_array().unwrap().len(), 0);
+    assert_eq!(report["final"], serde_json::json!({ "sum_p_n": 0.0, "sum_p_t": 0.0 }));
+    assert_eq!(folder.names("out"), ["increments.csv", "run.json"]);
+    assert!(csv(&Path::new(&out).join("increments.csv")).1.is_empty());
+
+    let check = stickslip(&["check", &scene]);
+    assert_exit(&check, 0);
+    assert_eq!(stdout(&check).matches("NOT HELD     nothing holds the body against a ").count(), 3);
+}
+
+#[test]
+fn bad_input_is_status_2_and_nothing_is_written() {
+    let small = small();
+    let scenes = [
+        edit(&small, "[mesh]", "[mesh"),
+        edit(&small, "poisson", "poison"),
+        edit(&small, "0.3", "0.5"),
+        edit(&small, "210e9", "nan"),
+        edit(&small, "\"top\"", "\"roof\""),
+        edit(&small, "gap = 1e-5", "gap = -1e-6"),
+        edit(&small, "\"bn\"", "\"newton\""),
+        without(&small, "[time]", "[solver]"),
+        String::new(),
+    ];
+    let good: &[&str] = &[];
+    let faults = scenes.iter().map(|text| (text, good)).chain(
+        [
+            &["--set", "mesh.elements"][..],
+            &["--set", "contact[3].friction=1"],
+            &["--set", "material.youngs=1"],
+            &["--method", "newton"],
+            &["--setting", "mine"],
+            &["--solver", "cg"],
+            &["--colour"],
+        ]
+        .map(|args| (&small, args)),
+    );
+    for (text, args) in faults {
+        let (folder, scene) = Folder::with_scene(text);
+        let out = folder.join("out");
+        let output = stickslip(&[&["run", &scene, "--json", "--out", &out], args].concat());
+        assert_exit(&output, 2);
+        assert_eq!(stdout(&output), "", "{args:?}");
+        assert!(stderr(&output).contains("help"), "no remedy: {}", stderr(&output));
+        assert_eq!(folder.names(""), ["scene.toml"], "{args:?}");
+    }
+    for args in [&["run", "no such scene.toml"][..], &["check", "no such scene.toml"], &["run"], &["walk"], &[]] {
+        assert_exit(&stickslip(args), 2);
+    }
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_status_2() {
+    let (_folder, scene) = Folder::with_scene(&small());
+    let output = stickslip(&["run", &scene, "--out", &format!("{scene}/out")]);
+    assert_exit(&output, 2);
+    assert_eq!(stdout(&output), "");
+    assert!(stderr(&output).contains("--out"), "{}", stderr(&output));
+    assert_eq!(fs::read_to_string(&scene).unwrap(), small());
+}
+
+/// `/dev/full` refuses every byte as a full disk does; links to it stand for the files of a run.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_status_3() {
+    for (file, left) in
+        [("increments.csv", None), (".contact_0002.csv.partial", Some(2)), (".run.json.partial", Some(4))]
+    {
+        let (folder, scene) = Folder::with_scene(&small());
+        fs::create_dir(folder.join("out")).unwrap();
+        std::os::unix::fs::symlink("/dev/full", folder.join("out/") + file).unwrap();
+        let output = stickslip(&["run", &scene, "--json", "--out", &folder.join("out")]);
+        assert_exit(&output, 3);
+        assert_eq!(stdout(&output), "");
+        assert!(stderr(&output).contains("make room"), "{}", stderr(&output));
+        // What was written before is whole, and nothing pretends to be the report.
+        if let Some(rows) = left {
+            assert_eq!(csv(&folder.0.join("out/increments.csv")).1.len(), rows, "{file}");
+        }
+        assert!(!folder.names("out").iter().any(|name| name.contains("run.json") || name.contains("partial")));
+    }
+}
+
+#[test]
+fn check_explains_without_solving() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let output = stickslip(&["check", &scene]);
+    assert_exit(&output, 0);
+    for words in [
+        "Elastic block on a frictional foundation",
+        "4 x 4 bilinear quadrilaterals, 25 nodes",
+        "left: x and y held",
+        "bottom: plane at 0.00001 m, mu = 0.4",
+        "40 displacements u",
+        "4 normal forces p_n",
+        "4 increments of 0.5 s",
+        "held         by its supports",
+    ] {
+        assert!(stdout(&output).contains(words), "`{words}` is not in:\n{}", stdout(&output));
+    }
+    assert_eq!(folder.names(""), ["scene.toml"]);
+}
+
+#[test]
+fn cells_of_table_ii() {
+    let output = stickslip(&["tables", "block", "--contact-nodes", "5", "--increments", "1", "--json"]);
+    assert_exit(&output, 0);
+    let table = json(&output);
+    let cells = table["cells"].as_array().unwrap();
+    assert_eq!(cells.iter().map(|cell| number(&cell["mu"])).collect::<Vec<_>>(), [0.1, 0.4, 0.8]);
+    for cell in cells {
+        assert_eq!((count(&cell["contact_nodes"]), count(&cell["increments"])), (5, 1));
+        assert_eq!(cell["status"], "converged");
+        assert!(number(&cell["nle"]) >= 1.0 && number(&cell["paper_nle"]) >= 1.0);
+    }
+    assert_eq!(count(&table["nle"]["cells"]), 3);
+
+    let unknown = stickslip(&["tables", "block", "--contact-nodes", "7", "--json"]);
+    assert_exit(&unknown, 2);
+    assert_eq!(stdout(&unknown), "");
+    assert!(stderr(&unknown).contains("no such cell"), "{}", stderr(&unknown));
+}
+
+#[test]
+fn the_version_names_the_solver_in_use() {
+    let output = stickslip(&["--version"]);
+    assert_exit(&output, 0);
+    let line = stdout(&output);
+    assert!(line.starts_with(concat!("stickslip ", env!("CARGO_PKG_VERSION"), " (SuiteSparse ")), "{line}");
+    assert!(line.contains("UMFPACK "), "{line}");
+}
