@@ -3,6 +3,8 @@
 //! `SUITESPARSE_INCLUDE_DIR` and `SUITESPARSE_LIB_DIR` override where headers and libraries are
 //! looked for. The bindings are made anew on every machine, so 5.x and 7.x headers both serve.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)] // This is how a build script speaks.
+
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::exit;
@@ -82,7 +84,7 @@ fn generate(include: &Path) {
 }
 
 fn stop(message: &str) -> ! {
-    println!("cargo:warning=stickslip: {}", message.replace("\n  ", "; "));
+    println!("cargo:warning=stickslip: {}", message.replace(".\n  ", "; ").replace("\n  ", "; "));
     eprintln!("\nstickslip: {message}\n");
     exit(1);
 }

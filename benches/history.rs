@@ -2,23 +2,19 @@
 //! naive caller.
 //!
 //! `cargo bench --bench history [-- N ...]`. Block, mu = 0.4, 20 + 20 increments, no files written.
-//! The naive caller runs the same Newton iterations up to n = 100; it, too, keeps its factors while
-//! no contact status changes.
+//! The naive caller runs the same Newton iterations; it, too, keeps its factors while no contact
+//! status changes, and its solutions are refined as ours are, on top of UMFPACK's own refinement.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
 
-use common::{Naive, block, sizes};
-use stickslip::history::{self, HistoryOutcome, HistorySettings};
+use common::{Naive, Who, block, compare};
+use stickslip::history::{self, HistorySettings, Observer};
 use stickslip::linear::{self, Direct, LinearSolver, Umfpack};
 use stickslip::report::{Table, cpu_seconds};
 use stickslip::units::Scaling;
 
-/// Above this the naive caller takes minutes.
-const NAIVE_UP_TO: usize = 100;
-
 fn main() {
-    linear::process::set_blas_threads(1);
     let mut table = Table::new(&[
         "n",
         "iterations",
@@ -28,55 +24,61 @@ fn main() {
         "factor %",
         "solve %",
         "rest %",
-        "all but f+s %",
         "CPU ms/iteration",
         "naive",
         "ratio",
     ]);
-    for n in sizes(&[25, 50, 100, 200]) {
-        let (outcome, cpu) = run(n, None, Box::new(Umfpack::default()));
-        let naive = (n <= NAIVE_UP_TO).then(|| run(n, Some(Scaling::SI), Box::new(Naive::default())));
-        let sum =
-            |part: &dyn Fn(&history::Seconds) -> f64| outcome.records.iter().map(|r| part(&r.seconds)).sum::<f64>();
-        let parts = [sum(&|s| s.assembly), sum(&|s| s.factorization), sum(&|s| s.solve), sum(&|s| s.rest)];
-        let total: f64 = parts.iter().sum();
-        let iterations = iterations(&outcome);
-        let per_iteration = 1e3 * cpu / iterations as f64;
-        let mut row = vec![
-            n.to_string(),
-            iterations.to_string(),
-            outcome.linear.factorizations.to_string(),
-            format!("{:.2}", 1e3 * total / outcome.records.len() as f64),
-        ];
-        row.extend(parts.map(|part| format!("{:.1}", 100.0 * part / total)));
-        row.push(format!("{:.1}", 100.0 * (parts[0] + parts[3]) / total));
-        row.push(format!("{per_iteration:.2}"));
-        if let Some((outcome, cpu)) = naive {
-            let naive = 1e3 * cpu / self::iterations(&outcome) as f64;
-            row.extend([format!("{naive:.2}"), format!("{:.2}", per_iteration / naive)]);
-        } else {
-            row.extend(["".into(), "".into()]);
-        }
+    compare(&[25, 50, 100, 200], measure, |n, ours, naive| {
+        let [iterations, factored, seconds, assembly, factor, solve, rest, cpu] = ours;
+        let mut row =
+            vec![n.to_string(), iterations.to_string(), factored.to_string(), format!("{:.2}", 1e3 * seconds)];
+        row.extend([assembly, factor, solve, rest].map(|share| format!("{:.1}", 100.0 * share)));
+        row.push(format!("{:.2}", 1e3 * cpu));
+        row.push(format!("{:.2}", 1e3 * naive[7]));
+        row.push(format!("{:.2}", cpu / naive[7]));
         table.push(row);
+    });
+    if table.is_empty() {
+        return;
     }
-    println!("\nblock, mu = 0.4, 20 + 20 increments, one BLAS thread\n\n{table}");
+    println!("\nblock, mu = 0.4, 20 + 20 increments; CPU: mesh, assembly and analysis included\n\n{table}");
 }
 
-fn iterations(outcome: &HistoryOutcome) -> usize {
-    outcome.records.iter().map(|record| record.iterations).sum()
+/// Keeps freed memory once the factors have their size, as the command line does.
+struct KeepMemory(bool);
+
+impl Observer for KeepMemory {
+    fn ready(&mut self) {
+        if self.0 {
+            linear::process::keep_freed_memory();
+        }
+    }
 }
 
-/// Runs the history from the scene on; returns the CPU time of everything.
-fn run(n: usize, scaling: Option<Scaling>, backend: Box<dyn LinearSolver>) -> (HistoryOutcome, f64) {
+/// Iterations, factorisations, seconds per increment, shares of assembly, factorisation, solve and
+/// rest, CPU seconds per iteration.
+fn measure(n: usize, who: Who) -> [f64; 8] {
     let start = cpu_seconds();
     let (scene, model) = block(n, 40);
-    let scaling = scaling.unwrap_or_else(|| model.scaling());
-    // The naive caller in newtons and metres does not reach the tolerance: what it reaches is
-    // taken, the comparison is of time.
-    let tolerance = if scaling == Scaling::SI { 1e-3 } else { scene.solver.tolerance };
+    // In newtons and metres the tolerance of the scene is out of reach at fine meshes: what the
+    // naive caller reaches is taken, the comparison is of time.
+    let (scaling, backend, tolerance): (_, Box<dyn LinearSolver>, _) = match who {
+        Who::Ours => (model.scaling(), Box::new(Umfpack::default()), scene.solver.tolerance),
+        Who::Naive => (Scaling::SI, Box::new(Naive::default()), 1e-3),
+    };
     let settings = HistorySettings::paper(&model.problem, scaling, scene.solver.max_iterations, tolerance);
     let mut linear = Direct::new(backend);
-    let outcome =
-        history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut ()).unwrap();
-    (outcome, cpu_seconds() - start)
+    let times = scene.time.all();
+    let mut observer = KeepMemory(who == Who::Ours);
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut observer).unwrap();
+    let cpu = cpu_seconds() - start;
+    assert_eq!(outcome.records.len(), times.len(), "{:?}", outcome.status);
+
+    let iterations = outcome.records.iter().map(|record| record.iterations).sum::<usize>() as f64;
+    let sum = |part: fn(&history::Seconds) -> f64| outcome.records.iter().map(|r| part(&r.seconds)).sum::<f64>();
+    let parts = [sum(|s| s.assembly), sum(|s| s.factorization), sum(|s| s.solve), sum(|s| s.rest)];
+    let total: f64 = parts.iter().sum();
+    let [assembly, factor, solve, rest] = parts.map(|part| part / total);
+    let factored = outcome.linear.factorizations as f64;
+    [iterations, factored, total / times.len() as f64, assembly, factor, solve, rest, cpu / iterations]
 }

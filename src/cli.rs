@@ -3,13 +3,20 @@
 //! Exit status: 0 converged, 1 not converged (what was reached is written), 2 bad input,
 //! 3 the machine failed (memory, disk).
 
-#![allow(clippy::print_stdout, clippy::print_stderr)]
+#![allow(clippy::print_stderr)]
+
+/// Prints a line on standard output. A reader who has gone, as in `stickslip ... | head`, is no
+/// reason to stop a run.
+macro_rules! say {
+    ($($arg:tt)*) => { crate::cli::print_line(format_args!($($arg)*)) };
+}
 
 mod check;
 mod progress;
 mod run;
 mod tables;
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -90,6 +97,16 @@ impl Failure {
             error => miette::miette!(help = "this is not the scene's fault; please report it", "{error}"),
         };
         Failure::Machine(report)
+    }
+}
+
+fn print_line(line: std::fmt::Arguments<'_>) {
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            eprintln!("standard output cannot be written: {error}");
+            std::process::exit(3);
+        }
+        _ => {}
     }
 }
 

@@ -140,6 +140,8 @@ pub struct Step<'a> {
 
 /// Watches a history: for progress, files, plots, or to stop it.
 pub trait Observer {
+    /// When the patterns are analysed and the first matrix is factored, before the first increment.
+    fn ready(&mut self) {}
     /// After each iteration of increment `index`.
     fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> Flow {
         Flow::Continue
@@ -207,6 +209,7 @@ pub fn run(
         }
     };
     outcome.setup_seconds = start.elapsed().as_secs_f64();
+    observer.ready();
 
     let mut force = vec![0.0; problem.displacements()];
     let guess: Vec<f64> = problem.weight.iter().map(|l| l * settings.start_pressure).collect();

@@ -5,14 +5,14 @@
 //! `p_n (w_n - g) = 0` (4); friction `|p_t| ≤ μ p_n`, dissipating most against the slip increment
 //! `w_t - w̄_t` with `w_t = C_t u` (8).
 
-use crate::sparse::{Csc, Csr};
+use crate::sparse::{Csr, Symmetric};
 use crate::units::Scaling;
 
 /// One body against rigid obstacles, in SI units.
 #[derive(Debug, Clone)]
 pub struct ContactProblem {
     /// `K`, symmetric positive semidefinite, n_u × n_u, N/m.
-    pub stiffness: Csc,
+    pub stiffness: Symmetric,
     /// `C_n`, n_c × n_u: contact displacements, positive towards the obstacle.
     pub c_n: Csr,
     /// `C_t`, n_c × n_u: tangential contact displacements. A row is empty where supports leave no
@@ -52,7 +52,7 @@ pub struct State {
 impl ContactProblem {
     /// n_u, the number of free displacements.
     pub fn displacements(&self) -> usize {
-        self.stiffness.pattern.columns()
+        self.stiffness.order()
     }
 
     /// n_c, the number of contact nodes.

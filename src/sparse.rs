@@ -1,7 +1,11 @@
 //! Sparse matrices: an immutable [`Pattern`] that many value arrays share, compressed columns
-//! ([`Csc`]) for what is factored, compressed rows ([`Csr`]) for the short rows of the contact maps.
+//! ([`Csc`]) for what is factored, half of them ([`Symmetric`]) for the stiffness, compressed rows ([`Csr`]) for the short rows of the contact maps.
+
+mod symmetric;
 
 use std::sync::Arc;
+
+pub use symmetric::Symmetric;
 
 /// The positions of the stored entries of a matrix in compressed columns, sorted by row.
 ///
@@ -142,11 +146,6 @@ impl Csc {
                 s[row as usize] += term.abs();
             }
         }
-    }
-
-    /// The diagonal; entries that are not stored are 0.
-    pub fn diagonal(&self) -> Vec<f64> {
-        (0..self.pattern.columns()).map(|i| self.pattern.slot(i, i).map_or(0.0, |k| self.values[k])).collect()
     }
 }
 

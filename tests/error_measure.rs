@@ -3,6 +3,7 @@
 
 mod common;
 
+use stickslip::contact::ContactStatus::{Open, Slip, Stick};
 use stickslip::contact::KktErrors;
 use stickslip::history::Status;
 use stickslip::model::Model;
@@ -48,7 +49,6 @@ fn each_component_sees_its_own_violation() {
     let (increment, state) = (keep.increment(1, &model.loading.gap), &keep.states[1]);
     let statuses = stickslip::contact::statuses(problem, &increment, state);
     let find = |wanted| statuses.iter().position(|&s| s == wanted).unwrap();
-    use stickslip::contact::ContactStatus::{Open, Slip, Stick};
     let (open, slip, stick) = (find(Open), find(Slip), find(Stick));
     let force = (state.p_n.iter().chain(increment.force)).fold(0.0_f64, |m, p| m.max(p.abs()));
     let length = state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
@@ -91,7 +91,7 @@ fn the_measure_is_unit_free() {
     let (f, l) = (1024.0, 1.0 / 4096.0);
     let times = |values: &[f64], factor: f64| values.iter().map(|v| v * factor).collect::<Vec<_>>();
     let mut problem = model.problem.clone();
-    problem.stiffness.values.iter_mut().for_each(|k| *k *= f / l);
+    problem.stiffness.scale(f / l);
     let (force, gap, w_t_last) = (times(increment.force, f), times(increment.gap, l), times(increment.w_t_last, l));
     let increment = stickslip::problem::Increment { force: &force, gap: &gap, w_t_last: &w_t_last };
     let state = State { u: times(&state.u, l), p_t: times(&state.p_t, f), p_n: times(&state.p_n, f) };

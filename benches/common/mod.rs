@@ -1,9 +1,10 @@
-//! What the benchmarks share: the paper's block, and the naive caller to compare with.
+//! What the benchmarks share: the paper's block, the naive caller to compare with, and children.
 #![allow(dead_code, clippy::unwrap_used, clippy::print_stdout)]
 
+use std::process::Command;
 use std::sync::Arc;
 
-use stickslip::linear::{FactorInfo, LinearError, LinearSolver, Strategy, Umfpack};
+use stickslip::linear::{self, FactorInfo, LinearError, LinearSolver, Strategy, Umfpack};
 use stickslip::model::Model;
 use stickslip::scene::Scene;
 use stickslip::sparse::{Csc, Pattern};
@@ -17,15 +18,48 @@ pub fn block(n: usize, increments: usize) -> (Scene, Model) {
     (scene, model)
 }
 
-/// The mesh sizes to run: those after `--`, else `all`.
-pub fn sizes(all: &[usize]) -> Vec<usize> {
-    let given: Vec<usize> = std::env::args().filter_map(|arg| arg.parse().ok()).collect();
-    if given.is_empty() { all.to_vec() } else { given }
+/// Who is measured.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Who {
+    /// The library as it is.
+    Ours,
+    /// Somebody who has only read UMFPACK's quick start: newtons and metres, a pattern without
+    /// zeros, every default, a symbolic analysis for each matrix.
+    Naive,
 }
 
-/// UMFPACK as one calls it who has only read its quick start: the pattern without zeros, default
-/// strategy with the values in sight, a fresh symbolic analysis for every matrix. Refinement is the
-/// same as ours, because [`stickslip::linear::Direct`] does it for every backend.
+/// Runs `measure` for each size after `--` on the command line (or `all`) and each of the two, every
+/// one in a process of its own, so that memory and allocator settings are its own, too; hands the
+/// numbers to `report`. One BLAS thread.
+pub fn compare<const N: usize>(
+    all: &[usize],
+    measure: impl Fn(usize, Who) -> [f64; N],
+    mut report: impl FnMut(usize, [f64; N], [f64; N]),
+) {
+    let name = |who| if who == Who::Ours { "ours" } else { "naive" };
+    let args: Vec<String> = std::env::args().collect();
+    let sizes: Vec<usize> = args.iter().filter_map(|arg| arg.parse().ok()).collect();
+    for who in [Who::Ours, Who::Naive] {
+        if args.iter().any(|arg| arg == name(who)) {
+            linear::process::set_blas_threads(1);
+            let numbers = measure(sizes[0], who).map(|number| number.to_string());
+            println!("{}", numbers.join(" "));
+            return;
+        }
+    }
+    for &n in if sizes.is_empty() { all } else { &sizes } {
+        let [ours, naive] = [Who::Ours, Who::Naive].map(|who| {
+            let child = Command::new(&args[0]).args([name(who), &n.to_string()]).output().unwrap();
+            assert!(child.status.success(), "{}", String::from_utf8_lossy(&child.stderr));
+            let numbers = String::from_utf8(child.stdout).unwrap();
+            let numbers: Vec<f64> = numbers.split_whitespace().map(|number| number.parse().unwrap()).collect();
+            numbers.try_into().unwrap()
+        });
+        report(n, ours, naive);
+    }
+}
+
+/// The naive caller's linear algebra.
 #[derive(Default)]
 pub struct Naive {
     pattern: Option<Arc<Pattern>>,

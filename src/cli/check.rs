@@ -16,20 +16,24 @@ pub(super) struct CheckArgs {
 pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     let scene = args.scene.read()?;
     let model = Model::new(&scene)?;
-    println!("{}", scene.title);
+    say!("{}", scene.title);
     body(&scene, &model);
     contact(&scene, &model);
     loads(&scene, &model);
     let solver = &scene.solver;
-    println!(
+    say!(
         "history      {} increments of {} s to t = {} s",
         scene.time.increments,
         scene.time.end / scene.time.increments as f64,
         scene.time.end
     );
-    println!(
+    say!(
         "solver       {:?}, setting {:?}, {:?}; at most {} iterations; error of every law at most {:.0e}",
-        solver.method, solver.setting, solver.linear, solver.max_iterations, solver.tolerance
+        solver.method,
+        solver.setting,
+        solver.linear,
+        solver.max_iterations,
+        solver.tolerance
     );
     holding(&model);
     Ok(())
@@ -37,7 +41,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 
 fn body(scene: &Scene, model: &Model) {
     let Mesh::Block { size: [width, height], elements: [nx, ny] } = scene.mesh;
-    println!(
+    say!(
         "mesh         block {width} m x {height} m, {nx} x {ny} bilinear quadrilaterals, {} nodes, boundaries {}",
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
@@ -47,28 +51,28 @@ fn body(scene: &Scene, model: &Model) {
         Plane::Strain => "plane strain",
         Plane::Stress => "plane stress",
     };
-    println!("material     E = {young:e} Pa, nu = {poisson}, {state}, unit thickness");
+    say!("material     E = {young:e} Pa, nu = {poisson}, {state}, unit thickness");
     for support in &scene.supports {
         let held = ["x", "y"].into_iter().zip(support.fix).filter(|&(_, fix)| fix).map(|(name, _)| name);
-        println!("support      {}: {} held", support.boundary, held.collect::<Vec<_>>().join(" and "));
+        say!("support      {}: {} held", support.boundary, held.collect::<Vec<_>>().join(" and "));
     }
 }
 
 fn contact(scene: &Scene, model: &Model) {
     for contact in &scene.contacts {
         let Obstacle::Plane { gap, .. } = contact.obstacle;
-        println!("contact      {}: plane at {gap} m, mu = {}", contact.boundary, contact.friction);
+        say!("contact      {}: plane at {gap} m, mu = {}", contact.boundary, contact.friction);
     }
     let layout = Layout::new(&model.problem);
-    println!("unknowns     {} displacements u", layout.displacements());
+    say!("unknowns     {} displacements u", layout.displacements());
     match (layout.contacts(), layout.tangentials()) {
-        (0, _) => println!("             no contact: one linear solve an increment, one factorisation"),
+        (0, _) => say!("             no contact: one linear solve an increment, one factorisation"),
         (n, t) => {
-            println!("             {n} normal forces p_n");
+            say!("             {n} normal forces p_n");
             let rest = n - t;
             match rest {
-                0 => println!("             {t} tangential forces p_t"),
-                _ => println!("             {t} tangential forces p_t; {rest} nodes have no friction or cannot slide"),
+                0 => say!("             {t} tangential forces p_t"),
+                _ => say!("             {t} tangential forces p_t; {rest} nodes have no friction or cannot slide"),
             }
         }
     }
@@ -83,7 +87,7 @@ fn loads(scene: &Scene, model: &Model) {
             y += dy.map_or(0.0, |dof| case.force[dof]);
         }
         let history: Vec<String> = load.history.iter().map(|[t, factor]| format!("{factor} at {t} s")).collect();
-        println!(
+        say!(
             "load         {}: ({:e}, {:e}) N/m2, ({x:.4e}, {y:.4e}) N on what is free; factor {}",
             load.boundary,
             load.traction[0],
@@ -95,11 +99,11 @@ fn loads(scene: &Scene, model: &Model) {
 
 fn holding(model: &Model) {
     if model.rigid_motions.is_empty() {
-        println!("held         by its supports");
+        say!("held         by its supports");
         return;
     }
     let by = if model.contacts.is_empty() { "nothing holds" } else { "only contact can hold" };
     for motion in &model.rigid_motions {
-        println!("NOT HELD     {by} the body against {motion}");
+        say!("NOT HELD     {by} the body against {motion}");
     }
 }

@@ -68,7 +68,7 @@ impl Progress {
         }
         let fields = fields.iter().zip(COLUMNS).map(|(field, (_, width))| format!("{field:>width$}"));
         let line = fields.collect::<Vec<_>>().join(" ");
-        self.bar.suspend(|| println!("{line}"));
+        self.bar.suspend(|| say!("{line}"));
     }
 }
 

@@ -8,7 +8,7 @@ use std::time::Instant;
 use clap::Args;
 use stickslip::fem::RigidMotion;
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Observer, Status, Step};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::{self, Direct, Umfpack};
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IterationRecord};
 use stickslip::report::{ContactLine, Measured, ResultFolder, RunReport, cpu_seconds, peak_rss_bytes};
@@ -70,11 +70,11 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         return Err(disk_failure(folder.path(), &error));
     }
     if args.json {
-        println!("{json}");
+        say!("{json}");
     } else {
         print_verdict(&report, times.len());
         if let Some(folder) = &folder {
-            println!("results      {}", folder.path().display());
+            say!("results      {}", folder.path().display());
         }
     }
     Ok(if outcome.status == Status::Converged { ExitCode::SUCCESS } else { ExitCode::from(1) })
@@ -92,6 +92,11 @@ struct Watcher<'a> {
 }
 
 impl Observer for Watcher<'_> {
+    /// Not earlier: what the analysis frees should go back to the system.
+    fn ready(&mut self) {
+        linear::process::keep_freed_memory();
+    }
+
     fn iteration(&mut self, _index: usize, record: &IterationRecord) -> Flow {
         self.progress.iteration(record.iteration, record.theta);
         Flow::Continue
@@ -180,8 +185,8 @@ fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
 
 fn print_head(scene: &Scene, model: &Model) {
     let layout = stickslip::formulation::Layout::new(&model.problem);
-    println!("{}", scene.title);
-    println!(
+    say!("{}", scene.title);
+    say!(
         "unknowns     {} = {} u + {} p_t + {} p_n\n",
         layout.unknowns(),
         layout.displacements(),
@@ -198,16 +203,19 @@ fn print_verdict(report: &RunReport, increments: usize) {
         .iter()
         .map(|record| record.kkt.worst())
         .fold(("none", 0.0), |a, b| if b.1 > a.1 { b } else { a });
-    println!("\nverdict      {}, {done} of {increments} increments", report.status);
+    say!("\nverdict      {}, {done} of {increments} increments", report.status);
     if !report.reason.is_empty() {
-        println!("             {}", report.reason);
+        say!("             {}", report.reason);
     }
-    println!("error        {error:.1e} at most ({law}); backward error of the solves {:.1e}", totals.backward_error);
-    println!("contact      sum p_n = {:.6e} N, sum p_t = {:.6e} N", report.end.sum_p_n, report.end.sum_p_t);
-    println!(
+    say!("error        {error:.1e} at most ({law}); backward error of the solves {:.1e}", totals.backward_error);
+    say!("contact      sum p_n = {:.6e} N, sum p_t = {:.6e} N", report.end.sum_p_n, report.end.sum_p_t);
+    say!(
         "work         {} iterations, {} factorisations, {} symbolic analysis, {} entries in L and U",
-        totals.iterations, totals.factorizations, totals.symbolic_analyses, totals.nnz_factors
+        totals.iterations,
+        totals.factorizations,
+        totals.symbolic_analyses,
+        totals.nnz_factors
     );
     let memory = totals.peak_rss_bytes.map_or(String::new(), |bytes| format!(", {:.0} MB", bytes as f64 * 1e-6));
-    println!("took         {:.2} s ({:.2} s CPU){memory}", totals.wall_seconds, totals.cpu_seconds);
+    say!("took         {:.2} s ({:.2} s CPU){memory}", totals.wall_seconds, totals.cpu_seconds);
 }

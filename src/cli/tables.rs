@@ -69,7 +69,7 @@ pub(super) fn tables(args: &TablesArgs) -> Result<ExitCode, Failure> {
     if args.json {
         let json =
             serde_json::to_string_pretty(&table).map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-        println!("{json}");
+        say!("{json}");
     } else {
         print(&table);
     }
@@ -92,7 +92,7 @@ fn select(args: &BlockArgs) -> Result<Vec<BlockCase>, Failure> {
 }
 
 fn print(table: &BlockTable) {
-    println!("{}\n", table.table);
+    say!("{}\n", table.table);
     let mut text =
         Table::new(&["n_c", "mu", "inc", "nle paper", "here", "diff", "nls paper", "here", "diff", "error", "s"]);
     for cell in &table.cells {
@@ -115,11 +115,9 @@ fn print(table: &BlockTable) {
             format!("{:.2}", cell.seconds),
         ]);
     }
-    println!("{text}");
+    say!("{text}");
     for (name, agreement) in [("nle", &table.nle), ("nls", &table.nls)] {
         let Agreement { mean, largest, equal, cells } = agreement;
-        println!(
-            "{name}: equal to rounding in {equal} of {cells} cells; mean difference {mean:.3}, largest {largest:.3}"
-        );
+        say!("{name}: equal to rounding in {equal} of {cells} cells; mean difference {mean:.3}, largest {largest:.3}");
     }
 }

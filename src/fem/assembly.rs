@@ -1,11 +1,9 @@
 //! The stiffness matrix of a mesh.
 
-use std::sync::Arc;
-
 use super::dofs::Dofs;
 use super::elastic::{Elasticity, element_stiffness};
 use crate::mesh::Mesh;
-use crate::sparse::{Csc, Pattern};
+use crate::sparse::Symmetric;
 
 /// An element whose Jacobian is not positive at a Gauss point.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -21,9 +19,8 @@ pub struct InvertedElement {
 ///
 /// # Errors
 /// [`InvertedElement`] for the first element that is not sound.
-pub fn assemble(mesh: &Mesh, dofs: &Dofs, material: &Elasticity) -> Result<Csc, InvertedElement> {
-    let n = dofs.free();
-    let pattern = Pattern::from_entries(n, n, |take| {
+pub fn assemble(mesh: &Mesh, dofs: &Dofs, material: &Elasticity) -> Result<Symmetric, InvertedElement> {
+    let mut k = Symmetric::from_entries(dofs.free(), |take| {
         for quad in &mesh.quads {
             let element = dofs.element(quad);
             for column in element.into_iter().flatten() {
@@ -33,7 +30,6 @@ pub fn assemble(mesh: &Mesh, dofs: &Dofs, material: &Elasticity) -> Result<Csc, 
             }
         }
     });
-    let mut k = Csc::zeros(Arc::new(pattern));
     for (e, quad) in mesh.quads.iter().enumerate() {
         let corners = mesh.corners(e);
         let element = element_stiffness(&corners, material).ok_or_else(|| InvertedElement {
@@ -43,10 +39,8 @@ pub fn assemble(mesh: &Mesh, dofs: &Dofs, material: &Elasticity) -> Result<Csc, 
         let dofs = dofs.element(quad);
         for (i, row) in dofs.iter().enumerate() {
             for (j, column) in dofs.iter().enumerate() {
-                if let (Some(row), Some(column)) = (*row, *column)
-                    && let Some(slot) = k.pattern.slot(row, column)
-                {
-                    k.values[slot] += element[i][j];
+                if let (Some(row), Some(column)) = (*row, *column) {
+                    k.add(row, column, element[i][j]);
                 }
             }
         }

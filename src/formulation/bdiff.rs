@@ -65,6 +65,9 @@ struct TangentialSlots {
 impl Bdiff {
     /// Sets up `H_N` of `problem`: the pattern, the constant entries of the Jacobian and the places
     /// of the others.
+    ///
+    /// # Panics
+    /// If the union pattern lacked an entry that it was made with: never.
     pub fn new(problem: &ContactProblem, scaling: Scaling, conventions: &Conventions) -> Self {
         let layout = Layout::new(problem);
         let pattern = Arc::new(union_pattern(problem, &layout));
@@ -72,13 +75,9 @@ impl Bdiff {
         let slot = |row: usize, column: usize, jacobian: &Csc| {
             jacobian.pattern.slot(row, column).expect("the union pattern holds every case's entries")
         };
-        // K / (unit of stiffness); u stands first in z, so its columns begin as those of K do.
-        for column in 0..layout.displacements() {
-            let from = problem.stiffness.pattern.column(column);
-            let to = jacobian.pattern.column(column).start;
-            for (k, value) in problem.stiffness.values[from].iter().enumerate() {
-                jacobian.values[to + k] = value / scaling.stiffness();
-            }
+        for (row, column, value) in problem.stiffness.entries() {
+            let k = slot(row, column, &jacobian);
+            jacobian.values[k] = value / scaling.stiffness();
         }
         let mut slots = Vec::with_capacity(layout.contacts());
         for i in 0..layout.contacts() {
@@ -288,11 +287,7 @@ impl Formulation for Bdiff {
 fn union_pattern(problem: &ContactProblem, layout: &Layout) -> Pattern {
     let n = layout.unknowns();
     Pattern::from_entries(n, n, |take| {
-        for column in 0..layout.displacements() {
-            for k in problem.stiffness.pattern.column(column) {
-                take(problem.stiffness.pattern.row_indices()[k] as usize, column);
-            }
-        }
+        problem.stiffness.entries().for_each(|(row, column, _)| take(row, column));
         for i in 0..layout.contacts() {
             let p_n = layout.p_n(i);
             for &(dof, _) in problem.c_n.row(i) {

@@ -1,10 +1,12 @@
 //! Settings of the whole process that decide how fast a factorisation runs: BLAS threads and what
 //! becomes of freed memory. A library must not change them behind its caller's back; a program
-//! calls both once, at its start.
+//! does.
 
 #![allow(unsafe_code)]
 
 use std::ffi::c_int;
+
+use libloading::os::unix::Library;
 
 type SetThreads = unsafe extern "C" fn(c_int);
 
@@ -23,7 +25,7 @@ const CONTROLS: [(&str, &[u8]); 3] = [
 /// is single-threaded and two to six times slower here than OpenBLAS.
 pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
     let threads = c_int::try_from(threads.max(1)).unwrap_or(c_int::MAX);
-    let process = this_process()?;
+    let process = Library::this();
     CONTROLS.iter().find_map(|&(name, symbol)| {
         // SAFETY: all three symbols are functions that take the number of threads and return
         // nothing (BLIS takes its own integer, which is as wide or read from the same register).
@@ -32,16 +34,6 @@ pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
         unsafe { control(threads) };
         Some(name)
     })
-}
-
-#[cfg(unix)]
-fn this_process() -> Option<libloading::Library> {
-    Some(libloading::os::unix::Library::this().into())
-}
-
-#[cfg(not(unix))]
-fn this_process() -> Option<libloading::Library> {
-    None
 }
 
 /// Keeps freed memory in the process instead of giving it back to the system.

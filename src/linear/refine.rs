@@ -22,7 +22,7 @@ const MAX_STEPS: usize = 4;
 pub(super) struct Workspace {
     residual: Vec<f64>,
     scale: Vec<f64>,
-    correction: Vec<f64>,
+    /// The correction, then the corrected solution.
     candidate: Vec<f64>,
 }
 
@@ -36,17 +36,15 @@ pub(super) fn solve(
     work: &mut Workspace,
 ) -> Result<SolveInfo, LinearError> {
     let n = b.len();
-    for vector in [&mut work.residual, &mut work.scale, &mut work.correction, &mut work.candidate] {
+    for vector in [&mut work.residual, &mut work.scale, &mut work.candidate] {
         vector.resize(n, 0.0);
     }
     solver.solve(b, x)?;
     let mut info = SolveInfo { backward_error: measure(a, b, x, work)?, refinements: 0 };
     while info.backward_error > TARGET && info.refinements < MAX_STEPS {
-        solver.solve(&work.residual, &mut work.correction)?;
-        for i in 0..n {
-            work.candidate[i] = x[i] + work.correction[i];
-        }
-        let candidate = std::mem::take(&mut work.candidate);
+        solver.solve(&work.residual, &mut work.candidate)?;
+        let mut candidate = std::mem::take(&mut work.candidate);
+        candidate.iter_mut().zip(&*x).for_each(|(correction, x)| *correction += x);
         let error = measure(a, b, &candidate, work)?;
         let better = error < info.backward_error;
         let worthwhile = error <= 0.5 * info.backward_error;

@@ -28,7 +28,6 @@ impl BnSettings {
 pub struct Bn {
     settings: BnSettings,
     h: Vec<f64>,
-    rhs: Vec<f64>,
     dz: Vec<f64>,
     /// Whether `linear` holds the factors of the formulation's current Jacobian.
     factored: bool,
@@ -38,7 +37,7 @@ impl Bn {
     /// A solver for `unknowns` equations.
     pub fn new(settings: BnSettings, unknowns: usize) -> Self {
         let zeros = || vec![0.0; unknowns];
-        Bn { settings, h: zeros(), rhs: zeros(), dz: zeros(), factored: false }
+        Bn { settings, h: zeros(), dz: zeros(), factored: false }
     }
 
     /// Solves `H(z) = 0` from the given `z`, which is left at the last iterate. `linear` must have
@@ -124,10 +123,10 @@ impl Bn {
             linear.factorize(formulation.jacobian())?;
             self.factored = true;
         }
-        for (rhs, h) in self.rhs.iter_mut().zip(&self.h) {
-            *rhs = -h;
-        }
-        Ok(linear.solve(formulation.jacobian(), &self.rhs, &mut self.dz)?.backward_error)
+        // The factors solve for -dz; only its sign is turned.
+        let info = linear.solve(formulation.jacobian(), &self.h, &mut self.dz)?;
+        self.dz.iter_mut().for_each(|dz| *dz = -*dz);
+        Ok(info.backward_error)
     }
 }
 

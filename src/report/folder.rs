@@ -1,7 +1,7 @@
 //! The folder of a run's results, filled while the run goes on.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use super::contact_line::ContactLine;
@@ -46,8 +46,13 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_increment(&mut self, record: &IncrementRecord) -> io::Result<()> {
-        self.increments.write_all(csv::increment(record).as_bytes())?;
-        self.increments.flush()
+        let complete = self.increments.stream_position()?;
+        let written = self.increments.write_all(csv::increment(record).as_bytes());
+        if written.is_err() {
+            // A full disk may have taken part of the line; what stands before it is kept.
+            let _ = self.increments.set_len(complete);
+        }
+        written
     }
 
     /// Writes a contact line as CSV and as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`.

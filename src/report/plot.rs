@@ -51,6 +51,7 @@ fn draw(root: &Area<'_>, line: &ContactLine, title: &str) -> Result<(), Box<dyn 
     let mut chart = ChartBuilder::on(root)
         .caption(heading, ("sans-serif", 18))
         .margin(14)
+        .margin_right(28)
         .x_label_area_size(46)
         .y_label_area_size(70)
         .build_cartesian_2d(from..to, low - margin..high + margin)?;

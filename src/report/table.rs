@@ -17,6 +17,11 @@ impl Table {
         table
     }
 
+    /// Whether there is no row below the heads.
+    pub fn is_empty(&self) -> bool {
+        self.rows.len() <= 1
+    }
+
     /// Appends a row.
     pub fn push(&mut self, row: Vec<String>) {
         for (width, field) in self.widths.iter_mut().zip(&row) {
