@@ -8,7 +8,7 @@
 /// Prints a line on standard output. A reader who has gone, as in `stickslip ... | head`, is no
 /// reason to stop a run.
 macro_rules! say {
-    ($($arg:tt)*) => { crate::cli::print_line(format_args!($($arg)*)) };
+    ($($arg:tt)*) => { super::print_line(format_args!($($arg)*)) };
 }
 
 mod check;

@@ -1,4 +1,35 @@
-//! stickslip.
+//! Quasi-static elastic contact with Coulomb friction: the exact law, on the full uncondensed
+//! sparse system, with an error measure that does not trust the solver.
+//!
+//! The problem of one load increment, in the notation of Christensen, Klarbring, Pang and Strömberg
+//! (Int. J. Numer. Meth. Engng 42, 1998), whose equation numbers stand throughout:
+//!
+//! - equilibrium (15): `K u + C_nᵀ p_n + C_tᵀ p_t = f`;
+//! - contact (4): `w_n = C_n u ≤ g`, `p_n ≥ 0`, `p_n (w_n - g) = 0`;
+//! - friction, backward Euler (8): `|p_t| ≤ μ p_n`, dissipating most against `w_t - w̄_t`, `w_t = C_t u`.
+//!
+//! Data flows one way: [`scene`] (TOML) → [`model`] ([`mesh`], [`fem`], [`contact`]) → [`problem`]
+//! (algebra only) → [`formulation`] (the equations `H(z) = 0` and their Jacobian on one fixed
+//! pattern) → [`nonlinear`] (Algorithm BN) with [`linear`] (UMFPACK) → [`history`] (increments and
+//! verdicts) → [`report`].
+//!
+//! ```
+//! use stickslip::history::{self, HistorySettings, Status};
+//! use stickslip::linear::{Direct, Umfpack};
+//! use stickslip::model::Model;
+//! use stickslip::scene::Scene;
+//!
+//! let text = include_str!("../data/scenes/block.toml");
+//! let scene = Scene::parse("block.toml", text, &["mesh.elements=[10,10]".parse()?])?;
+//! let model = Model::new(&scene)?;
+//! let settings = HistorySettings::paper(&model.problem, model.scaling(), 200, 1e-10);
+//! let mut linear = Direct::new(Box::new(Umfpack::default()));
+//! let outcome =
+//!     history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut ())?;
+//! assert_eq!(outcome.status, Status::Converged);
+//! assert!(outcome.records.iter().all(|record| record.kkt.worst().1 < 1e-10));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod contact;
 pub mod fem;
