@@ -212,8 +212,8 @@ pub fn run(
     observer.ready();
 
     let mut force = vec![0.0; problem.displacements()];
-    let guess: Vec<f64> = problem.weight.iter().map(|l| l * settings.start_pressure).collect();
-    let mut z = outcome.layout.pack(&State { p_n: guess, ..outcome.state.clone() }, &scaling);
+    let start = State { p_n: start_forces(problem, loading, settings), ..State::zero(problem) };
+    let mut z = outcome.layout.pack(&start, &scaling);
 
     for (k, &time) in times.iter().enumerate() {
         let start = Instant::now();
@@ -269,6 +269,15 @@ pub fn run(
         }
     }
     Ok(outcome)
+}
+
+/// `p_n` before the first increment. A body that only contact holds starts with every node closed,
+/// `p_n > r g`: its first matrix would be singular with open ones.
+fn start_forces(problem: &ContactProblem, loading: &Loading, settings: &HistorySettings) -> Vec<f64> {
+    let held = problem.free_motions.is_empty();
+    let closing = |i: usize| if held { 0.0 } else { 2.0 * settings.conventions.r[i] * loading.gap[i] };
+    let guess = problem.weight.iter().map(|l| l * settings.start_pressure);
+    guess.enumerate().map(|(i, p_n)| p_n.max(closing(i))).collect()
 }
 
 /// Converged is what the error measure says, whatever the solver thinks; how the solver ended only

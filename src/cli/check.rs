@@ -51,7 +51,7 @@ fn body(scene: &Scene, model: &Model) {
         Plane::Strain => "plane strain",
         Plane::Stress => "plane stress",
     };
-    say!("material     E = {young:e} Pa, nu = {poisson}, {state}, unit thickness");
+    say!("material     E = {} Pa, nu = {poisson}, {state}, unit thickness", number(young));
     for support in &scene.supports {
         let held = ["x", "y"].into_iter().zip(support.fix).filter(|&(_, fix)| fix).map(|(name, _)| name);
         say!("support      {}: {} held", support.boundary, held.collect::<Vec<_>>().join(" and "));
@@ -61,7 +61,7 @@ fn body(scene: &Scene, model: &Model) {
 fn contact(scene: &Scene, model: &Model) {
     for contact in &scene.contacts {
         let Obstacle::Plane { gap, .. } = contact.obstacle;
-        say!("contact      {}: plane at {gap} m, mu = {}", contact.boundary, contact.friction);
+        say!("contact      {}: plane at {} m, mu = {}", contact.boundary, number(gap), contact.friction);
     }
     let layout = Layout::new(&model.problem);
     say!("unknowns     {} displacements u", layout.displacements());
@@ -88,13 +88,20 @@ fn loads(scene: &Scene, model: &Model) {
         }
         let history: Vec<String> = load.history.iter().map(|[t, factor]| format!("{factor} at {t} s")).collect();
         say!(
-            "load         {}: ({:e}, {:e}) N/m2, ({x:.4e}, {y:.4e}) N on what is free; factor {}",
+            "load         {}: ({}, {}) N/m2, in all ({}, {}) N on what is free; factor {}",
             load.boundary,
-            load.traction[0],
-            load.traction[1],
+            number(load.traction[0]),
+            number(load.traction[1]),
+            number(x),
+            number(y),
             history.join(", ")
         );
     }
+}
+
+/// A number in few digits, 0 as 0.
+fn number(x: f64) -> String {
+    if x == 0.0 { "0".to_string() } else { format!("{:e}", (format!("{x:.5e}")).parse().unwrap_or(x)) }
 }
 
 fn holding(model: &Model) {
