@@ -22,6 +22,8 @@ fn main() {
     if let Some(lib) = env::var_os("SUITESPARSE_LIB_DIR") {
         let lib = PathBuf::from(lib);
         println!("cargo:rustc-link-search=native={}", lib.display());
+        // So that what is built starts without LD_LIBRARY_PATH.
+        println!("cargo:rustc-link-arg=-Wl,-rpath,{}", lib.display());
     }
     println!("cargo:rustc-link-lib=dylib=umfpack");
     println!("cargo:rustc-link-lib=dylib=suitesparseconfig");

@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     c_n.push_row([(1, 1.0)]);
     let problem = ContactProblem { stiffness, c_n, c_t, mu: vec![0.3], weight: vec![1.0], free_motions: vec![] };
     let load = LoadCase { force: vec![1.0, 1.0], history: vec![[0.0, 0.0], [1.0, 1.0]] };
-    let loading = Loading { cases: vec![load], gap: vec![0.0] };
+    let loading = Loading { cases: vec![load], gap: vec![0.0], ..Loading::default() };
 
     // This problem is far from the paper's scale, so r and the units of Theta are chosen to fit it.
     let settings = HistorySettings {

@@ -31,8 +31,8 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
     /// Threads for the BLAS behind the factorisation
-    #[arg(long, global = true, default_value_t = 1)]
-    threads: usize,
+    #[arg(long, global = true, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: u32,
 }
 
 #[derive(Subcommand)]
@@ -120,7 +120,7 @@ pub(crate) fn main() -> ExitCode {
     );
     let matches = Cli::command().version(version).get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    if linear::process::set_blas_threads(cli.threads).is_none() {
+    if linear::process::set_blas_threads(cli.threads as usize).is_none() {
         eprintln!("note: the BLAS in use is not OpenBLAS, BLIS or MKL; factorisations may take several times longer");
     }
     let result = match &cli.command {

@@ -7,5 +7,5 @@ mod kkt;
 mod obstacle;
 
 pub use kinematics::{ContactNode, contact_nodes, unreachable};
-pub use kkt::{ContactStatus, KktErrors, KktScales, statuses};
-pub use obstacle::Plane;
+pub use kkt::{ContactStatus, KktErrors, KktScales, rounding_level, statuses};
+pub use obstacle::{Obstacle, Shape};

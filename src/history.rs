@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::contact::{ContactStatus, KktErrors, statuses};
+use crate::contact::{ContactStatus, KktErrors, KktScales, rounding_level, statuses};
 use crate::formulation::{Bdiff, Conventions, Formulation, Layout};
 use crate::linear::{Direct, LinearError, Statistics};
 use crate::loading::Loading;
@@ -164,6 +164,10 @@ pub struct HistoryOutcome {
     pub records: Vec<IncrementRecord>,
     /// The state at the end of the last converged increment.
     pub state: State,
+    /// The scales of the error measure, from all converged increments.
+    pub scales: KktScales,
+    /// The equilibrium error that rounding alone makes in the last increment.
+    pub rounding: f64,
     /// If the status is singular because a rigid motion is free: the weights of the problem's
     /// `free_motions` in it.
     pub unheld: Option<Vec<f64>>,
@@ -197,6 +201,8 @@ pub fn run(
         status: Status::Converged,
         records: Vec::with_capacity(times.len()),
         state: State::zero(problem),
+        scales: KktScales::default(),
+        rounding: 0.0,
         unheld: None,
         layout: formulation.layout().clone(),
         linear: *linear.statistics(),
@@ -212,6 +218,7 @@ pub fn run(
     observer.ready();
 
     let mut force = vec![0.0; problem.displacements()];
+    let mut gap = vec![0.0; problem.contacts()];
     let start = State { p_n: start_forces(problem, loading, settings), ..State::zero(problem) };
     let mut z = outcome.layout.pack(&start, &scaling);
 
@@ -219,16 +226,18 @@ pub fn run(
         let start = Instant::now();
         let before = *linear.statistics();
         loading.force(time, &mut force);
+        loading.gap_at(time, &mut gap);
         let w_t_last = problem.c_t.mul(&outcome.state.u);
-        let increment = Increment { force: &force, gap: &loading.gap, w_t_last: &w_t_last };
+        let increment = Increment { force: &force, gap: &gap, w_t_last: &w_t_last };
         formulation.begin(&increment);
         interior.advance(loading, time, &mut z);
         let index = k + 1;
         let solved = bn.solve(&mut formulation, linear, &mut z, &mut |record| observer.iteration(index, record))?;
 
         let state = outcome.layout.unpack(&z, &scaling);
-        let kkt = KktErrors::measure(problem, &increment, &state);
-        let statuses = statuses(problem, &increment, &state);
+        let scales = KktScales::after(&outcome.scales, &increment, &state);
+        let kkt = KktErrors::measure(problem, &increment, &state, &scales);
+        let statuses = statuses(problem, &increment, &state, &scales);
         let after = *linear.statistics();
         let mut seconds = Seconds {
             assembly: solved.assembly_seconds,
@@ -257,12 +266,14 @@ pub fn run(
         outcome.linear = after;
         outcome.status = status;
         if status != Status::Converged {
+            outcome.rounding = rounding_level(problem, &state, &scales);
             if let Stop::Unheld(motion) = stop {
                 outcome.unheld = Some(motion);
             }
             break;
         }
         outcome.state = state;
+        outcome.scales = scales;
         if flow == Flow::Stop && index < times.len() {
             outcome.status = Status::Interrupted;
             break;
@@ -271,9 +282,12 @@ pub fn run(
     Ok(outcome)
 }
 
-/// `p_n` before the first increment. A body that only contact holds starts with every node closed,
+/// `p_n` before the first increment. Without load or interference that is 0, the solution. A body that only contact holds starts with every node closed,
 /// `p_n > r g`: its first matrix would be singular with open ones.
 fn start_forces(problem: &ContactProblem, loading: &Loading, settings: &HistorySettings) -> Vec<f64> {
+    if loading.largest_force() == 0.0 && loading.largest_interference() == 0.0 {
+        return vec![0.0; problem.contacts()];
+    }
     let held = problem.free_motions.is_empty();
     let closing = |i: usize| if held { 0.0 } else { 2.0 * settings.conventions.r[i] * loading.gap[i] };
     let guess = problem.weight.iter().map(|l| l * settings.start_pressure);
@@ -281,15 +295,15 @@ fn start_forces(problem: &ContactProblem, loading: &Loading, settings: &HistoryS
 }
 
 /// Converged is what the error measure says, whatever the solver thinks; how the solver ended only
-/// tells why it did not.
+/// tells why it did not. An increment that was interrupted is not judged.
 fn verdict(solved: &Outcome, kkt: &KktErrors, tolerance: f64) -> Status {
     match solved.stop {
-        Stop::Unheld(_) | Stop::Singular(_) => Status::Singular,
+        Stop::Interrupted => Status::Interrupted,
         _ if kkt.worst().1 <= tolerance => Status::Converged,
         Stop::Met => Status::Inaccurate,
         Stop::MaxIterations => Status::MaxIterations,
         Stop::Diverged => Status::Diverged,
-        Stop::Interrupted => Status::Interrupted,
+        Stop::Unheld(_) | Stop::Singular(_) => Status::Singular,
     }
 }
 

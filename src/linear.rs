@@ -36,7 +36,7 @@ pub struct FactorInfo {
 }
 
 /// A direct solver for square systems.
-pub trait LinearSolver {
+pub trait LinearSolver: Send {
     /// The name a report shows.
     fn name(&self) -> &'static str;
 

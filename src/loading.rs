@@ -1,5 +1,7 @@
 //! What is prescribed over time: external forces and gaps.
 
+use std::ops::Range;
+
 /// Nodal forces of one load at factor 1, and the factor's history.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadCase {
@@ -9,25 +11,40 @@ pub struct LoadCase {
     pub history: Vec<[f64; 2]>,
 }
 
+/// An obstacle that moves along its normal, towards the body where the distance grows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Approach {
+    /// The contact nodes in front of it.
+    pub nodes: Range<usize>,
+    /// Points `[time (s), distance (m)]` with increasing times; linear between, constant outside.
+    pub history: Vec<[f64; 2]>,
+}
+
 /// The external forces and gaps of a history.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Loading {
     /// The loads, which add up.
     pub cases: Vec<LoadCase>,
-    /// `g`, initial gaps, n_c, m.
+    /// `g`, gaps before any obstacle moves, n_c, m.
     pub gap: Vec<f64>,
+    /// The obstacles that move.
+    pub approaches: Vec<Approach>,
+}
+
+/// The value at time `t` of a history: linear between its points, constant outside.
+fn piecewise_linear(history: &[[f64; 2]], t: f64) -> Option<f64> {
+    let after = history.partition_point(|[time, _]| *time <= t);
+    match (after.checked_sub(1).map(|k| history[k]), history.get(after)) {
+        (Some([_, value]), None) => Some(value),
+        (None, first) => first.map(|[_, value]| *value),
+        (Some([t0, v0]), Some([t1, v1])) => Some(v0 + (v1 - v0) * ((t - t0) / (t1 - t0))),
+    }
 }
 
 impl LoadCase {
     /// The factor at time `t`.
     pub fn factor(&self, t: f64) -> f64 {
-        let after = self.history.partition_point(|[time, _]| *time <= t);
-        match (after.checked_sub(1).map(|k| self.history[k]), self.history.get(after)) {
-            (Some([_, factor]), None) => factor,
-            (None, Some([_, factor])) => *factor,
-            (Some([t0, f0]), Some([t1, f1])) => f0 + (f1 - f0) * ((t - t0) / (t1 - t0)),
-            (None, None) => 1.0,
-        }
+        piecewise_linear(&self.history, t).unwrap_or(1.0)
     }
 }
 
@@ -41,6 +58,26 @@ impl Loading {
                 *sum += factor * f;
             }
         }
+    }
+
+    /// The gaps (n_c, m) at time `t`.
+    pub fn gap_at(&self, t: f64, gap: &mut [f64]) {
+        gap.copy_from_slice(&self.gap);
+        for approach in &self.approaches {
+            let distance = piecewise_linear(&approach.history, t).unwrap_or(0.0);
+            gap[approach.nodes.clone()].iter_mut().for_each(|g| *g -= distance);
+        }
+    }
+
+    /// The largest interference over all time, m: how deep an obstacle goes into the undeformed body.
+    pub fn largest_interference(&self) -> f64 {
+        let mut deepest = self.gap.iter().fold(0.0_f64, |m, g| m.max(-g));
+        for approach in &self.approaches {
+            let nearest = self.gap[approach.nodes.clone()].iter().fold(f64::INFINITY, |m, g| m.min(*g));
+            let furthest = approach.history.iter().fold(0.0_f64, |m, point| m.max(point[1]));
+            deepest = deepest.max(furthest - nearest);
+        }
+        deepest
     }
 
     /// A bound on the nodal forces over all time, N: the sum of each case's largest.
@@ -64,10 +101,20 @@ mod tests {
         for (t, factor) in [(0.0, 0.0), (1.0, 0.0), (1.25, 0.25), (2.0, 1.0), (3.0, 0.0), (4.0, -1.0), (9.0, -1.0)] {
             assert_eq!(case.factor(t), factor, "at {t}");
         }
-        let loading = Loading { cases: vec![case.clone(), case], gap: vec![] };
+        let loading = Loading { cases: vec![case.clone(), case], ..Loading::default() };
         let mut force = [0.0; 2];
         loading.force(1.5, &mut force);
         assert_eq!(force, [2.0, -4.0]);
         assert_eq!(loading.largest_force(), 8.0);
+    }
+
+    #[test]
+    fn an_obstacle_takes_its_nodes_gaps_away() {
+        let approach = Approach { nodes: 1..3, history: vec![[0.0, 0.0], [2.0, 4.0]] };
+        let loading = Loading { gap: vec![1.0, 2.0, 3.0], approaches: vec![approach], ..Loading::default() };
+        let mut gap = [0.0; 3];
+        loading.gap_at(1.5, &mut gap);
+        assert_eq!(gap, [1.0, -1.0, 0.0]);
+        assert_eq!(loading.largest_interference(), 2.0);
     }
 }

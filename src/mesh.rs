@@ -1,8 +1,10 @@
 //! Meshes of quadrilaterals with named boundaries.
 
 mod block;
+mod half_plane;
 
 pub use block::block;
+pub use half_plane::half_plane;
 
 /// A two-dimensional mesh of bilinear quadrilaterals.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,15 +50,12 @@ impl Mesh {
 }
 
 impl Boundary {
-    /// The nodes of the boundary, each once, in the order of its edges.
+    /// The nodes of the boundary, each once, in the order of its edges. Edges may be listed along
+    /// their direction or against it.
     pub fn nodes(&self) -> Vec<usize> {
-        let mut nodes: Vec<usize> = Vec::with_capacity(self.edges.len() + 1);
-        for &[a, b] in &self.edges {
-            if nodes.last() != Some(&a) {
-                nodes.push(a);
-            }
-            nodes.push(b);
-        }
-        nodes
+        let mut seen = std::collections::HashSet::new();
+        let against = self.edges.windows(2).any(|pair| pair[0][0] == pair[1][1]);
+        let ends = self.edges.iter().flat_map(|&[a, b]| if against { [b, a] } else { [a, b] });
+        ends.filter(|&node| seen.insert(node)).collect()
     }
 }

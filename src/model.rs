@@ -1,8 +1,8 @@
 //! From a scene to the discrete problem: mesh, `K`, contact maps, loads.
 
-use crate::contact::{ContactNode, Plane, contact_nodes, unreachable};
+use crate::contact::{ContactNode, Obstacle, Shape, contact_nodes, unreachable};
 use crate::fem::{Dofs, Elasticity, InvertedElement, RigidMotion, assemble, edge_load, rigid_motions};
-use crate::loading::{LoadCase, Loading};
+use crate::loading::{Approach, LoadCase, Loading};
 use crate::mesh::{self, Boundary, Mesh};
 use crate::problem::ContactProblem;
 use crate::scene::{self, Scene, SceneError};
@@ -45,8 +45,12 @@ impl Model {
     /// When the scene names a boundary the mesh does not have, asks for contact where supports hold
     /// the body inside the obstacle, or leaves nothing free.
     pub fn new(scene: &Scene) -> Result<Self, ModelError> {
-        let scene::Mesh::Block { size, elements } = scene.mesh;
-        let mesh = mesh::block(size, elements);
+        let mesh = match scene.mesh {
+            scene::Mesh::Block { size, elements } => mesh::block(size, elements),
+            scene::Mesh::HalfPlane(m) => {
+                mesh::half_plane(m.size, m.contact_width, m.contact_elements, m.outer_elements, m.layers)
+            }
+        };
 
         let mut fixed = vec![[false; 2]; mesh.nodes.len()];
         for support in &scene.supports {
@@ -69,11 +73,22 @@ impl Model {
         };
         let stiffness = assemble(&mesh, &dofs, &material)?;
 
-        let (mut contacts, mut mu) = (Vec::new(), Vec::new());
+        let (mut contacts, mut mu, mut approaches) = (Vec::new(), Vec::new(), Vec::new());
         for contact in &scene.contacts {
-            let nodes = contact_boundary(scene, &mesh, &dofs, contact)?;
-            mu.extend(nodes.iter().map(|_| contact.friction));
-            contacts.extend(nodes);
+            let first = contacts.len();
+            contacts.extend(contact_boundary(scene, &mesh, &dofs, contact)?);
+            mu.resize(contacts.len(), contact.friction);
+            if !contact.obstacle.approach.is_empty() {
+                let history = contact.obstacle.approach.clone();
+                approaches.push(Approach { nodes: first..contacts.len(), history });
+            }
+        }
+        // Two obstacles at one node can hold it in both directions; then there is no slip, and friction
+        // there would make the equations dependent. Such a corner node carries none.
+        let mut obstacles_at = vec![0_usize; mesh.nodes.len()];
+        contacts.iter().for_each(|contact: &ContactNode| obstacles_at[contact.node] += 1);
+        for contact in contacts.iter_mut().filter(|contact| obstacles_at[contact.node] > 1) {
+            contact.tangent.clear();
         }
         let (mut c_n, mut c_t) = (Csr::new(dofs.free()), Csr::new(dofs.free()));
         for contact in &contacts {
@@ -81,7 +96,7 @@ impl Model {
             c_t.push_row(contact.tangent.iter().copied());
         }
 
-        let mut loading = Loading { cases: Vec::new(), gap: contacts.iter().map(|c| c.gap).collect() };
+        let mut loading = Loading { cases: Vec::new(), gap: contacts.iter().map(|c| c.gap).collect(), approaches };
         for load in &scene.loads {
             let boundary = find(scene, &mesh, &load.boundary)?;
             let force = edge_load(&mesh, &dofs, boundary, load.traction);
@@ -102,7 +117,7 @@ impl Model {
 
     /// Units for the numbers inside, see [`ContactProblem::scaling`].
     pub fn scaling(&self) -> Scaling {
-        self.problem.scaling(self.loading.largest_force(), &self.loading.gap)
+        self.problem.scaling(self.loading.largest_force(), self.loading.largest_interference())
     }
 }
 
@@ -117,15 +132,34 @@ fn contact_boundary(
     contact: &scene::Contact,
 ) -> Result<Vec<ContactNode>, SceneError> {
     let boundary = find(scene, mesh, &contact.boundary)?;
-    let scene::Obstacle::Plane { gap, normal, tangent } = contact.obstacle;
-    let plane = Plane::facing(mesh, boundary, gap, normal, tangent).ok_or_else(|| {
+    let scene::Obstacle { shape, normal, tangent, .. } = contact.obstacle.clone();
+    let shape = match shape {
+        scene::Shape::Plane { gap } => Shape::Plane { gap },
+        scene::Shape::Cylinder { radius, apex } => Shape::Cylinder { radius, apex },
+    };
+    let obstacle = Obstacle::facing(mesh, boundary, shape, normal, tangent).ok_or_else(|| {
         let message = format!("the boundary `{}` has no mean normal to face an obstacle with", contact.boundary);
         scene.error_at(contact.boundary.span(), message, "give the obstacle a `normal`")
     })?;
-    if let Some(node) = unreachable(mesh, dofs, boundary, &plane) {
+    if !obstacle.faces(mesh, boundary) {
+        let message = format!("the normal of the obstacle points into the body at `{}`, or along it", contact.boundary);
+        return Err(scene.error_at(contact.obstacle.span.clone(), message, "let the normal point out of the body"));
+    }
+    let nodes = boundary.nodes();
+    if let Some((&node, _)) = nodes.iter().zip(obstacle.gaps(mesh, &nodes)).find(|(_, gap)| gap.is_nan()) {
+        let [x, y] = mesh.nodes[node];
+        let message = format!("the cylinder does not reach over the contact node at ({x}, {y}) m");
+        return Err(scene.error_at(contact.obstacle.span.clone(), message, "use a larger radius"));
+    }
+    if let Some(node) = unreachable(mesh, dofs, boundary, &obstacle) {
         let [x, y] = mesh.nodes[node];
         let message = format!("supports hold the body inside the obstacle, at ({x}, {y}) m");
         return Err(scene.error_at(contact.boundary.span(), message, "use a gap of at least 0, or fewer supports"));
     }
-    Ok(contact_nodes(mesh, dofs, boundary, &plane))
+    let nodes = contact_nodes(mesh, dofs, boundary, &obstacle);
+    if nodes.is_empty() {
+        let message = format!("supports hold every node of the contact boundary `{}`", contact.boundary);
+        return Err(scene.error_at(contact.boundary.span(), message, "remove the contact or the support"));
+    }
+    Ok(nodes)
 }

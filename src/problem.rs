@@ -60,17 +60,16 @@ impl ContactProblem {
         self.c_n.rows()
     }
 
-    /// Units of order one for a run whose external nodal forces reach `largest_force` (N) and
-    /// whose gaps are `gap` (m): the stiffness of a typical node, and the displacement that the
-    /// force or an interference makes.
-    pub fn scaling(&self, largest_force: f64, gap: &[f64]) -> Scaling {
+    /// Units of order one for a run whose external nodal forces reach `largest_force` (N) and whose
+    /// obstacles reach `interference` (m) into the body: the stiffness of a typical node, and the
+    /// displacement that either makes.
+    pub fn scaling(&self, largest_force: f64, interference: f64) -> Scaling {
         let mut diagonal = self.stiffness.diagonal();
         let middle = diagonal.len() / 2;
         let stiffness = match diagonal.len() {
             0 => 1.0,
             _ => *diagonal.select_nth_unstable_by(middle, f64::total_cmp).1,
         };
-        let interference = gap.iter().fold(0.0_f64, |m, g| m.max(-g));
         Scaling::near(stiffness, interference.max(largest_force / stiffness))
     }
 }

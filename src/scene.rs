@@ -73,6 +73,25 @@ pub enum Mesh {
         /// Elements along x and y.
         elements: [usize; 2],
     },
+    /// A rectangle that stands for a half-plane pressed at the left end of its top.
+    HalfPlane(HalfPlane),
+}
+
+/// A rectangle, fine under a contact zone at the left end of its top and coarser away from it:
+/// half of a body that is symmetric about its left side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HalfPlane {
+    /// Width and height, m.
+    pub size: [f64; 2],
+    /// Width of the contact zone, m.
+    pub contact_width: f64,
+    /// Equal elements along the contact zone.
+    pub contact_elements: usize,
+    /// Equal elements along the rest of the top.
+    pub outer_elements: usize,
+    /// Layers of elements, in geometric progression from the top one, whose elements are square in
+    /// the contact zone, to the bottom.
+    pub layers: usize,
 }
 
 /// An isotropic linear elastic material in the plane, of unit thickness.
@@ -125,16 +144,35 @@ pub struct Contact {
 }
 
 /// A rigid obstacle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Obstacle {
+    /// Its shape and place.
+    pub shape: Shape,
+    /// Unit vector out of the body towards the obstacle; without it, the boundary's outward normal.
+    pub normal: Option<[f64; 2]>,
+    /// Unit vector of positive slip; without it, the normal turned by +90°.
+    pub tangent: Option<[f64; 2]>,
+    /// How far it has moved towards the body, against the normal: points `[time (s), distance (m)]`
+    /// with increasing times; linear between, constant outside. Empty if it does not move.
+    pub approach: Vec<[f64; 2]>,
+    /// Where the scene says it.
+    pub span: Range<usize>,
+}
+
+/// The shape of an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Obstacle {
+pub enum Shape {
     /// A plane.
     Plane {
         /// Distance to the nearest point of the boundary, m; negative for interference.
         gap: f64,
-        /// Unit vector out of the body towards the obstacle; without it, the boundary's outward normal.
-        normal: Option<[f64; 2]>,
-        /// Unit vector of positive slip; without it, the normal turned by +90°.
-        tangent: Option<[f64; 2]>,
+    },
+    /// A cylinder, its axis across the plane of the body.
+    Cylinder {
+        /// Radius, m.
+        radius: f64,
+        /// Its point nearest to the body, m.
+        apex: [f64; 2],
     },
 }
 

@@ -1,26 +1,35 @@
 //! The paper's tables, computed again.
 
+use std::time::Instant;
+
 use serde::Serialize;
 
-use crate::history::{self, HistorySettings, Status};
+use crate::history::{self, HistorySettings, IncrementRecord, Status};
 use crate::linear::{Direct, LinearError, Umfpack};
 use crate::model::{Model, ModelError};
 use crate::scene::{Override, Scene, SceneError};
 
-const TABLE_II: &str = include_str!("../data/reference/table2_block.csv");
-const BLOCK: &str = include_str!("../data/scenes/block.toml");
-
 /// Half a unit of the last digit that the paper prints: a difference up to this is rounding.
 pub const ROUNDING: f64 = 0.05;
 
-/// BN's figures of one row of Table II.
+/// A table of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PaperTable {
+    /// Table I: the punch.
+    Punch,
+    /// Table II: the elastic block.
+    Block,
+}
+
+/// BN's figures of one row of a table, as published.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct BlockCase {
-    /// Contact nodes n_c; the block has n_c × n_c elements.
+pub struct Case {
+    /// Contact nodes n_c; the block has n_c × n_c elements, the punch always 31 contact nodes.
     pub contact_nodes: usize,
     /// Friction coefficient.
     pub mu: f64,
-    /// Increments of each of the two paths.
+    /// Increments: of each of the two paths of the block, of the whole history of the punch.
     pub increments: usize,
     /// The paper's mean number of linear systems per increment.
     pub paper_nle: f64,
@@ -28,12 +37,12 @@ pub struct BlockCase {
     pub paper_nls: f64,
 }
 
-/// One row of Table II, the paper's figures and ours.
+/// One row of a table, the paper's figures and ours.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct BlockCell {
+pub struct Cell {
     /// The case.
     #[serde(flatten)]
-    pub case: BlockCase,
+    pub case: Case,
     /// Linear systems per increment here.
     pub nle: f64,
     /// Line search steps per increment here: `Σ (m_k + 1) - 1`.
@@ -63,7 +72,89 @@ impl From<SceneError> for TableError {
     }
 }
 
-impl BlockCell {
+impl PaperTable {
+    /// The heading.
+    pub fn title(self) -> &'static str {
+        match self {
+            PaperTable::Punch => "Table I, punch, Algorithm BN",
+            PaperTable::Block => "Table II, elastic block, Algorithm BN",
+        }
+    }
+
+    /// All rows as published.
+    pub fn cases(self) -> Vec<Case> {
+        let csv = match self {
+            PaperTable::Punch => include_str!("../data/reference/table1_punch.csv"),
+            PaperTable::Block => include_str!("../data/reference/table2_block.csv"),
+        };
+        let rows = csv.lines().skip(1).map(|line| line.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>());
+        let rows = rows.filter_map(|row| {
+            let mut row = row.ok()?;
+            if self == PaperTable::Punch {
+                row.insert(0, 31.0);
+            }
+            Some(row)
+        });
+        rows.filter_map(|row| match row[..] {
+            [contact_nodes, mu, increments, paper_nle, paper_nls, ..] => Some(Case {
+                contact_nodes: contact_nodes as usize,
+                mu,
+                increments: increments as usize,
+                paper_nle,
+                paper_nls,
+            }),
+            _ => None,
+        })
+        .collect()
+    }
+
+    /// The scene of a case.
+    fn scene(self, case: &Case) -> Result<Scene, SceneError> {
+        let friction = Override::value("contact.friction", case.mu);
+        let increments = case.increments as i64;
+        match self {
+            PaperTable::Punch => {
+                let text = include_str!("../data/scenes/punch.toml");
+                Scene::parse("punch.toml", text, &[friction, Override::value("time.increments", increments)])
+            }
+            PaperTable::Block => {
+                let n = case.contact_nodes as i64;
+                let elements = Override::value("mesh.elements", toml_edit::Array::from_iter([n, n]));
+                let text = include_str!("../data/scenes/block.toml");
+                let increments = Override::value("time.increments", 2 * increments);
+                Scene::parse("block.toml", text, &[elements, friction, increments])
+            }
+        }
+    }
+
+    /// Computes one row with the setting `paper` on the uncondensed system.
+    ///
+    /// # Errors
+    /// When memory is short; the scenes themselves are sound.
+    pub fn cell(self, case: &Case) -> Result<Cell, TableError> {
+        let start = Instant::now();
+        let scene = self.scene(case)?;
+        let model = Model::new(&scene)?;
+        let solver = &scene.solver;
+        let settings = HistorySettings::paper(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
+        let mut linear = Direct::new(Box::new(Umfpack::default()));
+        let times = scene.time.all();
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ())?;
+        let mean = |count: fn(&IncrementRecord) -> usize| {
+            outcome.records.iter().map(count).sum::<usize>() as f64 / outcome.records.len() as f64
+        };
+        Ok(Cell {
+            case: *case,
+            nle: mean(|record| record.iterations),
+            nls: mean(|record| record.iterations + record.backtracks) - 1.0,
+            status: outcome.status,
+            worst_error: outcome.records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+}
+
+impl Cell {
     /// Here minus paper.
     pub fn nle_difference(&self) -> f64 {
         self.nle - self.case.paper_nle
@@ -103,64 +194,18 @@ impl Agreement {
     }
 }
 
-/// BN's part of Table II as published.
-pub fn block_cases() -> Vec<BlockCase> {
-    let rows = TABLE_II.lines().skip(1).map(|line| line.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>());
-    rows.filter_map(|row| match row.ok()?[..] {
-        [contact_nodes, mu, increments, paper_nle, paper_nls, ..] => Some(BlockCase {
-            contact_nodes: contact_nodes as usize,
-            mu,
-            increments: increments as usize,
-            paper_nle,
-            paper_nls,
-        }),
-        _ => None,
-    })
-    .collect()
-}
-
-/// Computes one row of Table II with the setting `paper` on the uncondensed system.
-///
-/// # Errors
-/// When memory is short; the scene itself is sound.
-pub fn block_cell(case: &BlockCase) -> Result<BlockCell, TableError> {
-    let BlockCase { contact_nodes: n, mu, increments, .. } = *case;
-    let start = std::time::Instant::now();
-    let overrides = [
-        Override::value("mesh.elements", toml_edit::Array::from_iter([n as i64, n as i64])),
-        Override::value("contact.friction", mu),
-        Override::value("time.increments", 2 * increments as i64),
-    ];
-    let scene = Scene::parse("block.toml", BLOCK, &overrides)?;
-    let model = Model::new(&scene)?;
-    let solver = &scene.solver;
-    let settings = HistorySettings::paper(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
-    let outcome = history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut ())?;
-    let mean = |count: &dyn Fn(&history::IncrementRecord) -> usize| {
-        outcome.records.iter().map(count).sum::<usize>() as f64 / outcome.records.len() as f64
-    };
-    Ok(BlockCell {
-        case: *case,
-        nle: mean(&|record| record.iterations),
-        nls: mean(&|record| record.iterations + record.backtracks) - 1.0,
-        status: outcome.status,
-        worst_error: outcome.records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
-        seconds: start.elapsed().as_secs_f64(),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn the_published_table_is_complete() {
-        let cases = block_cases();
-        assert_eq!(cases.len(), 75);
-        let last = cases[74];
+    fn the_published_tables_are_complete() {
+        let (punch, block) = (PaperTable::Punch.cases(), PaperTable::Block.cases());
+        assert_eq!((punch.len(), block.len()), (21, 75));
+        let last = block[74];
         assert_eq!((last.contact_nodes, last.mu, last.increments), (100, 0.8, 50));
         assert_eq!((last.paper_nle, last.paper_nls), (2.7, 18.5));
+        assert_eq!((punch[20].mu, punch[20].increments, punch[20].paper_nls), (0.8, 100, 23.3));
     }
 
     #[test]

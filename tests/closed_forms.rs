@@ -94,7 +94,7 @@ fn one_node() {
         c_n.push_row([(1, 1.0)]);
         let problem = ContactProblem { stiffness, c_n, c_t, mu: vec![mu], weight: vec![1.0], free_motions: Vec::new() };
         let case = LoadCase { force: force.to_vec(), history: vec![[0.0, 0.0], [1.0, 1.0]] };
-        let loading = Loading { cases: vec![case], gap: vec![0.0] };
+        let loading = Loading { cases: vec![case], gap: vec![0.0], ..Loading::default() };
         let settings = HistorySettings {
             bn: BnSettings { epsilon: 1e-24, ..BnSettings::paper(50) },
             conventions: Conventions { r: vec![1.0], row_unit: vec![1.0] },

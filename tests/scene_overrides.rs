@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
 use miette::Diagnostic;
-use stickslip::scene::{Mesh, Obstacle, Override, Plane, Scene, SceneError};
+use stickslip::scene::{Mesh, Obstacle, Override, Plane, Scene, SceneError, Shape};
 
 const BLOCK: &str = include_str!("../data/scenes/block.toml");
 
@@ -35,8 +35,8 @@ fn line_of(marker: &str) -> usize {
     1 + BLOCK[..BLOCK.find(marker).unwrap()].matches('\n').count()
 }
 
-fn gap(obstacle: Obstacle) -> f64 {
-    let Obstacle::Plane { gap, .. } = obstacle;
+fn gap(obstacle: &Obstacle) -> f64 {
+    let Shape::Plane { gap } = obstacle.shape else { panic!("not a plane") };
     gap
 }
 
@@ -88,7 +88,7 @@ fn one_contact_or_all() {
     assert_eq!(frictions(&["contact.friction=0.7"]), [0.7, 0.7]);
     assert_eq!(frictions(&["contact[0].friction=0.7"]), [0.7, 0.2]);
     assert_eq!(frictions(&["contact[1].friction=0.7"]), [0.4, 0.7]);
-    let gaps = |sets: &[&str]| two_contacts(sets).contacts.iter().map(|c| gap(c.obstacle)).collect::<Vec<_>>();
+    let gaps = |sets: &[&str]| two_contacts(sets).contacts.iter().map(|c| gap(&c.obstacle)).collect::<Vec<_>>();
     assert_eq!(gaps(&["contact.obstacle.gap=3e-5"]), [3e-5, 3e-5]);
     assert_eq!(gaps(&["contact[0].obstacle.gap=3e-5"]), [3e-5, 2e-5]);
     let loads = scene(&["load[1].traction=[1, 2]"]).loads;
@@ -113,8 +113,8 @@ fn what_the_scene_leaves_out_is_added() {
     let solver = parse(&bare, &["solver.max_iterations=7", "solver.tolerance=1e-6"]).unwrap().solver;
     assert_eq!((solver.max_iterations, solver.tolerance), (7, 1e-6));
     let changed = scene(&["contact.obstacle.normal=[0, -2]"]);
-    let Obstacle::Plane { gap, normal, .. } = changed.contacts[0].obstacle;
-    assert_eq!((gap, normal), (1e-5, Some([0.0, -1.0])));
+    let obstacle = &changed.contacts[0].obstacle;
+    assert_eq!((gap(obstacle), obstacle.normal), (1e-5, Some([0.0, -1.0])));
     // An added table is checked as any other.
     let error = parse(&bare, &["output.times=[5]"]).unwrap_err().to_string();
     assert!(error.contains("output.times holds 5"), "{error}");

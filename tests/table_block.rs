@@ -5,14 +5,14 @@ mod common;
 
 use stickslip::history::Status;
 use stickslip::model::Model;
-use stickslip::tables::{ROUNDING, block_cases, block_cell};
+use stickslip::tables::{PaperTable, ROUNDING};
 
 /// Iteration counts equal the published ones to rounding. The cells with 100 contact nodes take
 /// minutes: `stickslip tables block` computes those.
 #[test]
 fn table_ii_up_to_20_contact_nodes() {
-    for case in block_cases().iter().filter(|case| case.contact_nodes <= 20) {
-        let cell = block_cell(case).unwrap();
+    for case in PaperTable::Block.cases().iter().filter(|case| case.contact_nodes <= 20) {
+        let cell = PaperTable::Block.cell(case).unwrap();
         assert_eq!(cell.status, Status::Converged, "{cell:?}");
         assert!(cell.nle_difference().abs() <= ROUNDING + 1e-9, "{cell:?}");
         assert!(cell.nls_difference().abs() <= ROUNDING + 1e-9, "{cell:?}");
@@ -21,8 +21,8 @@ fn table_ii_up_to_20_contact_nodes() {
 
 #[test]
 fn table_ii_with_50_contact_nodes_and_5_increments() {
-    for case in block_cases().iter().filter(|case| case.contact_nodes == 50 && case.increments == 5) {
-        let cell = block_cell(case).unwrap();
+    for case in PaperTable::Block.cases().iter().filter(|case| case.contact_nodes == 50 && case.increments == 5) {
+        let cell = PaperTable::Block.cell(case).unwrap();
         assert!(cell.nle_difference().abs() <= ROUNDING + 1e-9, "{cell:?}");
         assert!(cell.nls_difference().abs() <= ROUNDING + 1e-9, "{cell:?}");
     }

@@ -3,7 +3,7 @@
 use clap::Args;
 use stickslip::formulation::Layout;
 use stickslip::model::Model;
-use stickslip::scene::{Material, Mesh, Obstacle, Plane, Scene};
+use stickslip::scene::{HalfPlane, Material, Mesh, Plane, Scene, Shape};
 
 use super::{Failure, SceneArgs};
 
@@ -40,9 +40,16 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 }
 
 fn body(scene: &Scene, model: &Model) {
-    let Mesh::Block { size: [width, height], elements: [nx, ny] } = scene.mesh;
+    let kind = match scene.mesh {
+        Mesh::Block { size: [width, height], elements: [nx, ny] } => {
+            format!("block {width} m x {height} m, {nx} x {ny}")
+        }
+        Mesh::HalfPlane(HalfPlane { size: [width, height], contact_elements, outer_elements, layers, .. }) => {
+            format!("half-plane {width} m x {height} m, ({contact_elements} + {outer_elements}) x {layers}")
+        }
+    };
     say!(
-        "mesh         block {width} m x {height} m, {nx} x {ny} bilinear quadrilaterals, {} nodes, boundaries {}",
+        "mesh         {kind} bilinear quadrilaterals, {} nodes, boundaries {}",
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
     );
@@ -60,8 +67,15 @@ fn body(scene: &Scene, model: &Model) {
 
 fn contact(scene: &Scene, model: &Model) {
     for contact in &scene.contacts {
-        let Obstacle::Plane { gap, .. } = contact.obstacle;
-        say!("contact      {}: plane at {} m, mu = {}", contact.boundary, number(gap), contact.friction);
+        let shape = match contact.obstacle.shape {
+            Shape::Plane { gap } => format!("plane at {} m", number(gap)),
+            Shape::Cylinder { radius, apex: [x, y] } => format!("cylinder, radius {radius} m, apex ({x}, {y}) m"),
+        };
+        let moves = match contact.obstacle.approach.last() {
+            Some([t, distance]) => format!(", moves in by {} m until {t} s", number(*distance)),
+            None => String::new(),
+        };
+        say!("contact      {}: {shape}{moves}, mu = {}", contact.boundary, contact.friction);
     }
     let layout = Layout::new(&model.problem);
     say!("unknowns     {} displacements u", layout.displacements());

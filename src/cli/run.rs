@@ -163,16 +163,34 @@ fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
     };
     let (law, error) = record.kkt.worst();
     let violated = format!("{law} is violated by {error:.1e} (tolerance {:.0e})", scene.solver.tolerance);
+    let tried = scene.solver.max_iterations;
     let why = match outcome.status {
         Status::Singular => unheld(model, outcome),
-        Status::MaxIterations => format!(
-            "no convergence within {} iterations: {violated}; try more increments (time.increments)",
-            scene.solver.max_iterations
+        Status::MaxIterations => {
+            format!("no convergence within max_iterations = {tried}: {violated}; {}", advice(scene))
+        }
+        Status::Inaccurate if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
+            "{violated}, which is what rounding the displacements of so slender a body makes; \
+             if that is enough, set solver.tolerance above it"
         ),
-        Status::Inaccurate => format!("the method stopped with Theta = {:.1e}, but {violated}", record.theta),
+        Status::Inaccurate => {
+            format!("the method stopped with Theta = {:.1e}, but {violated}; {}", record.theta, advice(scene))
+        }
         _ => violated,
     };
     format!("increment {} (t = {} s): {why}", record.index, record.time)
+}
+
+/// What to try when the iteration stops too late or too early.
+fn advice(scene: &Scene) -> &'static str {
+    // The setting's r is ten times the modulus of steel; the window that works is two decades wide.
+    let Setting::Paper = scene.solver.setting;
+    if (1e10..1e13).contains(&scene.material.young) {
+        "the setting paper stops at an absolute Theta, made for loads of MN; \
+         try loads of that size or more increments (time.increments)"
+    } else {
+        "the setting paper has r = 1e12 l, made for moduli near 2e11 Pa: scale modulus and loads alike"
+    }
 }
 
 fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
@@ -202,10 +220,13 @@ fn print_verdict(report: &RunReport, increments: usize) {
         .increments
         .iter()
         .map(|record| record.kkt.worst())
-        .fold(("none", 0.0), |a, b| if b.1 > a.1 { b } else { a });
+        .fold(("none", 0.0), |a, b| if b.1.is_nan() || b.1 > a.1 { b } else { a });
     say!("\nverdict      {}, {done} of {increments} increments", report.status);
     if !report.reason.is_empty() {
         say!("             {}", report.reason);
+    }
+    if report.increments.is_empty() {
+        return;
     }
     say!("error        {error:.1e} at most ({law}); backward error of the solves {:.1e}", totals.backward_error);
     say!("contact      sum p_n = {:.6e} N, sum p_t = {:.6e} N", report.end.sum_p_n, report.end.sum_p_t);

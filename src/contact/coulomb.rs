@@ -1,14 +1,21 @@
 //! The laws of Signorini and Coulomb at one contact node as equations, and their linearisation:
 //! the rows of (19) and the cases of (21). Pure functions of scalars, in any consistent units.
 
-/// `x₊ = max(x, 0)`.
+/// `x₊ = max(x, 0)`; NaN stays NaN, where `f64::max` would make it 0.
 pub fn positive(x: f64) -> f64 {
-    x.max(0.0)
+    if x <= 0.0 { 0.0 } else { x }
 }
 
 /// `Π(q)`, the projection on the friction interval `|p_t| ≤ radius`, the 2D form of (18).
 pub fn project(q: f64, radius: f64) -> f64 {
-    q.clamp(-radius, radius)
+    // Not `clamp`, which panics if the radius is not a number.
+    if q > radius {
+        radius
+    } else if q < -radius {
+        -radius
+    } else {
+        q
+    }
 }
 
 /// The normal row of (19): `-min(p_n, r (g - w_n))`.

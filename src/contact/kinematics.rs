@@ -1,6 +1,6 @@
 //! The contact nodes of a boundary: gaps, weights, and rows of `C_n` and `C_t` (2).
 
-use super::obstacle::Plane;
+use super::obstacle::Obstacle;
 use crate::fem::Dofs;
 use crate::mesh::{Boundary, Mesh};
 
@@ -23,9 +23,9 @@ pub struct ContactNode {
 
 /// The nodes of `boundary` that can move towards the obstacle. A node that supports hold along the
 /// normal carries no contact force and is left out.
-pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, plane: &Plane) -> Vec<ContactNode> {
+pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &Obstacle) -> Vec<ContactNode> {
     let nodes = boundary.nodes();
-    let gaps = plane.gaps(mesh, &nodes);
+    let gaps = obstacle.gaps(mesh, &nodes);
     let mut weights = vec![0.0; mesh.nodes.len()];
     for &edge in &boundary.edges {
         let [dx, dy] = mesh.edge_vector(edge);
@@ -41,8 +41,13 @@ pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, plane: &Plan
         .map(|(&node, gap)| ContactNode {
             node,
             position: mesh.nodes[node],
-            normal: row(node, plane.normal),
-            tangent: row(node, plane.tangent),
+            normal: row(node, obstacle.normal),
+            // With one free component, tangential motion is normal motion: nothing is left to slide.
+            tangent: if dofs.node(node).contains(&None) && !row(node, obstacle.normal).is_empty() {
+                Vec::new()
+            } else {
+                row(node, obstacle.tangent)
+            },
             gap,
             weight: weights[node],
         })
@@ -52,16 +57,17 @@ pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, plane: &Plan
 
 /// The first node of `boundary` that interferes with the obstacle while supports hold it there:
 /// no displacement can bring it out.
-pub fn unreachable(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, plane: &Plane) -> Option<usize> {
+pub fn unreachable(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &Obstacle) -> Option<usize> {
     let nodes = boundary.nodes();
-    let gaps = plane.gaps(mesh, &nodes);
-    let held = |node: usize| dofs.node(node).into_iter().zip(plane.normal).all(|(dof, n)| dof.is_none() || n == 0.0);
+    let gaps = obstacle.gaps(mesh, &nodes);
+    let held = |node: usize| dofs.node(node).into_iter().zip(obstacle.normal).all(|(dof, n)| dof.is_none() || n == 0.0);
     nodes.into_iter().zip(gaps).find(|&(node, gap)| gap < 0.0 && held(node)).map(|(node, _)| node)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::Shape;
     use crate::mesh::block;
 
     #[test]
@@ -69,13 +75,16 @@ mod tests {
         let mesh = block([1.0, 1.0], [4, 4]);
         let dofs = Dofs::new(&mesh, |node, _| mesh.nodes[node][0] == 0.0);
         let bottom = mesh.boundary("bottom").unwrap();
-        let plane = Plane::facing(&mesh, bottom, 1e-5, None, None).unwrap();
+        let plane = Obstacle::facing(&mesh, bottom, Shape::Plane { gap: 1e-5 }, None, None).unwrap();
         let contacts = contact_nodes(&mesh, &dofs, bottom, &plane);
         assert_eq!(contacts.iter().map(|c| c.position[0]).collect::<Vec<_>>(), [0.25, 0.5, 0.75, 1.0]);
         assert_eq!(contacts.iter().map(|c| c.weight).collect::<Vec<_>>(), [0.25, 0.25, 0.25, 0.125]);
         let [x, y] = dofs.node(1).map(Option::unwrap);
         assert_eq!((contacts[0].normal.clone(), contacts[0].tangent.clone()), (vec![(y, -1.0)], vec![(x, 1.0)]));
         assert_eq!(unreachable(&mesh, &dofs, bottom, &plane), None);
-        assert_eq!(unreachable(&mesh, &dofs, bottom, &Plane { gap: -1e-9, ..plane }), Some(0));
+        assert_eq!(
+            unreachable(&mesh, &dofs, bottom, &Obstacle { shape: Shape::Plane { gap: -1e-9 }, ..plane }),
+            Some(0)
+        );
     }
 }

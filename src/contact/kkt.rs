@@ -2,7 +2,8 @@
 //!
 //! It shares nothing with the solvers but the problem itself, in SI units: no `r`, no merit
 //! function, no scaling. Every component is relative and unit-free. Forces are compared with the
-//! largest external or contact force, displacements with the largest displacement or interference.
+//! largest external or contact force, displacements with the largest displacement or interference,
+//! of the history so far: after full unloading there is nothing else to compare rounding with.
 
 use serde::Serialize;
 
@@ -10,7 +11,7 @@ use super::coulomb::{positive, project};
 use crate::problem::{ContactProblem, Increment, State};
 
 /// What forces and displacements are compared with.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct KktScales {
     /// The largest external nodal force or contact force, N.
     pub force: f64,
@@ -19,7 +20,13 @@ pub struct KktScales {
 }
 
 impl KktScales {
-    /// The scales of a state.
+    /// The scales of a state that others came before.
+    pub fn after(earlier: &KktScales, increment: &Increment<'_>, state: &State) -> Self {
+        let scales = KktScales::new(increment, state);
+        KktScales { force: scales.force.max(earlier.force), length: scales.length.max(earlier.length) }
+    }
+
+    /// The scales of a single state.
     pub fn new(increment: &Increment<'_>, state: &State) -> Self {
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let interference = increment.gap.iter().fold(0.0_f64, |m, g| m.max(-g));
@@ -62,9 +69,8 @@ pub struct KktErrors {
 }
 
 impl KktErrors {
-    /// Measures `state` against the law of one increment.
-    pub fn measure(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Self {
-        let scales = KktScales::new(increment, state);
+    /// Measures `state` against the law of one increment, relative to `scales`.
+    pub fn measure(problem: &ContactProblem, increment: &Increment<'_>, state: &State, scales: &KktScales) -> Self {
         let mut balance = vec![0.0; state.u.len()];
         problem.stiffness.mul(&state.u, &mut balance);
         problem.c_n.add_transposed(&state.p_n, &mut balance);
@@ -125,6 +131,16 @@ fn exceeds(a: f64, b: f64) -> bool {
     !b.is_nan() && (a.is_nan() || a > b)
 }
 
+/// The equilibrium error that rounding the displacements to double precision makes, relative to the
+/// force scale: `ε |K| |u| / F`. In slender bodies it is far above ε, and no solver can do better.
+pub fn rounding_level(problem: &ContactProblem, state: &State, scales: &KktScales) -> f64 {
+    let mut sums = vec![0.0; state.u.len()];
+    for (row, column, value) in problem.stiffness.entries() {
+        sums[row] += (value * state.u[column]).abs();
+    }
+    f64::EPSILON * sums.into_iter().fold(0.0, f64::max) / scales.force
+}
+
 /// What a contact node does at the end of an increment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -139,8 +155,12 @@ pub enum ContactStatus {
 
 /// The status of every contact node, from the state alone: of each complementary pair (pressure
 /// and distance; friction reserve and slip) the relatively larger one decides.
-pub fn statuses(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Vec<ContactStatus> {
-    let scales = KktScales::new(increment, state);
+pub fn statuses(
+    problem: &ContactProblem,
+    increment: &Increment<'_>,
+    state: &State,
+    scales: &KktScales,
+) -> Vec<ContactStatus> {
     let status = |i: usize| {
         let distance = increment.gap[i] - problem.c_n.dot(i, &state.u);
         if scales.force(positive(state.p_n[i])) <= scales.length(positive(distance)) {

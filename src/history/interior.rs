@@ -2,8 +2,8 @@
 //!
 //! The paper eliminates them (33)–(35): its unknowns are those of the contact nodes, and the
 //! interior is always in equilibrium with the load. On the uncondensed system the same iterates
-//! come from a start in which the contact nodes stay where they are and the interior follows the
-//! new load. Loads are combinations of a few cases, so the interior's answer to each is worked out
+//! come from a start in which the contact nodes stay where they are (without friction: stay at their
+//! distance) and the interior follows the new load. Loads are combinations of a few cases, so the interior's answer to each is worked out
 //! once a run.
 
 use crate::formulation::{Bdiff, Formulation};
@@ -44,7 +44,11 @@ impl Interior {
                 for (to, from) in rhs.iter_mut().zip(&case.force) {
                     *to = from / formulation.scaling().force;
                 }
-                linear.solve(formulation.jacobian(), &rhs, &mut z)?;
+                match linear.solve(formulation.jacobian(), &rhs, &mut z) {
+                    Ok(_) => {}
+                    Err(LinearError::NotFinite) => return Ok(Err(None)),
+                    Err(error) => return Err(error),
+                }
                 answers.push(z[..n_u].to_vec());
             }
         }

@@ -33,6 +33,7 @@ pub struct Statistics {
 /// A direct solver in front of a backend.
 pub struct Direct {
     backend: Box<dyn LinearSolver>,
+    pattern: Option<Arc<Pattern>>,
     work: Workspace,
     statistics: Statistics,
 }
@@ -40,7 +41,7 @@ pub struct Direct {
 impl Direct {
     /// Wraps `backend`.
     pub fn new(backend: Box<dyn LinearSolver>) -> Self {
-        Direct { backend, work: Workspace::default(), statistics: Statistics::default() }
+        Direct { backend, pattern: None, work: Workspace::default(), statistics: Statistics::default() }
     }
 
     /// The backend's name.
@@ -60,6 +61,7 @@ impl Direct {
     pub fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
         let start = Instant::now();
         self.backend.analyze(pattern)?;
+        self.pattern = Some(Arc::clone(pattern));
         self.statistics.analyses += 1;
         self.statistics.analysis_seconds += start.elapsed().as_secs_f64();
         Ok(())
@@ -68,8 +70,12 @@ impl Direct {
     /// Factors `a`, which must stand on the analysed pattern.
     ///
     /// # Errors
-    /// As [`LinearSolver::factorize`].
+    /// As [`LinearSolver::factorize`], and [`LinearError::PatternChanged`].
     pub fn factorize(&mut self, a: &Csc) -> Result<FactorInfo, LinearError> {
+        let pattern = self.pattern.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
+        if !Arc::ptr_eq(pattern, &a.pattern) && *pattern != a.pattern {
+            return Err(LinearError::PatternChanged);
+        }
         let start = Instant::now();
         let info = self.backend.factorize(&a.values)?;
         self.statistics.factorizations += 1;

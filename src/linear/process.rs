@@ -8,32 +8,31 @@ use std::ffi::c_int;
 
 use libloading::os::unix::Library;
 
-type SetThreads = unsafe extern "C" fn(c_int);
-
-/// Thread controls of the BLAS libraries that have one, in C calling convention by value.
-const CONTROLS: [(&str, &[u8]); 3] = [
-    ("OpenBLAS", b"openblas_set_num_threads\0"),
-    ("BLIS", b"bli_thread_set_num_threads\0"),
-    ("MKL", b"MKL_Set_Num_Threads\0"),
-];
-
 /// Sets the number of BLAS threads and returns the name of the library that took it.
 ///
 /// Fronts of two-dimensional problems are small: a second BLAS thread gains little and, on a busy
 /// machine, can cost an order of magnitude. Which BLAS is loaded is only known at run time, so its
 /// thread control is looked up by name. `None` means that it has none, as the reference BLAS, which
-/// is single-threaded and two to six times slower here than OpenBLAS.
+/// is single-threaded and slower.
 pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
-    let threads = c_int::try_from(threads.max(1)).unwrap_or(c_int::MAX);
     let process = Library::this();
-    CONTROLS.iter().find_map(|&(name, symbol)| {
-        // SAFETY: all three symbols are functions that take the number of threads and return
-        // nothing (BLIS takes its own integer, which is as wide or read from the same register).
-        let control = unsafe { process.get::<SetThreads>(symbol) }.ok()?;
-        // SAFETY: setting the number of threads has no precondition but a positive number.
-        unsafe { control(threads) };
-        Some(name)
-    })
+    let count = c_int::try_from(threads.max(1)).unwrap_or(c_int::MAX);
+    // SAFETY (both): the symbols are the libraries' documented functions, which take the number of
+    // threads as a C int (OpenBLAS, MKL) or as a 64-bit integer (BLIS) and return nothing; any
+    // positive number is valid.
+    for (name, symbol) in [("OpenBLAS", &b"openblas_set_num_threads\0"[..]), ("MKL", b"MKL_Set_Num_Threads\0")] {
+        // SAFETY: see above.
+        if let Ok(set) = unsafe { process.get::<unsafe extern "C" fn(c_int)>(symbol) } {
+            // SAFETY: see above.
+            unsafe { set(count) };
+            return Some(name);
+        }
+    }
+    // SAFETY: see above.
+    let set = unsafe { process.get::<unsafe extern "C" fn(i64)>(b"bli_thread_set_num_threads\0") }.ok()?;
+    // SAFETY: see above.
+    unsafe { set(i64::from(count)) };
+    Some("BLIS")
 }
 
 /// Keeps freed memory in the process instead of giving it back to the system.

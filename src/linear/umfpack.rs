@@ -221,13 +221,14 @@ impl LinearSolver for Umfpack {
     }
 }
 
-/// Maps every status but 0 to an error: even the warning "singular" leaves Inf and NaN behind.
-fn check(status: i64, step: &'static str, pivot_ratio: f64) -> Result<(), LinearError> {
+/// Maps every status but 0 to an error: even the warning "singular" leaves Inf and NaN behind. The
+/// status is a long in 5.x and an int in 7.x.
+fn check(status: impl Into<i64>, step: &'static str, pivot_ratio: f64) -> Result<(), LinearError> {
     const OK: i64 = sys::UMFPACK_OK as i64;
     const SINGULAR: i64 = sys::UMFPACK_WARNING_singular_matrix as i64;
     const OUT_OF_MEMORY: i64 = sys::UMFPACK_ERROR_out_of_memory as i64;
     const DIFFERENT_PATTERN: i64 = sys::UMFPACK_ERROR_different_pattern as i64;
-    match status {
+    match status.into() {
         OK => Ok(()),
         SINGULAR => Err(LinearError::Singular { pivot_ratio }),
         OUT_OF_MEMORY => Err(LinearError::OutOfMemory { step }),

@@ -5,12 +5,16 @@ use super::{Boundary, Mesh};
 /// A rectangle `size` (m) with its lower left corner in the origin, divided into `elements` equal
 /// quadrilaterals along x and y; boundaries `bottom`, `right`, `top` and `left`.
 pub fn block(size: [f64; 2], elements: [usize; 2]) -> Mesh {
-    let [nx, ny] = elements;
+    // i / n is exact at both ends, so the sides are exactly straight.
+    let along = |c: usize| (0..=elements[c]).map(|i| size[c] * i as f64 / elements[c] as f64).collect::<Vec<f64>>();
+    rectangle(&along(0), &along(1))
+}
+
+/// The mesh of the products of the coordinates `xs` and `ys`, both ascending.
+pub(super) fn rectangle(xs: &[f64], ys: &[f64]) -> Mesh {
+    let (nx, ny) = (xs.len() - 1, ys.len() - 1);
     let node = |i: usize, j: usize| j * (nx + 1) + i;
-    // i / nx is exact at both ends, so the sides are exactly straight.
-    let nodes = (0..=ny)
-        .flat_map(|j| (0..=nx).map(move |i| [size[0] * i as f64 / nx as f64, size[1] * j as f64 / ny as f64]))
-        .collect();
+    let nodes = ys.iter().flat_map(|&y| xs.iter().map(move |&x| [x, y])).collect();
     let quads = (0..ny)
         .flat_map(|j| (0..nx).map(move |i| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]))
         .collect();

@@ -29,15 +29,16 @@ pub struct Bn {
     settings: BnSettings,
     h: Vec<f64>,
     dz: Vec<f64>,
-    /// Whether `linear` holds the factors of the formulation's current Jacobian.
-    factored: bool,
+    /// The number of factorisations that `linear` had made after this solver's last one: if it is
+    /// still the same, its factors are those of the last linearisation.
+    factored: Option<usize>,
 }
 
 impl Bn {
     /// A solver for `unknowns` equations.
     pub fn new(settings: BnSettings, unknowns: usize) -> Self {
         let zeros = || vec![0.0; unknowns];
-        Bn { settings, h: zeros(), dz: zeros(), factored: false }
+        Bn { settings, h: zeros(), dz: zeros(), factored: None }
     }
 
     /// Solves `H(z) = 0` from the given `z`, which is left at the last iterate. `linear` must have
@@ -68,14 +69,11 @@ impl Bn {
             // Step 2: the direction, H(z) + H̃'(z; dz) = 0 (22). The matrix is factored unless it is
             // that of the last direction.
             let changed = clock.time(|| formulation.linearize(z));
-            if changed || !self.factored {
-                self.factored = false;
-                if let Some(motion) = formulation.unheld_motion() {
-                    return outcome(Stop::Unheld(motion), k, backtracks, theta, backward_error, &clock);
-                }
+            let fresh = changed || self.factored != Some(linear.statistics().factorizations);
+            if fresh && let Some(motion) = formulation.unheld_motion() {
+                return outcome(Stop::Unheld(motion), k, backtracks, theta, backward_error, &clock);
             }
-            let fresh = !self.factored;
-            match self.direction(formulation, linear) {
+            match self.direction(formulation, linear, fresh) {
                 Ok(error) => backward_error = backward_error.max(error),
                 Err(error @ (LinearError::Singular { .. } | LinearError::NotFinite)) => {
                     return outcome(Stop::Singular(error), k, backtracks, theta, backward_error, &clock);
@@ -118,10 +116,16 @@ impl Bn {
     }
 
     /// Solves for `dz`; returns the backward error.
-    fn direction<F: Formulation>(&mut self, formulation: &F, linear: &mut Direct) -> Result<f64, LinearError> {
-        if !self.factored {
+    fn direction<F: Formulation>(
+        &mut self,
+        formulation: &F,
+        linear: &mut Direct,
+        fresh: bool,
+    ) -> Result<f64, LinearError> {
+        if fresh {
+            self.factored = None;
             linear.factorize(formulation.jacobian())?;
-            self.factored = true;
+            self.factored = Some(linear.statistics().factorizations);
         }
         // The factors solve for -dz; only its sign is turned.
         let info = linear.solve(formulation.jacobian(), &self.h, &mut self.dz)?;

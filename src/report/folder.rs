@@ -1,7 +1,7 @@
 //! The folder of a run's results, filled while the run goes on.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Seek, Write};
+use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use super::contact_line::ContactLine;
@@ -21,18 +21,29 @@ impl ResultFolder {
     /// here, and opens `increments.csv`.
     ///
     /// # Errors
-    /// When the folder cannot be made or written.
+    /// When the folder cannot be made or written, or holds files of these names that no run wrote.
     pub fn create(path: &Path) -> io::Result<Self> {
         fs::create_dir_all(path)?;
+        let earlier: Vec<_> = fs::read_dir(path)?
+            .filter_map(Result::ok)
+            .filter(|entry| entry.file_name().to_str().is_some_and(is_ours))
+            .map(|entry| entry.path())
+            .filter(|path| path.is_file())
+            .collect();
+        let header = csv::increment_header();
+        let mut found = vec![0; header.len()];
+        let read = File::open(path.join("increments.csv")).and_then(|mut file| file.read_exact(&mut found));
+        let ours = read.is_ok() && found == header.as_bytes();
+        if let Some(file) = earlier.first().filter(|_| !ours) {
+            let message = format!("{} is there already, and no run of stickslip wrote it", file.display());
+            return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
+        }
         let mut increments =
             OpenOptions::new().create(true).write(true).truncate(true).open(path.join("increments.csv"))?;
-        for entry in fs::read_dir(path)? {
-            let entry = entry?;
-            if entry.file_name().to_str().is_some_and(is_ours) {
-                fs::remove_file(entry.path())?;
-            }
+        for file in earlier.iter().filter(|file| file.file_name() != Some("increments.csv".as_ref())) {
+            fs::remove_file(file)?;
         }
-        increments.write_all(csv::increment_header().as_bytes())?;
+        increments.write_all(header.as_bytes())?;
         Ok(ResultFolder { path: path.to_path_buf(), increments })
     }
 
@@ -83,11 +94,12 @@ impl ResultFolder {
     }
 }
 
-/// Whether a run writes a file of this name besides `increments.csv`.
+/// Whether a run writes a file of this name.
 fn is_ours(name: &str) -> bool {
     let stem = |suffix: &str| name.strip_prefix("contact_")?.strip_suffix(suffix);
     let number = stem(".csv").or_else(|| stem(".svg"));
-    name == "run.json" || number.is_some_and(|digits| digits.len() >= 4 && digits.bytes().all(|b| b.is_ascii_digit()))
+    ["run.json", "increments.csv"].contains(&name)
+        || number.is_some_and(|digits| digits.len() >= 4 && digits.bytes().all(|b| b.is_ascii_digit()))
 }
 
 #[cfg(test)]
@@ -96,7 +108,7 @@ mod tests {
 
     #[test]
     fn only_files_of_a_run_are_replaced() {
-        assert!(["run.json", "contact_0001.csv", "contact_12345.svg"].into_iter().all(is_ours));
+        assert!(["run.json", "increments.csv", "contact_0001.csv", "contact_12345.svg"].into_iter().all(is_ours));
         assert!(!["contact_.csv", "contact_0001.txt", "contact_mine.csv", "notes.md"].into_iter().any(is_ours));
     }
 }

@@ -1,15 +1,15 @@
 //! From the file as it stands to a scene that can be solved.
 
+mod mesh;
+mod obstacle;
+
 use std::ops::Range;
 
 use toml::Spanned;
 
 use super::document::{self, Direction, Document, Pair};
 use super::error::Source;
-use super::{Contact, Load, Material, Mesh, Name, Obstacle, Output, Scene, SceneError, Solver, Support, Time};
-
-/// Beyond this a mesh is a slip of the pen, not a model: no matrix of it would fit into memory.
-const MOST_ELEMENTS: i64 = 50_000_000;
+use super::{Contact, Load, Material, Name, Output, Scene, SceneError, Solver, Support, Time};
 
 /// Checks every value of `document`, which was read from `source`.
 pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneError> {
@@ -50,6 +50,22 @@ impl Check<'_> {
         self.fail(value.span(), format!("{name} is {:?}, but must be {must}", value.get_ref()), help)
     }
 
+    /// The value of a key that this kind of thing needs.
+    fn needed<'a, T>(
+        &self,
+        name: &str,
+        value: Option<&'a Spanned<T>>,
+        kind: &Range<usize>,
+        whose: &str,
+    ) -> Result<&'a Spanned<T>, SceneError> {
+        value.map_or_else(|| self.fail(kind.clone(), format!("{whose} needs {name}"), "add the key"), Ok)
+    }
+
+    /// Fails if a key is given that belongs to another kind of thing.
+    fn foreign<T>(&self, name: &str, value: Option<&Spanned<T>>, whose: &str) -> Result<(), SceneError> {
+        value.map_or(Ok(()), |value| self.fail(value.span(), format!("{whose} has no {name}"), "remove the key"))
+    }
+
     fn finite(&self, name: &str, value: &Spanned<f64>) -> Result<f64, SceneError> {
         self.demand(
             value.get_ref().is_finite(),
@@ -78,24 +94,11 @@ impl Check<'_> {
         Ok(Time { end, increments: increments as usize })
     }
 
-    fn mesh(&self, mesh: &document::Mesh) -> Result<Mesh, SceneError> {
-        let document::MeshKind::Block = mesh.kind;
-        let size = self.finite_pair("mesh.size", &mesh.size)?;
-        let sound = size.iter().all(|&x| x > 0.0);
-        self.demand(sound, "mesh.size", &mesh.size, "two positive lengths", "give width and height in m")?;
-        let Pair([nx, ny]) = *mesh.elements.get_ref();
-        let help = "give the numbers of elements along x and y";
-        self.demand(nx > 0 && ny > 0, "mesh.elements", &mesh.elements, "two numbers of at least 1", help)?;
-        let few = nx.checked_mul(ny).is_some_and(|n| n <= MOST_ELEMENTS);
-        self.demand(few, "mesh.elements", &mesh.elements, "at most 50 million in all", "use a coarser mesh")?;
-        Ok(Mesh::Block { size, elements: [nx as usize, ny as usize] })
-    }
-
     fn material(&self, material: &document::Material) -> Result<Material, SceneError> {
         let young = self.finite("material.young", &material.young)?;
         self.demand(young > 0.0, "material.young", &material.young, "positive", "give Young's modulus in Pa")?;
         let poisson = self.finite("material.poisson", &material.poisson)?;
-        let help = "an incompressible material cannot be computed with displacements alone; use e.g. 0.49";
+        let help = "thermodynamics sets the lower limit; an incompressible material is beyond displacements alone, use e.g. 0.49";
         let sound = poisson > -1.0 && poisson < 0.5;
         self.demand(sound, "material.poisson", &material.poisson, "above -1 and below 0.5", help)?;
         Ok(Material { young, poisson, plane: material.plane })
@@ -127,46 +130,33 @@ impl Check<'_> {
         Ok(checked)
     }
 
-    fn obstacle(&self, obstacle: &document::Obstacle) -> Result<Obstacle, SceneError> {
-        let document::ObstacleKind::Plane = obstacle.kind;
-        let gap = obstacle.gap.as_ref().map_or(Ok(0.0), |gap| self.finite("gap", gap))?;
-        let normal = obstacle.normal.as_ref().map(|normal| self.direction("normal", normal)).transpose()?;
-        let tangent = obstacle.tangent.as_ref().map(|tangent| self.direction("tangent", tangent)).transpose()?;
-        if let (Some(given), Some(t)) = (&obstacle.tangent, tangent) {
-            let help = "give both, at right angles, or leave the tangent out";
-            let sound = normal.is_some_and(|n| (n[0] * t[0] + n[1] * t[1]).abs() <= 1e-9);
-            self.demand(sound, "tangent", given, "at right angles to a given normal", help)?;
-        }
-        Ok(Obstacle::Plane { gap, normal, tangent })
-    }
-
-    /// A direction of any length, as a unit vector.
-    fn direction(&self, name: &str, value: &Spanned<Pair<f64>>) -> Result<[f64; 2], SceneError> {
-        let [x, y] = self.finite_pair(name, value)?;
-        let length = x.hypot(y);
-        self.demand(length > 0.0, name, value, "a vector with a direction", "give e.g. [0, -1]")?;
-        Ok([x / length, y / length])
-    }
-
     fn load(&self, load: document::Load, time: &Time) -> Result<Load, SceneError> {
         let traction = self.finite_pair("traction", &load.traction)?;
         let Some(history) = load.history else {
             let ramp = vec![[0.0, 0.0], [time.end, 1.0]];
             return Ok(Load { boundary: name(load.boundary), traction, history: ramp });
         };
-        let span = history.span();
-        let history: Vec<[f64; 2]> = history.into_inner().into_iter().map(|Pair(point)| point).collect();
-        if history.is_empty() {
-            return self.fail(span, "history is empty", "give points [time, factor], e.g. [[0, 0], [1, 1]]");
-        }
-        if let Some(point) = history.iter().find(|point| !point.iter().all(|x| x.is_finite())) {
-            return self.fail(span, format!("history has the point {point:?}"), "give numbers other than nan or inf");
-        }
-        if let Some(pair) = history.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
-            let message = format!("history goes from time {} to {}, but times must increase", pair[0][0], pair[1][0]);
-            return self.fail(span, message, "order the points [time, factor] by time, each time once");
-        }
+        let history = self.history("history", "factor", &history)?;
         Ok(Load { boundary: name(load.boundary), traction, history })
+    }
+
+    /// The points `[time, value]` of a history.
+    fn history(&self, name: &str, value: &str, given: &Spanned<Vec<Pair<f64>>>) -> Result<Vec<[f64; 2]>, SceneError> {
+        let span = given.span();
+        let points: Vec<[f64; 2]> = given.get_ref().iter().map(|&Pair(point)| point).collect();
+        if points.is_empty() {
+            let help = format!("give points [time, {value}], e.g. [[0, 0], [1, 1]]");
+            return self.fail(span, format!("{name} is empty"), &help);
+        }
+        if let Some(point) = points.iter().find(|point| !point.iter().all(|x| x.is_finite())) {
+            return self.fail(span, format!("{name} has the point {point:?}"), "give numbers other than nan or inf");
+        }
+        if let Some(pair) = points.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
+            let message = format!("{name} goes from time {} to {}, but times must increase", pair[0][0], pair[1][0]);
+            let help = format!("order the points [time, {value}] by time, each time once");
+            return self.fail(span, message, &help);
+        }
+        Ok(points)
     }
 
     fn solver(&self, solver: &document::Solver) -> Result<Solver, SceneError> {

@@ -48,17 +48,22 @@ pub(super) struct Document {
 }
 
 #[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub(super) enum MeshKind {
     Block,
+    HalfPlane,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Mesh {
-    pub kind: MeshKind,
+    pub kind: Spanned<MeshKind>,
     pub size: Spanned<Pair<f64>>,
-    pub elements: Spanned<Pair<i64>>,
+    pub elements: Option<Spanned<Pair<i64>>>,
+    pub contact_width: Option<Spanned<f64>>,
+    pub contact_elements: Option<Spanned<i64>>,
+    pub outer_elements: Option<Spanned<i64>>,
+    pub layers: Option<Spanned<i64>>,
 }
 
 #[derive(Deserialize)]
@@ -89,20 +94,24 @@ pub(super) struct Support {
 pub(super) struct Contact {
     pub boundary: Spanned<String>,
     pub friction: Spanned<f64>,
-    pub obstacle: Obstacle,
+    pub obstacle: Spanned<Obstacle>,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum ObstacleKind {
     Plane,
+    Cylinder,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Obstacle {
-    pub kind: ObstacleKind,
+    pub kind: Spanned<ObstacleKind>,
     pub gap: Option<Spanned<f64>>,
+    pub radius: Option<Spanned<f64>>,
+    pub apex: Option<Spanned<Pair<f64>>>,
+    pub approach: Option<Spanned<Vec<Pair<f64>>>>,
     pub normal: Option<Spanned<Pair<f64>>>,
     pub tangent: Option<Spanned<Pair<f64>>>,
 }

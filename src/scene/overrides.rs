@@ -1,5 +1,5 @@
-//! `--set key=value`: changes of a scene before it is read, made in its text so that every message
-//! still points at the right line.
+//! `--set key=value`: changes of a scene before it is read, made in its text, so that every message
+//! points at a line of the text that counts. A key that is added moves the lines below it by one.
 
 use std::str::FromStr;
 

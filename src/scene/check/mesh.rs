@@ -1,0 +1,68 @@
+//! Checks of `[mesh]`.
+
+use toml::Spanned;
+
+use super::Check;
+use crate::scene::document::{self, MeshKind, Pair};
+use crate::scene::{HalfPlane, Mesh, SceneError};
+
+/// Beyond this a mesh is a slip of the pen, not a model: no matrix of it would fit into memory.
+const MOST_ELEMENTS: i64 = 50_000_000;
+
+impl Check<'_> {
+    pub(super) fn mesh(&self, mesh: &document::Mesh) -> Result<Mesh, SceneError> {
+        let size = self.finite_pair("mesh.size", &mesh.size)?;
+        let sound = size.iter().all(|&x| x > 0.0);
+        self.demand(sound, "mesh.size", &mesh.size, "two positive lengths", "give width and height in m")?;
+        match mesh.kind.get_ref() {
+            MeshKind::Block => {
+                let kind = "a block";
+                self.foreign("mesh.contact_width", mesh.contact_width.as_ref(), kind)?;
+                for (name, value) in [
+                    ("mesh.contact_elements", &mesh.contact_elements),
+                    ("mesh.outer_elements", &mesh.outer_elements),
+                    ("mesh.layers", &mesh.layers),
+                ] {
+                    self.foreign(name, value.as_ref(), kind)?;
+                }
+                let elements = self.needed("mesh.elements", mesh.elements.as_ref(), &mesh.kind.span(), kind)?;
+                let Pair([nx, ny]) = *elements.get_ref();
+                let help = "give the numbers of elements along x and y";
+                self.demand(nx > 0 && ny > 0, "mesh.elements", elements, "two numbers of at least 1", help)?;
+                let few = nx.checked_mul(ny).is_some_and(|n| n <= MOST_ELEMENTS);
+                self.demand(few, "mesh.elements", elements, "at most 50 million in all", "use a coarser mesh")?;
+                Ok(Mesh::Block { size, elements: [nx as usize, ny as usize] })
+            }
+            MeshKind::HalfPlane => self.half_plane(mesh, size),
+        }
+    }
+
+    fn half_plane(&self, mesh: &document::Mesh, size: [f64; 2]) -> Result<Mesh, SceneError> {
+        let kind = "a half-plane";
+        self.foreign("mesh.elements", mesh.elements.as_ref(), kind)?;
+        let name = "mesh.contact_width";
+        let given = self.needed(name, mesh.contact_width.as_ref(), &mesh.kind.span(), kind)?;
+        let contact_width = self.finite(name, given)?;
+        let sound = contact_width > 0.0 && contact_width < size[0];
+        self.demand(sound, name, given, "positive and less than the width of the mesh", "give the contact zone in m")?;
+        let count = |name: &str, given: &Option<Spanned<i64>>| {
+            let given = self.needed(name, given.as_ref(), &mesh.kind.span(), kind)?;
+            let sound = (1..=MOST_ELEMENTS).contains(given.get_ref());
+            self.demand(sound, name, given, "at least 1 and at most 50 million", "give a number of elements")?;
+            Ok(*given.get_ref())
+        };
+        let contact_elements = count("mesh.contact_elements", &mesh.contact_elements)?;
+        let outer_elements = count("mesh.outer_elements", &mesh.outer_elements)?;
+        let layers = count("mesh.layers", &mesh.layers)?;
+        if (contact_elements + outer_elements).checked_mul(layers).is_none_or(|n| n > MOST_ELEMENTS) {
+            return self.fail(mesh.kind.span(), "the mesh has more than 50 million elements", "use a coarser mesh");
+        }
+        Ok(Mesh::HalfPlane(HalfPlane {
+            size,
+            contact_width,
+            contact_elements: contact_elements as usize,
+            outer_elements: outer_elements as usize,
+            layers: layers as usize,
+        }))
+    }
+}
