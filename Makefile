@@ -1,7 +1,7 @@
 # make demo   solve the paper's block, 100 x 100 elements, and say where the results are
 # make test   all tests
 # make bench  the benchmarks (minutes)
-# make tables the paper's Table II, complete (minutes)
+# make tables the paper's Tables I and II, complete (minutes)
 # Each installs what is missing first.
 
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
@@ -20,6 +20,7 @@ bench: deps
 	cargo bench --bench history
 
 tables: deps
+	cargo run --release -- tables punch
 	cargo run --release -- tables block
 
 # SUITESPARSE_INCLUDE_DIR says that SuiteSparse is installed in a place of its own.

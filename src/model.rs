@@ -73,7 +73,7 @@ impl Model {
         };
         let stiffness = assemble(&mesh, &dofs, &material)?;
 
-        let (mut contacts, mut mu, mut approaches) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut contacts, mut mu, mut approaches) = (Vec::<ContactNode>::new(), Vec::new(), Vec::new());
         for contact in &scene.contacts {
             let first = contacts.len();
             contacts.extend(contact_boundary(scene, &mesh, &dofs, contact)?);
@@ -86,7 +86,9 @@ impl Model {
         // Two obstacles at one node can hold it in both directions; then there is no slip, and friction
         // there would make the equations dependent. Such a corner node carries none.
         let mut obstacles_at = vec![0_usize; mesh.nodes.len()];
-        contacts.iter().for_each(|contact: &ContactNode| obstacles_at[contact.node] += 1);
+        for contact in &contacts {
+            obstacles_at[contact.node] += 1;
+        }
         for contact in contacts.iter_mut().filter(|contact| obstacles_at[contact.node] > 1) {
             contact.tangent.clear();
         }

@@ -18,7 +18,8 @@ pub struct ContactPoint {
     pub s: f64,
     /// Normal contact force, N per unit depth, positive in compression.
     pub p_n: f64,
-    /// Tangential contact force, N per unit depth.
+    /// Tangential contact force, N per unit depth: of the body on the obstacle, along the positive
+    /// tangent.
     pub p_t: f64,
     /// Normal contact stress `p_n / l` (32), Pa.
     pub sigma_n: f64,
