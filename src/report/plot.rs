@@ -6,7 +6,9 @@ use plotters::prelude::*;
 use super::contact_line::{ContactLine, ContactPoint};
 use crate::contact::ContactStatus;
 
-const SIZE: (u32, u32) = (860, 480);
+const SIZE: (u32, u32) = (980, 480);
+/// Where the legend begins: beside the plot, where it hides nothing.
+const LEGEND: u32 = 840;
 const NORMAL: RGBColor = RGBColor(31, 90, 160);
 const TANGENTIAL: RGBColor = RGBColor(200, 80, 20);
 const BOUND: RGBColor = RGBColor(130, 130, 130);
@@ -48,10 +50,12 @@ fn draw(root: &Area<'_>, line: &ContactLine, title: &str) -> Result<(), Box<dyn 
 
     root.fill(&WHITE)?;
     let heading = format!("{title}, t = {} s", line.time);
-    let mut chart = ChartBuilder::on(root)
+    let (left, right) = root.split_horizontally(LEGEND);
+    legend(&right)?;
+    let mut chart = ChartBuilder::on(&left)
         .caption(heading, ("sans-serif", 18))
         .margin(14)
-        .margin_right(28)
+        .margin_right(24)
         .x_label_area_size(46)
         .y_label_area_size(70)
         .build_cartesian_2d(from..to, low - margin..high + margin)?;
@@ -66,44 +70,36 @@ fn draw(root: &Area<'_>, line: &ContactLine, title: &str) -> Result<(), Box<dyn 
         .draw()?;
     chart.draw_series(LineSeries::new([(from, 0.0), (to, 0.0)], BLACK.mix(0.5)))?;
 
-    for (sign, named) in [(1.0, true), (-1.0, false)] {
+    for sign in [1.0, -1.0] {
         let bound = points.iter().map(|p| (abscissa(p), mpa(sign * p.mu * p.sigma_n)));
-        let series = chart.draw_series(DashedLineSeries::new(bound, 5, 4, BOUND.stroke_width(1)))?;
-        if named {
-            series.label("±μ σ_n").legend(|(x, y)| PathElement::new([(x, y), (x + 18, y)], BOUND));
-        }
+        chart.draw_series(DashedLineSeries::new(bound, 5, 4, BOUND.stroke_width(1)))?;
     }
-    for (value, colour, name) in [
-        ((|p| p.sigma_n) as fn(&ContactPoint) -> f64, NORMAL, "σ_n (pressure)"),
-        (|p| p.sigma_t, TANGENTIAL, "σ_t (friction)"),
-    ] {
-        let series = points.iter().map(|p| (abscissa(p), mpa(value(p))));
-        chart
-            .draw_series(LineSeries::new(series, colour.stroke_width(2)))?
-            .label(name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
-        let nodes = |status| points.iter().filter(move |p| p.status == status);
+    let curves: [(fn(&ContactPoint) -> f64, _); 2] = [(|p| p.sigma_n, NORMAL), (|p| p.sigma_t, TANGENTIAL)];
+    for (value, colour) in curves {
         let at = |p: &ContactPoint| (abscissa(p), mpa(value(p)));
+        chart.draw_series(LineSeries::new(points.iter().map(at), colour.stroke_width(2)))?;
+        let nodes = |status| points.iter().filter(move |p| p.status == status);
         chart.draw_series(nodes(ContactStatus::Stick).map(|p| Circle::new(at(p), 3, colour.filled())))?;
         chart.draw_series(nodes(ContactStatus::Slip).map(|p| Circle::new(at(p), 3, WHITE.filled())))?;
         chart.draw_series(nodes(ContactStatus::Slip).map(|p| Circle::new(at(p), 3, colour.stroke_width(1))))?;
     }
-    // Two entries without a line explain the markers.
-    chart
-        .draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?
-        .label("stick")
-        .legend(|(x, y)| Circle::new((x + 9, y), 3, BLACK.filled()));
-    chart
-        .draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?
-        .label("slip")
-        .legend(|(x, y)| Circle::new((x + 9, y), 3, BLACK.stroke_width(1)));
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.2))
-        .label_font(("sans-serif", 13))
-        .draw()?;
     root.present()?;
+    Ok(())
+}
+
+fn legend(area: &Area<'_>) -> Result<(), Box<dyn std::error::Error>> {
+    let y = |row: i32| 60 + 22 * row;
+    let line = |row, style: ShapeStyle| PathElement::new([(0, y(row)), (22, y(row))], style);
+    area.draw(&line(0, NORMAL.stroke_width(2)))?;
+    area.draw(&line(1, TANGENTIAL.stroke_width(2)))?;
+    for dash in [0, 9, 18] {
+        area.draw(&PathElement::new([(dash, y(2)), (dash + 5, y(2))], BOUND))?;
+    }
+    area.draw(&Circle::new((11, y(3)), 3, BLACK.filled()))?;
+    area.draw(&Circle::new((11, y(4)), 3, BLACK.stroke_width(1)))?;
+    let names = ["σ_n (pressure)", "σ_t (friction)", "±μ σ_n", "stick", "slip"];
+    for (row, name) in names.into_iter().enumerate() {
+        area.draw(&Text::new(name, (32, y(row as i32) - 6), ("sans-serif", 13)))?;
+    }
     Ok(())
 }
