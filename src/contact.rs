@@ -6,6 +6,6 @@ mod kinematics;
 mod kkt;
 mod obstacle;
 
-pub use kinematics::{ContactNode, contact_nodes, unreachable};
+pub use kinematics::{ContactBoundary, ContactNode, contact_nodes, unreachable};
 pub use kkt::{ContactStatus, KktErrors, KktScales, rounding_level, statuses};
 pub use obstacle::{Obstacle, Shape};

@@ -184,6 +184,9 @@ pub struct HistoryOutcome {
 ///
 /// # Errors
 /// When the linear algebra cannot go on, as for want of memory.
+///
+/// # Panics
+/// If the arrays of `problem`, `loading` and `settings` do not have the lengths they say.
 pub fn run(
     problem: &ContactProblem,
     loading: &Loading,

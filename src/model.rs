@@ -1,6 +1,6 @@
 //! From a scene to the discrete problem: mesh, `K`, contact maps, loads.
 
-use crate::contact::{ContactNode, Obstacle, Shape, contact_nodes, unreachable};
+use crate::contact::{ContactBoundary, ContactNode, Obstacle, Shape, contact_nodes, unreachable};
 use crate::fem::{Dofs, Elasticity, InvertedElement, RigidMotion, assemble, edge_load, rigid_motions};
 use crate::loading::{Approach, LoadCase, Loading};
 use crate::mesh::{self, Boundary, Mesh};
@@ -18,6 +18,8 @@ pub struct Model {
     pub dofs: Dofs,
     /// The contact nodes, in the order of `problem`'s rows.
     pub contacts: Vec<ContactNode>,
+    /// The boundaries they stand on.
+    pub contact_boundaries: Vec<ContactBoundary>,
     /// The algebraic problem.
     pub problem: ContactProblem,
     /// The loads and gaps over time.
@@ -73,15 +75,17 @@ impl Model {
         };
         let stiffness = assemble(&mesh, &dofs, &material)?;
 
-        let (mut contacts, mut mu, mut approaches) = (Vec::<ContactNode>::new(), Vec::new(), Vec::new());
+        let (mut contacts, mut mu) = (Vec::<ContactNode>::new(), Vec::new());
+        let (mut contact_boundaries, mut approaches) = (Vec::new(), Vec::new());
         for contact in &scene.contacts {
             let first = contacts.len();
             contacts.extend(contact_boundary(scene, &mesh, &dofs, contact)?);
             mu.resize(contacts.len(), contact.friction);
+            let nodes = first..contacts.len();
             if !contact.obstacle.approach.is_empty() {
-                let history = contact.obstacle.approach.clone();
-                approaches.push(Approach { nodes: first..contacts.len(), history });
+                approaches.push(Approach { nodes: nodes.clone(), history: contact.obstacle.approach.clone() });
             }
+            contact_boundaries.push(ContactBoundary { name: contact.boundary.to_string(), nodes });
         }
         // Two obstacles at one node can hold it in both directions; then there is no slip, and friction
         // there would make the equations dependent. Such a corner node carries none.
@@ -114,7 +118,7 @@ impl Model {
             weight: contacts.iter().map(|c| c.weight).collect(),
             free_motions: rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect(),
         };
-        Ok(Model { mesh, dofs, contacts, problem, loading, rigid_motions })
+        Ok(Model { mesh, dofs, contacts, contact_boundaries, problem, loading, rigid_motions })
     }
 
     /// Units for the numbers inside, see [`ContactProblem::scaling`].

@@ -11,6 +11,6 @@ mod usage;
 pub use contact_line::{ContactLine, ContactPoint};
 pub use folder::ResultFolder;
 pub use plot::contact_stresses;
-pub use run::{Final, Measured, RunReport, Totals, Unknowns};
+pub use run::{Final, Measured, Resultant, RunReport, Totals, Unknowns};
 pub use table::Table;
 pub use usage::{cpu_seconds, peak_rss_bytes};

@@ -22,7 +22,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("nonlinear", &["formulation", "linear"]),
     ("history", &["contact", "formulation", "linear", "loading", "nonlinear", "problem", "units"]),
     ("model", &["contact", "fem", "loading", "mesh", "problem", "scene", "sparse", "units"]),
-    ("report", &["contact", "history", "problem", "scene"]),
+    ("report", &["contact", "history", "model", "problem", "scene"]),
     ("tables", &["history", "linear", "model", "scene"]),
 ];
 

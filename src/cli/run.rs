@@ -11,7 +11,9 @@ use stickslip::history::{self, HistoryOutcome, HistorySettings, Observer, Status
 use stickslip::linear::{self, Direct, Umfpack};
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IterationRecord};
-use stickslip::report::{ContactLine, Measured, ResultFolder, RunReport, cpu_seconds, peak_rss_bytes};
+use stickslip::report::{
+    ContactLine, Final, Measured, ResultFolder, Resultant, RunReport, cpu_seconds, peak_rss_bytes,
+};
 use stickslip::scene::{LinearBackend, Scene, Setting};
 
 use super::progress::Progress;
@@ -62,7 +64,14 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         peak_rss_bytes: peak_rss_bytes(),
     };
     let reason = reason(&scene, &model, &outcome);
-    let report = RunReport::new(&args.scene.scene.display().to_string(), &scene, &outcome, reason, measured);
+    let report = RunReport::new(
+        &args.scene.scene.display().to_string(),
+        &scene,
+        &model.contact_boundaries,
+        &outcome,
+        reason,
+        measured,
+    );
     let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     if let Some(folder) = &folder
         && let Err(error) = failed_write.map_or_else(|| folder.write("run.json", &json), Err)
@@ -108,8 +117,9 @@ impl Observer for Watcher<'_> {
         let mut written = folder.add_increment(step.record);
         // What a failed increment reached is worth a look, too.
         if self.wanted.contains(&step.record.index) || step.record.status != Status::Converged {
-            let line = ContactLine::new(&self.model.problem, &self.model.contacts, step);
-            written = written.and_then(|()| folder.add_contact_line(&line, self.title));
+            for line in ContactLine::all(self.model, step) {
+                written = written.and_then(|()| folder.add_contact_line(&line, self.title));
+            }
         }
         match written {
             Ok(()) => Flow::Continue,
@@ -229,7 +239,9 @@ fn print_verdict(report: &RunReport, increments: usize) {
         return;
     }
     say!("error        {error:.1e} at most ({law}); backward error of the solves {:.1e}", totals.backward_error);
-    say!("contact      sum p_n = {:.6e} N, sum p_t = {:.6e} N", report.end.sum_p_n, report.end.sum_p_t);
+    for Resultant { boundary, sums: Final { sum_p_n, sum_p_t } } in &report.boundaries {
+        say!("contact      {boundary}: sum p_n = {sum_p_n:.6e} N, sum p_t = {sum_p_t:.6e} N");
+    }
     say!(
         "work         {} iterations, {} factorisations, {} symbolic analysis, {} entries in L and U",
         totals.iterations,

@@ -1,5 +1,7 @@
 //! The contact nodes of a boundary: gaps, weights, and rows of `C_n` and `C_t` (2).
 
+use std::ops::Range;
+
 use super::obstacle::Obstacle;
 use crate::fem::Dofs;
 use crate::mesh::{Boundary, Mesh};
@@ -19,6 +21,15 @@ pub struct ContactNode {
     pub gap: f64,
     /// Its share of the contact boundary by the trapezoidal rule, m.
     pub weight: f64,
+}
+
+/// The contact nodes of one boundary.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ContactBoundary {
+    /// Its name.
+    pub name: String,
+    /// Its nodes among all contact nodes.
+    pub nodes: Range<usize>,
 }
 
 /// The nodes of `boundary` that can move towards the obstacle. A node that supports hold along the

@@ -1,11 +1,13 @@
 //! The state of every contact node at the end of an increment.
 
+use std::ops::Range;
+
 use serde::Serialize;
 
 use super::csv;
-use crate::contact::{ContactNode, ContactStatus};
+use crate::contact::{ContactBoundary, ContactStatus};
 use crate::history::Step;
-use crate::problem::ContactProblem;
+use crate::model::Model;
 
 /// One contact node at the end of an increment, SI.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -35,9 +37,11 @@ pub struct ContactPoint {
     pub status: ContactStatus,
 }
 
-/// The contact nodes in order.
+/// The contact nodes of one boundary, in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactLine {
+    /// The boundary, if the scene has contact on several.
+    pub boundary: Option<String>,
     /// The increment, from 1.
     pub index: usize,
     /// The time at its end, s.
@@ -47,29 +51,16 @@ pub struct ContactLine {
 }
 
 impl ContactLine {
-    /// The contact line of a step.
-    pub fn new(problem: &ContactProblem, contacts: &[ContactNode], step: &Step<'_>) -> Self {
-        let mut s = 0.0;
-        let mut last: Option<[f64; 2]> = None;
-        let points = contacts.iter().enumerate().map(|(i, contact)| {
-            let [x, y] = contact.position;
-            s += last.replace([x, y]).map_or(0.0, |[x0, y0]| (x - x0).hypot(y - y0));
-            let (p_n, p_t, l) = (step.state.p_n[i], step.state.p_t[i], problem.weight[i]);
-            ContactPoint {
-                x,
-                y,
-                s,
-                p_n,
-                p_t,
-                sigma_n: p_n / l,
-                sigma_t: p_t / l,
-                w_n: problem.c_n.dot(i, &step.state.u),
-                w_t: problem.c_t.dot(i, &step.state.u),
-                mu: problem.mu[i],
-                status: step.statuses[i],
-            }
-        });
-        ContactLine { index: step.record.index, time: step.record.time, points: points.collect() }
+    /// The contact lines of a step, one for each boundary with contact.
+    pub fn all(model: &Model, step: &Step<'_>) -> Vec<Self> {
+        let several = model.contact_boundaries.len() > 1;
+        let line = |boundary: &ContactBoundary| ContactLine {
+            boundary: several.then(|| boundary.name.clone()),
+            index: step.record.index,
+            time: step.record.time,
+            points: points(model, boundary.nodes.clone(), step),
+        };
+        model.contact_boundaries.iter().map(line).collect()
     }
 
     /// As CSV, SI units.
@@ -87,4 +78,29 @@ impl ContactLine {
             }),
         )
     }
+}
+
+fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec<ContactPoint> {
+    let (problem, state) = (&model.problem, step.state);
+    let mut s = 0.0;
+    let mut last: Option<[f64; 2]> = None;
+    let point = |i: usize| {
+        let [x, y] = model.contacts[i].position;
+        s += last.replace([x, y]).map_or(0.0, |[x0, y0]| (x - x0).hypot(y - y0));
+        let (p_n, p_t, l) = (state.p_n[i], state.p_t[i], problem.weight[i]);
+        ContactPoint {
+            x,
+            y,
+            s,
+            p_n,
+            p_t,
+            sigma_n: p_n / l,
+            sigma_t: p_t / l,
+            w_n: problem.c_n.dot(i, &state.u),
+            w_t: problem.c_t.dot(i, &state.u),
+            mu: problem.mu[i],
+            status: step.statuses[i],
+        }
+    };
+    nodes.map(point).collect()
 }

@@ -66,12 +66,14 @@ impl ResultFolder {
         written
     }
 
-    /// Writes a contact line as CSV and as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`.
+    /// Writes a contact line as CSV and as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`; with
+    /// the boundary's name behind the number if there are several.
     ///
     /// # Errors
     /// When the disk refuses.
     pub fn add_contact_line(&self, line: &ContactLine, title: &str) -> io::Result<()> {
-        let name = format!("contact_{:04}", line.index);
+        let boundary = line.boundary.as_ref().map_or(String::new(), |name| format!("_{name}"));
+        let name = format!("contact_{:04}{boundary}", line.index);
         self.write(&format!("{name}.csv"), &line.to_csv())?;
         if line.points.len() > 1 {
             self.write(&format!("{name}.svg"), &plot::contact_stresses(line, title).map_err(io::Error::other)?)?;
@@ -96,10 +98,12 @@ impl ResultFolder {
 
 /// Whether a run writes a file of this name.
 fn is_ours(name: &str) -> bool {
-    let stem = |suffix: &str| name.strip_prefix("contact_")?.strip_suffix(suffix);
-    let number = stem(".csv").or_else(|| stem(".svg"));
-    ["run.json", "increments.csv"].contains(&name)
-        || number.is_some_and(|digits| digits.len() >= 4 && digits.bytes().all(|b| b.is_ascii_digit()))
+    let line = |name: &str| {
+        let stem = name.strip_suffix(".csv").or_else(|| name.strip_suffix(".svg"))?;
+        let (number, _boundary) = stem.split_once('_').unwrap_or((stem, ""));
+        Some(number.len() >= 4 && number.bytes().all(|b| b.is_ascii_digit()))
+    };
+    ["run.json", "increments.csv"].contains(&name) || name.strip_prefix("contact_").and_then(line).unwrap_or(false)
 }
 
 #[cfg(test)]
@@ -108,7 +112,11 @@ mod tests {
 
     #[test]
     fn only_files_of_a_run_are_replaced() {
-        assert!(["run.json", "increments.csv", "contact_0001.csv", "contact_12345.svg"].into_iter().all(is_ours));
+        assert!(
+            ["run.json", "increments.csv", "contact_0001.csv", "contact_12345.svg", "contact_0001_left.csv"]
+                .into_iter()
+                .all(is_ours)
+        );
         assert!(!["contact_.csv", "contact_0001.txt", "contact_mine.csv", "notes.md"].into_iter().any(is_ours));
     }
 }

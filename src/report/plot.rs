@@ -49,7 +49,8 @@ fn draw(root: &Area<'_>, line: &ContactLine, title: &str) -> Result<(), Box<dyn 
     let margin = 0.06 * if high > low { high - low } else { 1.0 };
 
     root.fill(&WHITE)?;
-    let heading = format!("{title}, t = {} s", line.time);
+    let boundary = line.boundary.as_ref().map_or(String::new(), |name| format!(", {name}"));
+    let heading = format!("{title}{boundary}, t = {} s", line.time);
     let (left, right) = root.split_horizontally(LEGEND);
     legend(&right)?;
     let mut chart = ChartBuilder::on(&left)
@@ -74,9 +75,8 @@ fn draw(root: &Area<'_>, line: &ContactLine, title: &str) -> Result<(), Box<dyn 
         let bound = points.iter().map(|p| (abscissa(p), mpa(sign * p.mu * p.sigma_n)));
         chart.draw_series(DashedLineSeries::new(bound, 5, 4, BOUND.stroke_width(1)))?;
     }
-    let curves: [(fn(&ContactPoint) -> f64, _); 2] = [(|p| p.sigma_n, NORMAL), (|p| p.sigma_t, TANGENTIAL)];
-    for (value, colour) in curves {
-        let at = |p: &ContactPoint| (abscissa(p), mpa(value(p)));
+    for (normal, colour) in [(true, NORMAL), (false, TANGENTIAL)] {
+        let at = |p: &ContactPoint| (abscissa(p), mpa(if normal { p.sigma_n } else { p.sigma_t }));
         chart.draw_series(LineSeries::new(points.iter().map(at), colour.stroke_width(2)))?;
         let nodes = |status| points.iter().filter(move |p| p.status == status);
         chart.draw_series(nodes(ContactStatus::Stick).map(|p| Circle::new(at(p), 3, colour.filled())))?;

@@ -1,8 +1,12 @@
 //! The report of a whole run, as `--json` prints it.
 
+use std::ops::Range;
+
 use serde::Serialize;
 
+use crate::contact::ContactBoundary;
 use crate::history::{HistoryOutcome, IncrementRecord, Status};
+use crate::problem::State;
 use crate::scene::{LinearBackend, Method, Scene, Setting};
 
 /// Everything about a run but the fields; SI units throughout.
@@ -31,6 +35,8 @@ pub struct RunReport {
     /// Resultants at the end.
     #[serde(rename = "final")]
     pub end: Final,
+    /// The same for each boundary with contact.
+    pub boundaries: Vec<Resultant>,
 }
 
 /// The numbers of unknowns.
@@ -76,6 +82,16 @@ pub struct Final {
     pub sum_p_t: f64,
 }
 
+/// The resultant of one boundary: on several, normals and tangents point different ways.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Resultant {
+    /// The boundary.
+    pub boundary: String,
+    /// Its sums.
+    #[serde(flatten)]
+    pub sums: Final,
+}
+
 /// What the caller measured around a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
@@ -91,7 +107,14 @@ pub struct Measured {
 
 impl RunReport {
     /// The report of a run of `scene`, which was read from the file `name`.
-    pub fn new(name: &str, scene: &Scene, outcome: &HistoryOutcome, reason: String, measured: Measured) -> Self {
+    pub fn new(
+        name: &str,
+        scene: &Scene,
+        boundaries: &[ContactBoundary],
+        outcome: &HistoryOutcome,
+        reason: String,
+        measured: Measured,
+    ) -> Self {
         RunReport {
             scene: name.to_string(),
             title: scene.title.clone(),
@@ -117,7 +140,13 @@ impl RunReport {
                 nnz_factors: outcome.linear.factor.entries,
                 backward_error: outcome.linear.worst_backward_error,
             },
-            end: Final { sum_p_n: outcome.state.p_n.iter().sum(), sum_p_t: outcome.state.p_t.iter().sum() },
+            end: Final::of(&outcome.state, 0..outcome.state.p_n.len()),
+            boundaries: (boundaries.iter())
+                .map(|boundary| Resultant {
+                    boundary: boundary.name.clone(),
+                    sums: Final::of(&outcome.state, boundary.nodes.clone()),
+                })
+                .collect(),
         }
     }
 
@@ -127,5 +156,13 @@ impl RunReport {
     /// None that the types allow; serde's signature has one.
     pub fn to_json(&self) -> serde_json::Result<String> {
         serde_json::to_string_pretty(self)
+    }
+}
+
+impl Final {
+    fn of(state: &State, nodes: Range<usize>) -> Self {
+        // + 0.0: the sum of no forces is -0.
+        let sum = |forces: &[f64]| forces[nodes.clone()].iter().sum::<f64>() + 0.0;
+        Final { sum_p_n: sum(&state.p_n), sum_p_t: sum(&state.p_t) }
     }
 }

@@ -4,6 +4,7 @@ mod mesh;
 mod obstacle;
 
 use std::ops::Range;
+use std::path::Path;
 
 use toml::Spanned;
 
@@ -22,7 +23,8 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     let loads = document.load.into_iter().map(|load| check.load(load, &time)).collect::<Result<_, _>>()?;
     let solver = check.solver(&document.solver)?;
     let output = check.output(document.output, &time)?;
-    let title = document.title.unwrap_or_else(|| source.name.clone());
+    let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
+    let title = document.title.unwrap_or_else(stem);
     Ok(Scene { title, mesh, material, supports, contacts, loads, time, solver, output, source })
 }
 
