@@ -60,29 +60,38 @@ impl Bn {
             formulation.residual(z, &mut self.h);
             formulation.merit(&self.h)
         });
-        let (mut backtracks, mut backward_error) = (0, 0.0_f64);
-        let outcome = |stop, iterations, backtracks, theta, backward_error, clock: &Clock| {
-            Ok(Outcome { stop, iterations, backtracks, theta, backward_error, assembly_seconds: clock.seconds })
+        let mut outcome = Outcome {
+            stop: Stop::MaxIterations,
+            iterations: 0,
+            backtracks: 0,
+            theta,
+            backward_error: 0.0,
+            assembly_seconds: 0.0,
         };
 
-        for k in 0..self.settings.max_iterations {
+        for iteration in 1..=self.settings.max_iterations {
             // Step 2: the direction, H(z) + H̃'(z; dz) = 0 (22). The matrix is factored unless it is
             // that of the last direction.
             let changed = clock.time(|| formulation.linearize(z));
             let fresh = changed || self.factored != Some(linear.statistics().factorizations);
-            if fresh && let Some(motion) = formulation.unheld_motion() {
-                return outcome(Stop::Unheld(motion), k, backtracks, theta, backward_error, &clock);
+            if fresh {
+                self.factored = None;
+                if let Some(motion) = formulation.unheld_motion() {
+                    outcome.stop = Stop::Unheld(motion);
+                    break;
+                }
             }
-            match self.direction(formulation, linear, fresh) {
-                Ok(error) => backward_error = backward_error.max(error),
+            let backward_error = match self.direction(formulation, linear) {
+                Ok(error) => error,
                 Err(error @ (LinearError::Singular { .. } | LinearError::NotFinite)) => {
-                    return outcome(Stop::Singular(error), k, backtracks, theta, backward_error, &clock);
+                    outcome.stop = Stop::Singular(error);
+                    break;
                 }
                 Err(error) => return Err(error),
-            }
+            };
 
             // Step 3: the step size (12), and the step.
-            let (step, m) = clock.time(|| {
+            let (step, backtracks) = clock.time(|| {
                 let merit = formulation.merit_along(z, &self.dz, &self.h);
                 self.settings.armijo.step(theta, merit)
             });
@@ -93,37 +102,32 @@ impl Bn {
                 formulation.residual(z, &mut self.h);
                 formulation.merit(&self.h)
             });
-            backtracks += m;
-            let iteration = k + 1;
-            let record = IterationRecord { iteration, theta, step, backtracks: m, backward_error, factored: fresh };
+            outcome.iterations = iteration;
+            outcome.backtracks += backtracks;
+            outcome.theta = theta;
+            outcome.backward_error = outcome.backward_error.max(backward_error);
 
             // Step 4: termination.
+            let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored: fresh };
             let flow = observe(&record);
-            let stop = if theta <= self.settings.epsilon || formulation.is_affine() {
-                Some(Stop::Met)
+            outcome.stop = if theta <= self.settings.epsilon || formulation.is_affine() {
+                Stop::Met
             } else if !theta.is_finite() {
-                Some(Stop::Diverged)
+                Stop::Diverged
             } else if flow == Flow::Stop {
-                Some(Stop::Interrupted)
+                Stop::Interrupted
             } else {
-                None
+                continue;
             };
-            if let Some(stop) = stop {
-                return outcome(stop, iteration, backtracks, theta, backward_error, &clock);
-            }
+            break;
         }
-        outcome(Stop::MaxIterations, self.settings.max_iterations, backtracks, theta, backward_error, &clock)
+        outcome.assembly_seconds = clock.seconds;
+        Ok(outcome)
     }
 
     /// Solves for `dz`; returns the backward error.
-    fn direction<F: Formulation>(
-        &mut self,
-        formulation: &F,
-        linear: &mut Direct,
-        fresh: bool,
-    ) -> Result<f64, LinearError> {
-        if fresh {
-            self.factored = None;
+    fn direction<F: Formulation>(&mut self, formulation: &F, linear: &mut Direct) -> Result<f64, LinearError> {
+        if self.factored.is_none() {
             linear.factorize(formulation.jacobian())?;
             self.factored = Some(linear.statistics().factorizations);
         }
