@@ -22,6 +22,8 @@ use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use stickslip::linear::{self, LinearError};
+use stickslip::model::Model;
+use stickslip::report::available_bytes;
 use stickslip::scene::{Override, Scene, SceneError};
 
 /// Quasi-static elastic contact with Coulomb friction.
@@ -72,6 +74,23 @@ impl SceneArgs {
         let overrides: Vec<Override> = self.overrides.iter().cloned().chain(options).collect();
         Scene::read(&self.scene, &overrides)
     }
+}
+
+/// Discretises a scene, unless the machine has no room for it.
+fn discretise(scene: &Scene) -> Result<Model, Failure> {
+    // The matrices alone, 27 entries of 16 bytes for each of two unknowns a node; the factors take
+    // more. Asking first is kinder than being killed half-way.
+    let needed = scene.mesh.nodes() as u64 * 2 * 27 * 16;
+    if let Some(available) = available_bytes().filter(|&available| available < needed) {
+        let gigabytes = |bytes: u64| bytes as f64 * 1e-9;
+        return Err(Failure::Machine(miette::miette!(
+            help = "use a coarser mesh or a machine with more memory",
+            "the matrices of this mesh need {:.1} GB and the factors more, but {:.1} GB are free",
+            gigabytes(needed),
+            gigabytes(available)
+        )));
+    }
+    Ok(Model::new(scene)?)
 }
 
 /// Why a command ended without a result.

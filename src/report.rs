@@ -13,4 +13,4 @@ pub use folder::ResultFolder;
 pub use plot::contact_stresses;
 pub use run::{Final, Measured, Resultant, RunReport, Totals, Unknowns};
 pub use table::Table;
-pub use usage::{cpu_seconds, peak_rss_bytes};
+pub use usage::{available_bytes, cpu_seconds, peak_rss_bytes};

@@ -278,6 +278,16 @@ impl Scene {
     }
 }
 
+impl Mesh {
+    /// The number of nodes.
+    pub fn nodes(&self) -> usize {
+        match *self {
+            Mesh::Block { elements: [nx, ny], .. } => (nx + 1) * (ny + 1),
+            Mesh::HalfPlane(m) => (m.contact_elements + m.outer_elements + 1) * (m.layers + 1),
+        }
+    }
+}
+
 impl Name {
     /// The name.
     pub fn as_str(&self) -> &str {

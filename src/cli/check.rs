@@ -5,7 +5,7 @@ use stickslip::formulation::Layout;
 use stickslip::model::Model;
 use stickslip::scene::{HalfPlane, Material, Mesh, Plane, Scene, Shape};
 
-use super::{Failure, SceneArgs};
+use super::{Failure, SceneArgs, discretise};
 
 #[derive(Args)]
 pub(super) struct CheckArgs {
@@ -15,7 +15,7 @@ pub(super) struct CheckArgs {
 
 pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     let scene = args.scene.read()?;
-    let model = Model::new(&scene)?;
+    let model = discretise(&scene)?;
     say!("{}", scene.title);
     body(&scene, &model);
     contact(&scene, &model);

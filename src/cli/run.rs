@@ -17,7 +17,7 @@ use stickslip::report::{
 use stickslip::scene::{LinearBackend, Scene, Setting};
 
 use super::progress::Progress;
-use super::{Failure, SceneArgs};
+use super::{Failure, SceneArgs, discretise};
 
 #[derive(Args)]
 pub(super) struct RunArgs {
@@ -34,7 +34,7 @@ pub(super) struct RunArgs {
 pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
     let scene = args.scene.read()?;
-    let model = Model::new(&scene)?;
+    let model = discretise(&scene)?;
     let model_seconds = start.elapsed().as_secs_f64();
     let folder = args.out.as_deref().map(open_folder).transpose()?;
     if !args.json {
