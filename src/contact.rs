@@ -8,4 +8,4 @@ mod obstacle;
 
 pub use kinematics::{ContactBoundary, ContactNode, contact_nodes, unreachable};
 pub use kkt::{ContactStatus, KktErrors, KktScales, rounding_level, statuses};
-pub use obstacle::{Obstacle, Shape};
+pub use obstacle::Obstacle;

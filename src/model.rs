@@ -1,6 +1,6 @@
 //! From a scene to the discrete problem: mesh, `K`, contact maps, loads.
 
-use crate::contact::{ContactBoundary, ContactNode, Obstacle, Shape, contact_nodes, unreachable};
+use crate::contact::{ContactBoundary, ContactNode, Obstacle, contact_nodes, unreachable};
 use crate::fem::{Dofs, Elasticity, InvertedElement, RigidMotion, assemble, edge_load, rigid_motions};
 use crate::loading::{Approach, LoadCase, Loading};
 use crate::mesh::{self, Boundary, Mesh};
@@ -139,10 +139,6 @@ fn contact_boundary(
 ) -> Result<Vec<ContactNode>, SceneError> {
     let boundary = find(scene, mesh, &contact.boundary)?;
     let scene::Obstacle { shape, normal, tangent, .. } = contact.obstacle.clone();
-    let shape = match shape {
-        scene::Shape::Plane { gap } => Shape::Plane { gap },
-        scene::Shape::Cylinder { radius, apex } => Shape::Cylinder { radius, apex },
-    };
     let obstacle = Obstacle::facing(mesh, boundary, shape, normal, tangent).ok_or_else(|| {
         let message = format!("the boundary `{}` has no mean normal to face an obstacle with", contact.boundary);
         scene.error_at(contact.boundary.span(), message, "give the obstacle a `normal`")

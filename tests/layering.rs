@@ -16,7 +16,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("mesh", &[]),
     ("problem", &["sparse", "units"]),
     ("fem", &["mesh", "null_space", "sparse"]),
-    ("contact", &["fem", "mesh", "problem"]),
+    ("contact", &["fem", "mesh", "problem", "scene"]),
     ("formulation", &["contact", "null_space", "problem", "sparse", "units"]),
     ("linear", &["sparse"]),
     ("nonlinear", &["formulation", "linear"]),

@@ -78,8 +78,8 @@ pub fn unreachable(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &Obs
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::Shape;
     use crate::mesh::block;
+    use crate::scene::Shape;
 
     #[test]
     fn the_clamped_corner_is_no_contact_node() {

@@ -1,23 +1,7 @@
 //! Rigid obstacles: their gaps to the nodes of a boundary, along one normal.
 
 use crate::mesh::{Boundary, Mesh};
-
-/// The shape of an obstacle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shape {
-    /// A plane across the normal.
-    Plane {
-        /// Distance to the nearest point of the boundary, m; negative for interference.
-        gap: f64,
-    },
-    /// A cylinder, its axis across the plane of the body.
-    Cylinder {
-        /// Radius, m.
-        radius: f64,
-        /// Its point nearest to the body, m.
-        apex: [f64; 2],
-    },
-}
+use crate::scene::Shape;
 
 /// A rigid obstacle in front of a part of the boundary. Small displacements: gaps are measured once,
 /// in the undeformed state, along one normal.
