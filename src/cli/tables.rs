@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use clap::{Args, Subcommand};
 use serde::Serialize;
 use stickslip::history::Status;
+use stickslip::linear;
 use stickslip::report::Table;
 use stickslip::tables::{Agreement, Case, Cell, PaperTable, TableError};
 
@@ -61,6 +62,7 @@ pub(super) fn tables(args: &TablesArgs) -> Result<ExitCode, Failure> {
         WhichTable::Block(block) => (PaperTable::Block, &block.contact_nodes[..], &block.rest),
     };
     let cases = select(table, contact_nodes, selection)?;
+    linear::process::keep_freed_memory();
     let bar = bar(cases.len(), "cells");
     let mut cells = Vec::with_capacity(cases.len());
     for case in &cases {
