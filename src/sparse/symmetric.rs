@@ -29,11 +29,6 @@ impl Symmetric {
         self.lower.pattern.columns()
     }
 
-    /// The lower triangle.
-    pub fn lower(&self) -> &Csc {
-        &self.lower
-    }
-
     /// Adds `value` at `(row, column)` of the lower triangle; an entry of the upper one, which is
     /// stored as its mirror image, is passed over.
     ///
@@ -90,7 +85,7 @@ mod tests {
         for (i, j, value) in full {
             a.add(i, j, value);
         }
-        assert_eq!(a.lower().pattern.len(), 5);
+        assert_eq!(a.lower.pattern.len(), 5);
         assert_eq!(a.diagonal(), [2.0, 3.0, 5.0]);
         let mut y = [0.0; 3];
         a.mul(&[1.0, -1.0, 2.0], &mut y);
