@@ -285,8 +285,9 @@ pub fn run(
     Ok(outcome)
 }
 
-/// `p_n` before the first increment. Without load or interference that is 0, the solution. A body that only contact holds starts with every node closed,
-/// `p_n > r g`: its first matrix would be singular with open ones.
+/// `p_n` before the first increment. Without load or interference that is 0, the solution. A body
+/// that only contact holds starts with every node closed, `p_n > r g`: its first matrix would be
+/// singular with open ones.
 fn start_forces(problem: &ContactProblem, loading: &Loading, settings: &HistorySettings) -> Vec<f64> {
     if loading.largest_force() == 0.0 && loading.largest_interference() == 0.0 {
         return vec![0.0; problem.contacts()];

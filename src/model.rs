@@ -153,10 +153,12 @@ fn contact_boundary(
         let message = format!("the cylinder does not reach over the contact node at ({x}, {y}) m");
         return Err(scene.error_at(contact.obstacle.span.clone(), message, "use a larger radius"));
     }
-    if let Some(node) = unreachable(mesh, dofs, boundary, &obstacle) {
+    let furthest = contact.obstacle.approach.iter().fold(0.0_f64, |m, point| m.max(point[1]));
+    if let Some(node) = unreachable(mesh, dofs, boundary, &obstacle, furthest) {
         let [x, y] = mesh.nodes[node];
-        let message = format!("supports hold the body inside the obstacle, at ({x}, {y}) m");
-        return Err(scene.error_at(contact.boundary.span(), message, "use a gap of at least 0, or fewer supports"));
+        let message = format!("supports hold the body where the obstacle is or comes to be, at ({x}, {y}) m");
+        let help = "use a gap of at least 0, a shorter approach or fewer supports";
+        return Err(scene.error_at(contact.boundary.span(), message, help));
     }
     let nodes = contact_nodes(mesh, dofs, boundary, &obstacle);
     if nodes.is_empty() {

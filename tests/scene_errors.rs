@@ -113,7 +113,13 @@ const AGAINST_THE_MESH: &[Fault] = &[
     ("\"left\"", "\"lft\"", "\"lft\"", &["no boundary `lft`"], "bottom, right, top, left"),
     ("\"bottom\"", "\"Bottom\"", "\"Bottom\"", &["no boundary `Bottom`"], "bottom, right, top, left"),
     ("\"top\"", "\"roof\"", "\"roof\"", &["no boundary `roof`"], "bottom, right, top, left"),
-    ("gap = 1e-5", "gap = -1e-6", "\"bottom\"", &["inside the obstacle", "(0, 0) m"], "gap of at least 0"),
+    (
+        "gap = 1e-5",
+        "gap = -1e-6",
+        "\"bottom\"",
+        &["hold the body where the obstacle is", "(0, 0) m"],
+        "gap of at least 0",
+    ),
     (
         "[[support]]",
         "[[support]]\nboundary = \"right\"\nfix = [\"x\", \"y\"]\n[[support]]",

@@ -86,6 +86,16 @@ fn sliding_away_is_no_equilibrium() {
     assert_eq!(motion.to_string().replace('-', ""), "a translation along (1, 0)");
 }
 
+/// No displacement brings a held node out of an obstacle that moves in: refused, not overlooked.
+#[test]
+fn an_obstacle_must_not_move_into_a_held_node() {
+    let approach = "contact.obstacle.approach=[[0, 0], [1, 2e-5]]";
+    let error = Model::new(&common::block(&[approach])).unwrap_err().to_string();
+    assert!(error.contains("supports hold the body where the obstacle"), "{error}");
+    // Just touching the clamped corner is allowed.
+    assert!(Model::new(&common::block(&[&approach.replace("2e-5", "1e-5")])).is_ok());
+}
+
 /// An obstacle on the wrong side of the boundary would never be touched: it is refused.
 #[test]
 fn an_obstacle_must_face_the_boundary() {

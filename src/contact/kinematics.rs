@@ -66,13 +66,13 @@ pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &O
         .collect()
 }
 
-/// The first node of `boundary` that interferes with the obstacle while supports hold it there:
-/// no displacement can bring it out.
-pub fn unreachable(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &Obstacle) -> Option<usize> {
+/// The first node of `boundary` that interferes with the obstacle, once that has moved in by
+/// `furthest` (m), while supports hold it there: no displacement can bring it out.
+pub fn unreachable(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &Obstacle, furthest: f64) -> Option<usize> {
     let nodes = boundary.nodes();
     let gaps = obstacle.gaps(mesh, &nodes);
     let held = |node: usize| dofs.node(node).into_iter().zip(obstacle.normal).all(|(dof, n)| dof.is_none() || n == 0.0);
-    nodes.into_iter().zip(gaps).find(|&(node, gap)| gap < 0.0 && held(node)).map(|(node, _)| node)
+    nodes.into_iter().zip(gaps).find(|&(node, gap)| gap < furthest && held(node)).map(|(node, _)| node)
 }
 
 #[cfg(test)]
@@ -92,9 +92,10 @@ mod tests {
         assert_eq!(contacts.iter().map(|c| c.weight).collect::<Vec<_>>(), [0.25, 0.25, 0.25, 0.125]);
         let [x, y] = dofs.node(1).map(Option::unwrap);
         assert_eq!((contacts[0].normal.clone(), contacts[0].tangent.clone()), (vec![(y, -1.0)], vec![(x, 1.0)]));
-        assert_eq!(unreachable(&mesh, &dofs, bottom, &plane), None);
+        assert_eq!(unreachable(&mesh, &dofs, bottom, &plane, 0.0), None);
+        assert_eq!(unreachable(&mesh, &dofs, bottom, &plane, 2e-5), Some(0));
         assert_eq!(
-            unreachable(&mesh, &dofs, bottom, &Obstacle { shape: Shape::Plane { gap: -1e-9 }, ..plane }),
+            unreachable(&mesh, &dofs, bottom, &Obstacle { shape: Shape::Plane { gap: -1e-9 }, ..plane }, 0.0),
             Some(0)
         );
     }
