@@ -68,7 +68,7 @@ fn measure(n: usize, who: Who) -> [f64; 9] {
         Who::Ours => (model.scaling(), Box::new(Umfpack::default()), scene.solver.tolerance),
         Who::Naive => (Scaling::SI, Box::new(Naive::default()), 1e-3),
     };
-    let settings = HistorySettings::paper(&model.problem, scaling, scene.solver.max_iterations, tolerance);
+    let settings = HistorySettings::paper_bn(&model.problem, scaling, scene.solver.max_iterations, tolerance);
     let mut linear = Direct::new(backend);
     let times = scene.time.all();
     let mut observer = KeepMemory(who == Who::Ours);

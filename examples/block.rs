@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let overrides = ["mesh.elements=[60,60]".parse()?];
     let scene = Scene::read("data/scenes/block.toml".as_ref(), &overrides)?;
     let model = Model::new(&scene)?;
-    let settings = HistorySettings::paper(&model.problem, model.scaling(), 200, 1e-10);
+    let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-10);
     let mut linear = Direct::new(Box::new(Umfpack::default()));
     println!("time  contact line from the wall: # stick, - slip");
     let outcome =

@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let overrides = ["mesh.elements=[40,40]".parse()?, Override::value("contact.friction", mu)];
         let scene = Scene::read("data/scenes/block.toml".as_ref(), &overrides)?;
         let model = Model::new(&scene)?;
-        let settings = HistorySettings::paper(&model.problem, model.scaling(), 200, 1e-10);
+        let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-10);
         let mut linear = Direct::new(Box::new(Umfpack::default()));
         let times = scene.time.all();
         let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ())?;

@@ -8,7 +8,7 @@
 #![allow(clippy::print_stdout)]
 
 use stickslip::formulation::Conventions;
-use stickslip::history::{self, HistorySettings};
+use stickslip::history::{self, HistorySettings, Method};
 use stickslip::linear::{Direct, Umfpack};
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::nonlinear::BnSettings;
@@ -31,10 +31,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // This problem is far from the paper's scale, so r and the units of Theta are chosen to fit it.
     let settings = HistorySettings {
-        bn: BnSettings { epsilon: 1e-24, ..BnSettings::paper(50) },
+        method: Method::Bn { settings: BnSettings { epsilon: 1e-24, ..BnSettings::paper(50) }, start_pressure: 0.0 },
         conventions: Conventions { r: vec![1.0], row_unit: vec![1.0] },
         scaling: Scaling::SI,
-        start_pressure: 0.0,
         tolerance: 1e-12,
     };
     let mut linear = Direct::new(Box::new(Umfpack::default()));

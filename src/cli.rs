@@ -55,7 +55,7 @@ struct SceneArgs {
     /// Put VALUE in place of what the scene says, e.g. mesh.elements=[50,50] or contact[0].friction=0.3
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
-    /// The algorithm, as solver.method
+    /// The algorithm, as solver.method; ip comes with its own default setting
     #[arg(long)]
     method: Option<String>,
     /// The named set of constants, as solver.setting
@@ -68,9 +68,15 @@ struct SceneArgs {
 
 impl SceneArgs {
     fn read(&self) -> Result<Scene, SceneError> {
-        let options =
-            [("solver.method", &self.method), ("solver.setting", &self.setting), ("solver.linear", &self.solver)];
-        let options = options.iter().filter_map(|(key, value)| Some(Override::value(key, value.as_deref()?)));
+        // The setting in the scene is that of its own method.
+        let other_method = self.method.as_deref().is_some_and(|method| method != "bn");
+        let setting = self.setting.as_deref().or(other_method.then_some("default"));
+        let options = [
+            ("solver.method", self.method.as_deref()),
+            ("solver.setting", setting),
+            ("solver.linear", self.solver.as_deref()),
+        ];
+        let options = options.iter().filter_map(|(key, value)| Some(Override::value(key, (*value)?)));
         let overrides: Vec<Override> = self.overrides.iter().cloned().chain(options).collect();
         Scene::read(&self.scene, &overrides)
     }

@@ -1,10 +1,16 @@
 //! Equations `H(z) = 0` of one increment and their linearisation on one fixed pattern.
 
 mod bdiff;
+mod constrained;
 mod layout;
+mod mixed;
+mod natural;
+mod scaled;
 
-pub use bdiff::{Bdiff, Conventions};
+pub use bdiff::Bdiff;
+pub use constrained::{Constrained, Face, Pair, SlackLayout};
 pub use layout::Layout;
+pub use natural::Conventions;
 
 use crate::problem::Increment;
 use crate::sparse::Csc;

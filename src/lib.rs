@@ -11,7 +11,7 @@
 //! Data flows one way: [`scene`] (TOML) → [`model`] ([`mesh`], [`fem`], [`contact`]) → [`problem`]
 //! (algebra only) → [`formulation`] (the equations `H(z) = 0` and their Jacobian on one fixed
 //! pattern) → [`nonlinear`] (Algorithm BN) with [`linear`] (UMFPACK) → [`history`] (increments and
-//! verdicts) → [`report`].
+//! verdicts) → [`report`]. [`solvability`] tells beforehand what to expect of a problem.
 //!
 //! ```
 //! use stickslip::history::{self, HistorySettings, Status};
@@ -22,7 +22,7 @@
 //! let text = include_str!("../data/scenes/block.toml");
 //! let scene = Scene::parse("block.toml", text, &["mesh.elements=[10,10]".parse()?])?;
 //! let model = Model::new(&scene)?;
-//! let settings = HistorySettings::paper(&model.problem, model.scaling(), 200, 1e-10);
+//! let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-10);
 //! let mut linear = Direct::new(Box::new(Umfpack::default()));
 //! let outcome =
 //!     history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut ())?;
@@ -44,6 +44,7 @@ pub mod null_space;
 pub mod problem;
 pub mod report;
 pub mod scene;
+pub mod solvability;
 pub mod sparse;
 pub mod tables;
 pub mod units;

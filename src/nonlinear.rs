@@ -2,9 +2,14 @@
 
 mod armijo;
 mod bn;
+mod clock;
+mod ip;
+mod predictor_corrector;
 
 pub use armijo::Armijo;
 pub use bn::{Bn, BnSettings};
+pub use ip::{Centring, Ip, IpSettings};
+pub use predictor_corrector::{PredictorCorrector, PredictorCorrectorSettings};
 
 use crate::linear::LinearError;
 
@@ -17,8 +22,12 @@ pub enum Stop {
     MaxIterations,
     /// The merit or the iterate is not finite.
     Diverged,
+    /// No step along the direction improves the iterate.
+    Stalled,
     /// The linearisation is singular: nothing stops the free motion with these weights.
     Unheld(Vec<f64>),
+    /// No equilibrium exists: the loads drive the free motion with these weights.
+    NoEquilibrium(Vec<f64>),
     /// The linearisation is singular for another reason.
     Singular(LinearError),
     /// The observer asked to stop.
@@ -40,6 +49,41 @@ pub struct Outcome {
     pub backward_error: f64,
     /// Seconds spent in evaluating residual, merit and Jacobian.
     pub assembly_seconds: f64,
+}
+
+impl Outcome {
+    /// Nothing done yet, from a start with the merit `theta`.
+    pub fn new(theta: f64) -> Self {
+        Outcome {
+            stop: Stop::MaxIterations,
+            iterations: 0,
+            backtracks: 0,
+            theta,
+            backward_error: 0.0,
+            assembly_seconds: 0.0,
+        }
+    }
+
+    /// Adds an iteration.
+    fn add(&mut self, theta: f64, backtracks: usize, backward_error: f64) {
+        self.iterations += 1;
+        self.backtracks += backtracks;
+        self.theta = theta;
+        self.backward_error = self.backward_error.max(backward_error);
+    }
+
+    /// This and then `next`, as one.
+    #[must_use]
+    pub fn then(self, next: Outcome) -> Outcome {
+        Outcome {
+            stop: next.stop,
+            iterations: self.iterations + next.iterations,
+            backtracks: self.backtracks + next.backtracks,
+            theta: next.theta,
+            backward_error: self.backward_error.max(next.backward_error),
+            assembly_seconds: self.assembly_seconds + next.assembly_seconds,
+        }
+    }
 }
 
 /// One iteration, as it happens.

@@ -27,6 +27,7 @@ mod check;
 mod document;
 mod error;
 mod overrides;
+mod solver;
 
 use std::fmt;
 use std::ops::Range;
@@ -36,6 +37,7 @@ use serde::{Deserialize, Serialize};
 
 pub use error::{Located, SceneError};
 pub use overrides::{Override, OverrideSyntax};
+pub use solver::{LinearBackend, Method, MethodName, NewtonSystem, Partition, Setting, Solver, Start};
 
 use error::Source;
 
@@ -194,48 +196,6 @@ pub struct Time {
     pub end: f64,
     /// The number of equal increments.
     pub increments: usize,
-}
-
-/// How to solve.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Solver {
-    /// The algorithm.
-    pub method: Method,
-    /// A named set of its constants.
-    pub setting: Setting,
-    /// The linear algebra.
-    pub linear: LinearBackend,
-    /// The most iterations an increment may take.
-    pub max_iterations: usize,
-    /// An increment has converged when every component of the error measure is at most this.
-    pub tolerance: f64,
-}
-
-/// The algorithm for one increment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Method {
-    /// The B-differentiable Newton method.
-    #[default]
-    Bn,
-}
-
-/// A named set of constants and conventions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Setting {
-    /// Those behind the tables of Christensen, Klarbring, Pang and Strömberg (1998).
-    #[default]
-    Paper,
-}
-
-/// The linear algebra.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum LinearBackend {
-    /// UMFPACK on the uncondensed system.
-    #[default]
-    Umfpack,
 }
 
 /// What to write.

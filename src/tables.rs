@@ -109,7 +109,10 @@ impl PaperTable {
     }
 
     /// The scene of a case.
-    fn scene(self, case: &Case) -> Result<Scene, SceneError> {
+    ///
+    /// # Errors
+    /// None: the scenes and the cases are sound.
+    pub fn scene(self, case: &Case) -> Result<Scene, SceneError> {
         let friction = Override::value("contact.friction", case.mu);
         let increments = case.increments as i64;
         match self {
@@ -136,7 +139,8 @@ impl PaperTable {
         let scene = self.scene(case)?;
         let model = Model::new(&scene)?;
         let solver = &scene.solver;
-        let settings = HistorySettings::paper(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
+        let settings =
+            HistorySettings::paper_bn(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
         let mut linear = Direct::new(Box::new(Umfpack::default()));
         let times = scene.time.all();
         let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ())?;

@@ -261,6 +261,7 @@ fn a_body_that_nothing_holds_is_singular_and_has_no_numbers() {
     let check = stickslip(&["check", &scene]);
     assert_exit(&check, 0);
     assert_eq!(stdout(&check).matches("NOT HELD     nothing holds the body against a ").count(), 3);
+    assert!(!stdout(&check).contains("theorem") && !stdout(&check).contains("BALANCE"));
 }
 
 #[test]
@@ -350,6 +351,7 @@ fn check_explains_without_solving() {
         "4 normal forces p_n",
         "4 increments of 0.5 s",
         "held         by its supports",
+        "theorem 3    holds: (a) no rigid motion leaves every obstacle; (b) contact rows independent",
     ] {
         assert!(stdout(&output).contains(words), "`{words}` is not in:\n{}", stdout(&output));
     }

@@ -4,7 +4,7 @@
 mod common;
 
 use stickslip::formulation::Conventions;
-use stickslip::history::{self, HistorySettings, Status};
+use stickslip::history::{self, HistorySettings, Method, Status};
 use stickslip::linear::{Direct, Umfpack};
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::model::Model;
@@ -96,10 +96,12 @@ fn one_node() {
         let case = LoadCase { force: force.to_vec(), history: vec![[0.0, 0.0], [1.0, 1.0]] };
         let loading = Loading { cases: vec![case], gap: vec![0.0], ..Loading::default() };
         let settings = HistorySettings {
-            bn: BnSettings { epsilon: 1e-24, ..BnSettings::paper(50) },
+            method: Method::Bn {
+                settings: BnSettings { epsilon: 1e-24, ..BnSettings::paper(50) },
+                start_pressure: 0.0,
+            },
             conventions: Conventions { r: vec![1.0], row_unit: vec![1.0] },
             scaling: Scaling::SI,
-            start_pressure: 0.0,
             tolerance: 1e-12,
         };
         let mut linear = Direct::new(Box::new(Umfpack::default()));

@@ -82,7 +82,7 @@ fn sliding_away_is_no_equilibrium() {
     let outcome = common::run(&scene, &model, &mut ());
     // 6 MN push against at most 0.4 · 8 MN.
     assert_eq!(outcome.status, Status::Singular, "{:?}", outcome.records.last());
-    let motion = stickslip::fem::RigidMotion::combination(&model.rigid_motions, &outcome.unheld.unwrap()).unwrap();
+    let motion = stickslip::fem::RigidMotion::combination(&model.rigid_motions, &outcome.free_motion.unwrap()).unwrap();
     assert_eq!(motion.to_string().replace('-', ""), "a translation along (1, 0)");
 }
 

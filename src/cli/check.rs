@@ -1,9 +1,13 @@
 //! `stickslip check`.
 
+use std::collections::BTreeSet;
+
 use clap::Args;
+use stickslip::fem::RigidMotion;
 use stickslip::formulation::Layout;
 use stickslip::model::Model;
 use stickslip::scene::{HalfPlane, Material, Mesh, Plane, Scene, Shape};
+use stickslip::solvability::{Conditions, rigid_equilibrium};
 
 use super::{Failure, SceneArgs, discretise};
 
@@ -29,13 +33,17 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     );
     say!(
         "solver       {:?}, setting {:?}, {:?}; at most {} iterations; error of every law at most {:.0e}",
-        solver.method,
-        solver.setting,
+        solver.method.name(),
+        solver.method.setting(),
         solver.linear,
         solver.max_iterations,
         solver.tolerance
     );
     holding(&model);
+    if !model.contacts.is_empty() {
+        theorem(&model);
+        equilibrium(&scene, &model);
+    }
     Ok(())
 }
 
@@ -127,4 +135,56 @@ fn holding(model: &Model) {
     for motion in &model.rigid_motions {
         say!("NOT HELD     {by} the body against {motion}");
     }
+}
+
+fn theorem(model: &Model) {
+    let conditions = Conditions::of(&model.problem);
+    if conditions.hold() {
+        say!("theorem 3    holds: (a) no rigid motion leaves every obstacle; (b) contact rows independent");
+        return;
+    }
+    let mut label = "theorem 3";
+    if let Some(motion) = conditions.leaving.as_deref().and_then(|weights| named(model, weights)) {
+        say!(
+            "{label:<12} (a) violated: {motion} moves no node towards an obstacle, \
+             so the loads have to keep the body from it; or add a support"
+        );
+        label = "";
+    }
+    let nodes: BTreeSet<usize> = conditions.dependent.iter().map(|&i| model.contacts[i].node).collect();
+    if let Some(&first) = nodes.first() {
+        let [x, y] = model.mesh.nodes[first];
+        let others = match nodes.len() - 1 {
+            0 => String::new(),
+            n => format!(" (and at {n} more)"),
+        };
+        say!(
+            "{label:<12} (b) violated: the contact rows at ({x}, {y}) m{others} depend on each other, so the contact \
+             forces there are not unique; turn a normal, or take away a contact or a support"
+        );
+    }
+}
+
+/// Tells the first increment that no contact force can bring into balance.
+fn equilibrium(scene: &Scene, model: &Model) {
+    if model.rigid_motions.is_empty() {
+        return;
+    }
+    let mut force = vec![0.0; model.problem.displacements()];
+    let failed = scene.time.all().into_iter().find_map(|time| {
+        model.loading.force(time, &mut force);
+        Some((time, rigid_equilibrium(&model.problem, &force).err()?))
+    });
+    if let Some((time, weights)) = failed
+        && let Some(motion) = named(model, &weights)
+    {
+        say!(
+            "NO BALANCE   first at t = {time} s: the loads drive {motion}, which no contact force within its friction \
+             resists; change the loads or add a support"
+        );
+    }
+}
+
+fn named(model: &Model, weights: &[f64]) -> Option<RigidMotion> {
+    RigidMotion::combination(&model.rigid_motions, weights)
 }

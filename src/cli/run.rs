@@ -7,14 +7,14 @@ use std::time::Instant;
 
 use clap::Args;
 use stickslip::fem::RigidMotion;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Observer, Status, Step};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Observer, Start, Status, Step};
 use stickslip::linear::{self, Direct, Umfpack};
 use stickslip::model::Model;
-use stickslip::nonlinear::{Flow, IterationRecord};
+use stickslip::nonlinear::{Flow, IpSettings, IterationRecord, PredictorCorrectorSettings};
 use stickslip::report::{
     ContactLine, Final, Measured, ResultFolder, Resultant, RunReport, cpu_seconds, peak_rss_bytes,
 };
-use stickslip::scene::{LinearBackend, Scene, Setting};
+use stickslip::scene::{self, LinearBackend, Scene, Solver};
 
 use super::progress::Progress;
 use super::{Failure, SceneArgs, discretise};
@@ -132,10 +132,24 @@ impl Observer for Watcher<'_> {
 }
 
 fn settings(scene: &Scene, model: &Model) -> HistorySettings {
-    let solver = &scene.solver;
-    match solver.setting {
-        Setting::Paper => {
-            HistorySettings::paper(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance)
+    let Solver { method, max_iterations, tolerance, .. } = scene.solver;
+    let problem = &model.problem;
+    match method {
+        scene::Method::PaperBn => HistorySettings::paper_bn(problem, model.scaling(), max_iterations, tolerance),
+        scene::Method::PaperIp { start, partition, newton } => {
+            let start = match start {
+                scene::Start::Safe => Start::Safe,
+                scene::Start::Prev => Start::PREV,
+            };
+            let method = Method::Ip { settings: IpSettings::paper(max_iterations), start, partition, newton };
+            HistorySettings { method, ..HistorySettings::paper_ip(problem, start, max_iterations, tolerance) }
+        }
+        scene::Method::Ip { newton } => {
+            let method = Method::PredictorCorrector {
+                settings: PredictorCorrectorSettings { tolerance, max_iterations },
+                newton,
+            };
+            HistorySettings { method, ..HistorySettings::ip(problem, model.scaling(), max_iterations, tolerance) }
         }
     }
 }
@@ -176,6 +190,7 @@ fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
     let tried = scene.solver.max_iterations;
     let why = match outcome.status {
         Status::Singular => unheld(model, outcome),
+        Status::NoEquilibrium => no_equilibrium(model, outcome),
         Status::MaxIterations => {
             format!("no convergence within max_iterations = {tried}: {violated}; {}", advice(scene))
         }
@@ -193,22 +208,35 @@ fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
 
 /// What to try when the iteration stops too late or too early.
 fn advice(scene: &Scene) -> &'static str {
+    if let scene::Method::Ip { .. } = scene.solver.method {
+        return "try more increments (time.increments); `stickslip check` tells what holds the body";
+    }
     // The setting's r is ten times the modulus of steel; the window that works is two decades wide.
-    let Setting::Paper = scene.solver.setting;
     if (1e10..1e13).contains(&scene.material.young) {
         "the setting paper stops at an absolute Theta, made for loads of MN; \
-         try loads of that size or more increments (time.increments)"
+         try --method ip, loads of that size or more increments (time.increments)"
     } else {
-        "the setting paper has r = 1e12 l, made for moduli near 2e11 Pa: scale modulus and loads alike"
+        "the setting paper has constants made for moduli near 2e11 Pa: \
+         try --method ip, or scale modulus and loads alike"
     }
 }
 
 fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
-    let motion = outcome.unheld.as_ref().and_then(|weights| RigidMotion::combination(&model.rigid_motions, weights));
-    match motion {
+    match motion(model, outcome) {
         Some(motion) => format!("nothing holds the body against {motion}; add a support"),
         None => "the linearised problem is singular".to_string(),
     }
+}
+
+fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
+    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.to_string());
+    format!(
+        "no equilibrium exists: the loads drive {motion}, and no contact force within its friction resists; change the loads or add a support"
+    )
+}
+
+fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
+    RigidMotion::combination(&model.rigid_motions, outcome.free_motion.as_ref()?)
 }
 
 fn print_head(scene: &Scene, model: &Model) {

@@ -74,12 +74,12 @@ impl Layout {
         z
     }
 
-    /// The state of `z`; the inverse of [`Layout::pack`].
+    /// The state of a `z` that begins with this layout; the inverse of [`Layout::pack`].
     pub fn unpack(&self, z: &[f64], scaling: &Scaling) -> State {
         State {
             u: z[..self.displacements].iter().map(|x| x * scaling.length).collect(),
             p_t: self.tangential.iter().map(|k| k.map_or(0.0, |k| z[k] * scaling.force)).collect(),
-            p_n: z[self.first_normal..].iter().map(|x| x * scaling.force).collect(),
+            p_n: z[self.first_normal..self.unknowns()].iter().map(|x| x * scaling.force).collect(),
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Algorithm BN: the B-differentiable Newton method.
 
-use std::time::Instant;
-
+use super::clock::Clock;
 use super::{Armijo, Flow, IterationRecord, Outcome, Stop};
 use crate::formulation::Formulation;
 use crate::linear::{Direct, LinearError};
@@ -60,14 +59,7 @@ impl Bn {
             formulation.residual(z, &mut self.h);
             formulation.merit(&self.h)
         });
-        let mut outcome = Outcome {
-            stop: Stop::MaxIterations,
-            iterations: 0,
-            backtracks: 0,
-            theta,
-            backward_error: 0.0,
-            assembly_seconds: 0.0,
-        };
+        let mut outcome = Outcome::new(theta);
 
         for iteration in 1..=self.settings.max_iterations {
             // Step 2: the direction, H(z) + H̃'(z; dz) = 0 (22). The matrix is factored unless it is
@@ -102,10 +94,7 @@ impl Bn {
                 formulation.residual(z, &mut self.h);
                 formulation.merit(&self.h)
             });
-            outcome.iterations = iteration;
-            outcome.backtracks += backtracks;
-            outcome.theta = theta;
-            outcome.backward_error = outcome.backward_error.max(backward_error);
+            outcome.add(theta, backtracks, backward_error);
 
             // Step 4: termination.
             let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored: fresh };
@@ -135,20 +124,5 @@ impl Bn {
         let info = linear.solve(formulation.jacobian(), &self.h, &mut self.dz)?;
         self.dz.iter_mut().for_each(|dz| *dz = -*dz);
         Ok(info.backward_error)
-    }
-}
-
-/// Adds up the time of what it runs.
-#[derive(Default)]
-struct Clock {
-    seconds: f64,
-}
-
-impl Clock {
-    fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
-        let start = Instant::now();
-        let result = work();
-        self.seconds += start.elapsed().as_secs_f64();
-        result
     }
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::contact::ContactBoundary;
 use crate::history::{HistoryOutcome, IncrementRecord, Status};
 use crate::problem::State;
-use crate::scene::{LinearBackend, Method, Scene, Setting};
+use crate::scene::{LinearBackend, MethodName, Scene, Setting};
 
 /// Everything about a run but the fields; SI units throughout.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -17,7 +17,7 @@ pub struct RunReport {
     /// The scene's title.
     pub title: String,
     /// The algorithm.
-    pub method: Method,
+    pub method: MethodName,
     /// Its named setting.
     pub setting: Setting,
     /// The linear algebra.
@@ -118,8 +118,8 @@ impl RunReport {
         RunReport {
             scene: name.to_string(),
             title: scene.title.clone(),
-            method: scene.solver.method,
-            setting: scene.solver.setting,
+            method: scene.solver.method.name(),
+            setting: scene.solver.method.setting(),
             solver: scene.solver.linear,
             status: outcome.status,
             reason,

@@ -2,6 +2,7 @@
 
 mod mesh;
 mod obstacle;
+mod solver;
 
 use std::ops::Range;
 use std::path::Path;
@@ -10,7 +11,7 @@ use toml::Spanned;
 
 use super::document::{self, Direction, Document, Pair};
 use super::error::Source;
-use super::{Contact, Load, Material, Name, Output, Scene, SceneError, Solver, Support, Time};
+use super::{Contact, Load, Material, Name, Output, Scene, SceneError, Support, Time};
 
 /// Checks every value of `document`, which was read from `source`.
 pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneError> {
@@ -159,24 +160,6 @@ impl Check<'_> {
             return self.fail(span, message, &help);
         }
         Ok(points)
-    }
-
-    fn solver(&self, solver: &document::Solver) -> Result<Solver, SceneError> {
-        let (mut max_iterations, mut tolerance) = (200, 1e-10);
-        if let Some(given) = &solver.max_iterations {
-            let help = "an increment that needs more iterations has not converged";
-            let sound = (1..=1_000_000).contains(given.get_ref());
-            self.demand(sound, "solver.max_iterations", given, "at least 1 and at most a million", help)?;
-            max_iterations = *given.get_ref() as usize;
-        }
-        if let Some(given) = &solver.tolerance {
-            tolerance = self.finite("solver.tolerance", given)?;
-            let help = "the relative error that every law may have, e.g. 1e-10";
-            let sound = tolerance > 0.0 && tolerance < 1.0;
-            self.demand(sound, "solver.tolerance", given, "above 0 and below 1", help)?;
-        }
-        let document::Solver { method, setting, linear, .. } = *solver;
-        Ok(Solver { method, setting, linear, max_iterations, tolerance })
     }
 
     fn output(&self, output: document::Output, time: &Time) -> Result<Output, SceneError> {

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::Source;
-use super::{LinearBackend, Method, Plane, SceneError, Setting};
+use super::{LinearBackend, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start};
 
 /// Two values. An array type would do but for that the TOML reader passes over what is too many.
 #[derive(Clone, Copy, Deserialize)]
@@ -135,11 +135,13 @@ pub(super) struct Time {
 #[serde(deny_unknown_fields)]
 pub(super) struct Solver {
     #[serde(default)]
-    pub method: Method,
-    #[serde(default)]
-    pub setting: Setting,
+    pub method: MethodName,
+    pub setting: Option<Spanned<Setting>>,
     #[serde(default)]
     pub linear: LinearBackend,
+    pub start: Option<Spanned<Start>>,
+    pub partition: Option<Spanned<Partition>>,
+    pub newton: Option<Spanned<NewtonSystem>>,
     pub max_iterations: Option<Spanned<i64>>,
     pub tolerance: Option<Spanned<f64>>,
 }

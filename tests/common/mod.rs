@@ -16,7 +16,7 @@ pub fn block(overrides: &[&str]) -> Scene {
 /// Runs a scene as the command line does.
 pub fn run(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> HistoryOutcome {
     let solver = &scene.solver;
-    let settings = HistorySettings::paper(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
+    let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
     let mut linear = Direct::new(Box::new(Umfpack::default()));
     history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, observer).unwrap()
 }

@@ -1,0 +1,68 @@
+//! `∇H_I` as it is, on all unknowns, in one fixed pattern.
+
+use std::sync::Arc;
+
+use crate::formulation::SlackLayout;
+use crate::formulation::mixed::{slot, take_equilibrium, write_equilibrium};
+use crate::formulation::scaled::Scaled;
+use crate::problem::ContactProblem;
+use crate::sparse::{Csc, Pattern};
+
+/// The matrix, and where the entries of the products stand.
+pub(super) struct Extended {
+    matrix: Csc,
+    /// For each product row, in the order of the pairs: the slots of `∂/∂force` and `∂/∂length`.
+    products: Vec<[usize; 2]>,
+}
+
+impl Extended {
+    pub(super) fn new(problem: &ContactProblem, data: &Scaled, layout: &SlackLayout) -> Self {
+        let n = layout.unknowns();
+        let pattern = Pattern::from_entries(n, n, |take| {
+            take_equilibrium(problem, &data.layout, take);
+            linear_rows(data, layout, &mut |row, column, _| take(row, column));
+            for pair in layout.pairs() {
+                take(pair.length, pair.force);
+                take(pair.length, pair.length);
+            }
+        });
+        let mut matrix = Csc::zeros(Arc::new(pattern));
+        write_equilibrium(&mut matrix, problem, &data.layout, &data.scaling);
+        let Csc { pattern, values } = &mut matrix;
+        linear_rows(data, layout, &mut |row, column, value| values[slot(pattern, row, column)] = value);
+        let products = layout.pairs().map(|pair| [pair.force, pair.length].map(|k| slot(pattern, pair.length, k)));
+        let products = products.collect();
+        Extended { matrix, products }
+    }
+
+    pub(super) fn matrix(&self) -> &Csc {
+        &self.matrix
+    }
+
+    /// Writes the rows of the products; the others are constant.
+    pub(super) fn linearize(&mut self, layout: &SlackLayout, z: &[f64]) {
+        for (pair, [by_force, by_length]) in layout.pairs().zip(&self.products) {
+            self.matrix.values[*by_force] = z[pair.length];
+            self.matrix.values[*by_length] = z[pair.force];
+        }
+    }
+}
+
+/// The entries of the gap, slip and cone rows, which are linear.
+fn linear_rows(data: &Scaled, layout: &SlackLayout, write: &mut dyn FnMut(usize, usize, f64)) {
+    for i in 0..data.layout.contacts() {
+        let p_n = data.layout.p_n(i);
+        data.c_n.row(i).iter().for_each(|&(dof, c)| write(p_n, dof, c));
+        write(p_n, layout.v_n(i), 1.0);
+        if let Some(p_t) = data.layout.p_t(i) {
+            data.c_t.row(i).iter().for_each(|&(dof, c)| write(p_t, dof, -c));
+            let (s, lambda) = (layout.s(p_t), layout.lambda(p_t));
+            for (sign, s, lambda) in [(1.0, s[0], lambda[0]), (-1.0, s[1], lambda[1])] {
+                write(p_t, lambda, sign);
+                write(s, s, 1.0);
+                write(s, p_n, -data.mu[i]);
+                write(s, p_t, sign);
+            }
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The Newton system on `(u, p_t, p_n)`: `v_n`, `s` and `λ` eliminated row by row.
+//!
+//! With the right-hand sides `b_v` (gap row), `b_w` (slip row), `b_s` (cone rows), `b_pv` and `b_sλ`
+//! (products) of a system with `∇H_I`, the rows of `v_n` and `s` give
+//! `dv_n = b_v - dw_n` and `ds± = b_s± + μ dp_n ∓ dp_t`. In the products they leave
+//!
+//! - `v_n dp_n - p_n dw_n = b_pv - p_n b_v`
+//! - `(λ⁺ s⁻ + λ⁻ s⁺) dp_t - μ (λ⁺ s⁻ - λ⁻ s⁺) dp_n - s⁺ s⁻ dw_t
+//!   = s⁺ s⁻ b_w + s⁻ (λ⁺ b_s⁺ - b_sλ⁺) - s⁺ (λ⁻ b_s⁻ - b_sλ⁻)`
+//!
+//! the second once multiplied by `s⁺ s⁻`, so that nothing is divided by what goes to zero. Both are
+//! rows of the pattern that (21) has.
+
+use crate::formulation::SlackLayout;
+use crate::formulation::mixed::MixedMatrix;
+use crate::formulation::scaled::Scaled;
+use crate::problem::ContactProblem;
+use crate::sparse::Csc;
+
+/// The reduced system.
+pub(super) struct Reduced {
+    matrix: MixedMatrix,
+    /// What each normal row was divided by, then each tangential one: its largest coefficient.
+    row_scale: Vec<[f64; 2]>,
+}
+
+impl Reduced {
+    pub(super) fn new(problem: &ContactProblem, data: &Scaled) -> Self {
+        Reduced {
+            matrix: MixedMatrix::new(problem, &data.layout, &data.scaling),
+            row_scale: vec![[1.0; 2]; data.layout.contacts()],
+        }
+    }
+
+    pub(super) fn matrix(&self) -> &Csc {
+        self.matrix.matrix()
+    }
+
+    pub(super) fn linearize(&mut self, data: &Scaled, layout: &SlackLayout, z: &[f64]) {
+        for i in 0..data.layout.contacts() {
+            let (p_n, v_n) = (z[data.layout.p_n(i)], z[layout.v_n(i)]);
+            let normal = p_n.max(v_n);
+            self.matrix.set_normal(i, -p_n / normal, v_n / normal);
+            self.row_scale[i][0] = normal;
+            if let Some(p_t) = data.layout.p_t(i) {
+                let [s_plus, s_minus] = layout.s(p_t).map(|k| z[k]);
+                let [l_plus, l_minus] = layout.lambda(p_t).map(|k| z[k]);
+                let (by_plus, by_minus, by_w_t) = (l_plus * s_minus, l_minus * s_plus, s_plus * s_minus);
+                let scale = (by_plus + by_minus).max(by_w_t);
+                let by_p_n = -data.mu[i] * (by_plus - by_minus);
+                self.matrix.set_tangential(i, -by_w_t / scale, (by_plus + by_minus) / scale, by_p_n / scale);
+                self.row_scale[i][1] = scale;
+            }
+        }
+    }
+
+    pub(super) fn reduce(&self, data: &Scaled, layout: &SlackLayout, z: &[f64], b: &[f64], rhs: &mut [f64]) {
+        rhs[..data.layout.displacements()].copy_from_slice(&b[..data.layout.displacements()]);
+        for i in 0..data.layout.contacts() {
+            let [normal, tangential] = self.row_scale[i];
+            let (p_n, v_n) = (data.layout.p_n(i), layout.v_n(i));
+            rhs[p_n] = (b[v_n] - z[p_n] * b[p_n]) / normal;
+            if let Some(p_t) = data.layout.p_t(i) {
+                let ([s_plus, s_minus], [l_plus, l_minus]) = (layout.s(p_t), layout.lambda(p_t));
+                let plus = z[s_minus] * (z[l_plus] * b[s_plus] - b[l_plus]);
+                let minus = z[s_plus] * (z[l_minus] * b[s_minus] - b[l_minus]);
+                rhs[p_t] = (z[s_plus] * z[s_minus] * b[p_t] + plus - minus) / tangential;
+            }
+        }
+    }
+}
+
+/// Works out `dv_n`, `ds` and `dλ` from `(du, dp_t, dp_n)`.
+pub(super) fn recover(data: &Scaled, layout: &SlackLayout, z: &[f64], b: &[f64], dz: &mut [f64]) {
+    for i in 0..data.layout.contacts() {
+        let p_n = data.layout.p_n(i);
+        dz[layout.v_n(i)] = b[p_n] - data.w_n(i, dz);
+        if let Some(p_t) = data.layout.p_t(i) {
+            let (s, lambda) = (layout.s(p_t), layout.lambda(p_t));
+            for (sign, s, lambda) in [(1.0, s[0], lambda[0]), (-1.0, s[1], lambda[1])] {
+                dz[s] = b[s] + data.mu[i] * dz[p_n] - sign * dz[p_t];
+                dz[lambda] = (b[lambda] - z[lambda] * dz[s]) / z[s];
+            }
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! A problem and the data of its increment in the units of a scaling: what every formulation reads.
+
+use super::Layout;
+use crate::problem::{ContactProblem, Increment};
+use crate::sparse::Csr;
+use crate::units::Scaling;
+
+/// The contact maps, and the data of the current increment, scaled.
+pub(super) struct Scaled {
+    pub layout: Layout,
+    pub scaling: Scaling,
+    pub c_n: Csr,
+    pub c_t: Csr,
+    pub mu: Vec<f64>,
+    pub force: Vec<f64>,
+    pub gap: Vec<f64>,
+    pub w_t_last: Vec<f64>,
+    pub free_motions: Vec<Vec<f64>>,
+}
+
+impl Scaled {
+    pub(super) fn new(problem: &ContactProblem, scaling: Scaling) -> Self {
+        let layout = Layout::new(problem);
+        Scaled {
+            force: vec![0.0; layout.displacements()],
+            gap: vec![0.0; layout.contacts()],
+            w_t_last: vec![0.0; layout.contacts()],
+            layout,
+            scaling,
+            c_n: problem.c_n.clone(),
+            c_t: problem.c_t.clone(),
+            mu: problem.mu.clone(),
+            free_motions: problem.free_motions.clone(),
+        }
+    }
+
+    /// Sets the data of a new increment.
+    pub(super) fn begin(&mut self, increment: &Increment<'_>) {
+        let Scaling { force, length } = self.scaling;
+        let convert = |to: &mut Vec<f64>, from: &[f64], unit: f64| {
+            to.clear();
+            to.extend(from.iter().map(|x| x / unit));
+        };
+        convert(&mut self.force, increment.force, force);
+        convert(&mut self.gap, increment.gap, length);
+        convert(&mut self.w_t_last, increment.w_t_last, length);
+    }
+
+    /// `w_n` of node `i`; `z` begins with `u`.
+    pub(super) fn w_n(&self, i: usize, z: &[f64]) -> f64 {
+        self.c_n.dot(i, z)
+    }
+
+    /// `w_t` of node `i`.
+    pub(super) fn w_t(&self, i: usize, z: &[f64]) -> f64 {
+        self.c_t.dot(i, z)
+    }
+}

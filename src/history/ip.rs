@@ -1,0 +1,120 @@
+//! IP along a history: the paper's starting points.
+
+use super::method::{IncrementSolver, Task};
+use super::settings::{HistorySettings, Start};
+use crate::formulation::{Constrained, Pair, SlackLayout};
+use crate::linear::{Direct, LinearError};
+use crate::nonlinear::{Flow, Ip, IpSettings, IterationRecord, Outcome, Stop};
+use crate::problem::{ContactProblem, State};
+use crate::scene::{NewtonSystem, Partition};
+use crate::sparse::Csc;
+
+pub(super) struct IpMethod {
+    formulation: Constrained,
+    settings: IpSettings,
+    start: Start,
+    ip: Ip,
+    z: Vec<f64>,
+}
+
+impl IpMethod {
+    pub(super) fn new(
+        problem: &ContactProblem,
+        history: &HistorySettings,
+        settings: IpSettings,
+        start: Start,
+        partition: Partition,
+        newton: NewtonSystem,
+    ) -> Self {
+        let formulation = Constrained::new(problem, history.scaling, &history.conventions, partition, newton);
+        let z = first_point(formulation.layout(), &problem.weight);
+        IpMethod { formulation, settings, start, ip: Ip::default(), z }
+    }
+
+    fn iterate(
+        &mut self,
+        settings: &IpSettings,
+        linear: &mut Direct,
+        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+    ) -> Result<Outcome, LinearError> {
+        self.ip.solve(settings, &mut self.formulation, linear, &mut self.z, observe)
+    }
+}
+
+impl IncrementSolver for IpMethod {
+    fn matrix(&self) -> &Csc {
+        self.formulation.matrix()
+    }
+
+    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.formulation.hold_contacts();
+        self.formulation.unheld_motion().map_or(Ok(()), Err)
+    }
+
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut Direct,
+        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+    ) -> Result<Outcome, LinearError> {
+        self.formulation.begin(task.increment);
+        task.response.add_to(&mut self.z);
+        let settings = self.settings;
+        match self.start {
+            _ if task.first => self.iterate(&settings, linear, observe),
+            Start::Safe => {
+                move_to_safe_point(self.formulation.layout(), &mut self.z);
+                self.iterate(&settings, linear, observe)
+            }
+            Start::Prev { shortest_step, far, patience } => {
+                let mut hasty = settings;
+                hasty.shortest_step = Some(shortest_step);
+                hasty.centring.far = far;
+                hasty.max_iterations = settings.max_iterations.min(patience);
+                let before = self.z.clone();
+                let attempt = self.iterate(&hasty, linear, observe)?;
+                if matches!(attempt.stop, Stop::Met | Stop::Interrupted) || patience >= settings.max_iterations {
+                    return Ok(attempt);
+                }
+                self.z = before;
+                move_to_safe_point(self.formulation.layout(), &mut self.z);
+                Ok(attempt.then(self.iterate(&settings, linear, observe)?))
+            }
+        }
+    }
+
+    fn state(&self) -> State {
+        self.formulation.layout().forces().unpack(&self.z, self.formulation.scaling())
+    }
+}
+
+/// `p_n = l`, everything else that is positive 1, the rest 0; in MN, m and 10⁻⁵ m.
+fn first_point(layout: &SlackLayout, weight: &[f64]) -> Vec<f64> {
+    let mut z = vec![0.0; layout.unknowns()];
+    for pair in layout.pairs() {
+        z[pair.force] = 1.0;
+        z[pair.length] = 1.0;
+    }
+    let l = weight.iter().fold(0.0_f64, |m, l| m.max(*l));
+    for i in 0..weight.len() {
+        z[layout.forces().p_n(i)] = l;
+    }
+    z
+}
+
+/// Moves the positive unknowns away from the border, each block to a tenth of its largest value
+/// or, where that is small, to a tenth of 0.1 MN or of 10⁻⁵ m.
+fn move_to_safe_point(layout: &SlackLayout, z: &mut [f64]) {
+    let n_c = layout.forces().contacts();
+    let pairs: Vec<_> = layout.pairs().collect();
+    let (normal, cone) = pairs.split_at(n_c);
+    for block in [normal, cone] {
+        let largest = |place: fn(&Pair) -> usize| block.iter().map(|p| z[place(p)]).fold(0.0, f64::max);
+        let force = if largest(|p| p.force) > 1e-1 { 0.1 * largest(|p| p.force) } else { 1e-2 };
+        let length = if largest(|p| p.length) > 1.0 { 0.1 * largest(|p| p.length) } else { 0.1 };
+        for pair in block {
+            z[pair.force] = force;
+            z[pair.length] = length;
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! What a history asks of a method.
+
+use super::bn::BnMethod;
+use super::held::Response;
+use super::ip::IpMethod;
+use super::predictor_corrector::PredictorCorrectorMethod;
+use super::settings::{HistorySettings, Method};
+use crate::contact::KktScales;
+use crate::linear::{Direct, LinearError};
+use crate::loading::Loading;
+use crate::nonlinear::{Flow, IterationRecord, Outcome};
+use crate::problem::{ContactProblem, Increment, State};
+use crate::sparse::Csc;
+
+/// One increment to solve.
+pub(super) struct Task<'a> {
+    /// Whether it is the first of its history.
+    pub first: bool,
+    /// Its data.
+    pub increment: &'a Increment<'a>,
+    /// What the change of the load does while the contact nodes are held.
+    pub response: &'a Response,
+    /// The scales of the error measure, from the increments before.
+    pub scales: &'a KktScales,
+}
+
+/// A method with the state it has reached, in its own units.
+pub(super) trait IncrementSolver {
+    /// The matrix it factors; its pattern never changes.
+    fn matrix(&self) -> &Csc;
+
+    /// Writes the matrix of the body with all contact nodes held; `Err` with the weights of a free
+    /// motion that is possible all the same.
+    fn hold_contacts(&mut self) -> Result<(), Vec<f64>>;
+
+    /// Solves the increment from the last state.
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut Direct,
+        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+    ) -> Result<Outcome, LinearError>;
+
+    /// The state it has reached.
+    fn state(&self) -> State;
+}
+
+/// The method that `settings` name.
+pub(super) fn new<'a>(
+    problem: &'a ContactProblem,
+    loading: &Loading,
+    settings: &HistorySettings,
+) -> Box<dyn IncrementSolver + 'a> {
+    match settings.method {
+        Method::Bn { settings: bn, start_pressure } => {
+            Box::new(BnMethod::new(problem, loading, settings, bn, start_pressure))
+        }
+        Method::PredictorCorrector { settings: pc, newton } => {
+            Box::new(PredictorCorrectorMethod::new(problem, settings, pc, newton))
+        }
+        Method::Ip { settings: ip, start, partition, newton } => {
+            Box::new(IpMethod::new(problem, settings, ip, start, partition, newton))
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Watching a history.
+
+use super::IncrementRecord;
+use crate::contact::ContactStatus;
+use crate::nonlinear::{Flow, IterationRecord};
+use crate::problem::{Increment, State};
+
+/// An increment with its data and state, for an observer.
+#[derive(Debug, Clone, Copy)]
+pub struct Step<'a> {
+    /// The record.
+    pub record: &'a IncrementRecord,
+    /// What drove the increment.
+    pub increment: &'a Increment<'a>,
+    /// The state at its end.
+    pub state: &'a State,
+    /// The status of each contact node.
+    pub statuses: &'a [ContactStatus],
+}
+
+/// Watches a history: for progress, files, plots, or to stop it.
+pub trait Observer {
+    /// When the patterns are analysed and the first matrix is factored, before the first increment.
+    fn ready(&mut self) {}
+    /// After each iteration of increment `index`.
+    fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> Flow {
+        Flow::Continue
+    }
+    /// After each increment, the failed one included.
+    fn increment(&mut self, _step: &Step<'_>) -> Flow {
+        Flow::Continue
+    }
+}
+
+/// An observer that only lets things happen.
+impl Observer for () {}

@@ -1,0 +1,144 @@
+//! The predictor–corrector method along a history: where an increment starts.
+
+use super::held::Response;
+use super::method::{IncrementSolver, Task};
+use super::settings::HistorySettings;
+use crate::contact::{KktErrors, KktScales};
+use crate::formulation::Constrained;
+use crate::linear::{Direct, LinearError};
+use crate::nonlinear::{Flow, IterationRecord, Outcome, PredictorCorrector, PredictorCorrectorSettings, Stop};
+use crate::problem::{ContactProblem, State};
+use crate::scene::{NewtonSystem, Partition};
+use crate::sparse::Csc;
+
+pub(super) struct PredictorCorrectorMethod<'a> {
+    problem: &'a ContactProblem,
+    formulation: Constrained,
+    settings: PredictorCorrectorSettings,
+    method: PredictorCorrector,
+    /// The stiffness of a contact node along its normal, scaled.
+    stiffness: f64,
+    z: Vec<f64>,
+}
+
+impl<'a> PredictorCorrectorMethod<'a> {
+    pub(super) fn new(
+        problem: &'a ContactProblem,
+        history: &HistorySettings,
+        settings: PredictorCorrectorSettings,
+        newton: NewtonSystem,
+    ) -> Self {
+        let HistorySettings { scaling, conventions, .. } = history;
+        let formulation = Constrained::new(problem, *scaling, conventions, Partition::Products, newton);
+        PredictorCorrectorMethod {
+            stiffness: contact_stiffness(problem) / scaling.stiffness(),
+            z: vec![0.0; formulation.layout().unknowns()],
+            method: PredictorCorrector::default(),
+            problem,
+            formulation,
+            settings,
+        }
+    }
+
+    /// Moves the pairs into the interior: as far from the last solution as the change of the load
+    /// calls for. It is estimated from the contact forces that would hold the nodes in place and
+    /// from the gaps that change or are violated; ten times too much or too little costs a few
+    /// iterations.
+    fn move_inside(&mut self, response: &Response) {
+        let layout = self.formulation.layout();
+        let contacts = layout.forces().contacts();
+        let violated =
+            (0..contacts).map(|i| -self.formulation.distance(i, &self.z)).fold(response.gap_change, f64::max);
+        let mut force = response.contact_force.max(self.stiffness * violated);
+        if force == 0.0 {
+            // The load is the same, and still the last state is no solution: any scale will do.
+            force = self.stiffness;
+        }
+        let length = force / self.stiffness;
+        for i in 0..contacts {
+            let (p_n, v_n) = (layout.forces().p_n(i), layout.v_n(i));
+            let pressure = self.z[p_n].max(0.0);
+            if let Some(p_t) = layout.forces().p_t(i) {
+                let (mu, s, lambda) = (self.formulation.mu()[i], layout.s(p_t), layout.lambda(p_t));
+                for (sign, s, lambda) in [(1.0, s[0], lambda[0]), (-1.0, s[1], lambda[1])] {
+                    let reserve = (mu * pressure - sign * self.z[p_t]).max(0.0);
+                    (self.z[s], self.z[lambda]) = central_pair(reserve, mu * force, 0.0, length);
+                }
+            }
+            let distance = self.formulation.distance(i, &self.z).max(0.0);
+            (self.z[p_n], self.z[v_n]) = central_pair(pressure, force, distance, length);
+        }
+    }
+}
+
+/// The pair with the product `force · length` nearest to a force `x` and a length `y` of which one
+/// is about zero: the positive root of `a - 1/a = x/force - y/length`.
+fn central_pair(x: f64, force: f64, y: f64, length: f64) -> (f64, f64) {
+    let q = x / force - y / length;
+    // The larger of a and 1/a, without cancellation.
+    let larger = 0.5 * (q.abs() + q.hypot(2.0));
+    let a = if q > 0.0 { larger } else { 1.0 / larger };
+    (force * a, length / a)
+}
+
+/// The median over the contact nodes of a quarter of `diag(C_n K C_nᵀ)`: what stands against a force
+/// on a single node of a uniform mesh, N/m. Only its order of magnitude matters.
+fn contact_stiffness(problem: &ContactProblem) -> f64 {
+    let diagonal = problem.stiffness.diagonal();
+    let along_normal = |i: usize| problem.c_n.row(i).iter().map(|&(dof, c)| c * c * diagonal[dof]).sum::<f64>();
+    let mut stiffness: Vec<f64> = (0..problem.contacts()).map(|i| 0.25 * along_normal(i)).collect();
+    let middle = stiffness.len() / 2;
+    if stiffness.is_empty() { 1.0 } else { *stiffness.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+impl IncrementSolver for PredictorCorrectorMethod<'_> {
+    fn matrix(&self) -> &Csc {
+        self.formulation.matrix()
+    }
+
+    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.formulation.hold_contacts();
+        self.formulation.unheld_motion().map_or(Ok(()), Err)
+    }
+
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut Direct,
+        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+    ) -> Result<Outcome, LinearError> {
+        self.formulation.begin(task.increment);
+        task.response.add_to(&mut self.z);
+        let (problem, scaling) = (self.problem, *self.formulation.scaling());
+        let forces = self.formulation.layout().forces().clone();
+        let mut error = |z: &[f64]| {
+            let state = forces.unpack(z, &scaling);
+            let scales = KktScales::after(task.scales, task.increment, &state);
+            KktErrors::measure(problem, task.increment, &state, &scales).worst().1
+        };
+        // An increment in which nothing happens that the held body does not do by itself is solved.
+        if error(&self.z) <= self.settings.tolerance {
+            return Ok(Outcome { stop: Stop::Met, ..Outcome::new(0.0) });
+        }
+        self.move_inside(task.response);
+        self.method.solve(&self.settings, &mut self.formulation, linear, &mut self.z, &mut error, observe)
+    }
+
+    fn state(&self) -> State {
+        self.formulation.layout().forces().unpack(&self.z, self.formulation.scaling())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::central_pair;
+
+    #[test]
+    fn a_central_pair_keeps_what_is_large() {
+        for (x, y) in [(0.0, 0.0), (5.0, 0.0), (0.0, 7.0), (1e12, 0.0), (0.0, 1e12)] {
+            let (a, b) = central_pair(x, 2.0, y, 3.0);
+            assert!((a * b / 6.0 - 1.0).abs() < 1e-12, "{a} {b}");
+            assert!((a / 2.0 - b / 3.0 - (x / 2.0 - y / 3.0)).abs() <= 1e-12 * (a + b));
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! What is recorded of an increment.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::contact::{ContactStatus, KktErrors};
+
+/// The verdict on an increment and on a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// Every law holds within the tolerance, by the independent error measure.
+    Converged,
+    /// The solver's own stop test was met, but a law is violated by more than the tolerance.
+    Inaccurate,
+    /// The limit of iterations was reached.
+    MaxIterations,
+    /// The iteration left the range of numbers.
+    Diverged,
+    /// The iteration came to a halt away from the solution.
+    Stalled,
+    /// The linearised problem is singular, as when nothing holds the body.
+    Singular,
+    /// No equilibrium exists: no admissible contact forces balance the loads on the rigid body.
+    NoEquilibrium,
+    /// Stopped on request.
+    Interrupted,
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Status::Converged => "converged",
+            Status::Inaccurate => "inaccurate",
+            Status::MaxIterations => "max-iterations",
+            Status::Diverged => "diverged",
+            Status::Stalled => "stalled",
+            Status::Singular => "singular",
+            Status::NoEquilibrium => "no-equilibrium",
+            Status::Interrupted => "interrupted",
+        })
+    }
+}
+
+/// How many contact nodes are in each status.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct ContactCounts {
+    /// Apart from the obstacle.
+    pub open: usize,
+    /// In contact without slip.
+    pub stick: usize,
+    /// In contact and sliding.
+    pub slip: usize,
+}
+
+/// Where the wall time of an increment went, s.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Seconds {
+    /// Residuals, merits and Jacobian values.
+    pub assembly: f64,
+    /// Factorisations.
+    pub factorization: f64,
+    /// Solves with refinement and backward error.
+    pub solve: f64,
+    /// Everything else: loads, the error measure, records.
+    pub rest: f64,
+}
+
+/// One increment, as reported.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct IncrementRecord {
+    /// Its number, from 1.
+    pub index: usize,
+    /// The time at its end, s.
+    pub time: f64,
+    /// The verdict.
+    pub status: Status,
+    /// Linear systems solved (nle).
+    pub iterations: usize,
+    /// Steps shortened.
+    pub backtracks: usize,
+    /// The last `Theta` of the solver.
+    pub theta: f64,
+    /// The error measure.
+    pub kkt: KktErrors,
+    /// The largest componentwise backward error of the linear solves.
+    pub backward_error: f64,
+    /// Statuses of the contact nodes.
+    pub contact: ContactCounts,
+    /// Wall time.
+    pub seconds: Seconds,
+}
+
+impl ContactCounts {
+    pub(super) fn of(statuses: &[ContactStatus]) -> Self {
+        let mut counts = ContactCounts::default();
+        for status in statuses {
+            match status {
+                ContactStatus::Open => counts.open += 1,
+                ContactStatus::Stick => counts.stick += 1,
+                ContactStatus::Slip => counts.slip += 1,
+            }
+        }
+        counts
+    }
+}

@@ -1,0 +1,116 @@
+//! How a history is solved.
+
+use crate::formulation::Conventions;
+use crate::nonlinear::{BnSettings, IpSettings, PredictorCorrectorSettings};
+use crate::problem::ContactProblem;
+use crate::scene::{NewtonSystem, Partition};
+use crate::units::Scaling;
+
+/// How a history is solved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HistorySettings {
+    /// The algorithm and its constants.
+    pub method: Method,
+    /// `r_i` of `H_N`, and the units in which `Theta` adds its rows.
+    pub conventions: Conventions,
+    /// The units of the numbers inside.
+    pub scaling: Scaling,
+    /// An increment has converged when every component of its error measure is at most this.
+    pub tolerance: f64,
+}
+
+/// The algorithm of the increments.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// The B-differentiable Newton method.
+    Bn {
+        /// Its constants.
+        settings: BnSettings,
+        /// The normal stress every contact node has before the first increment, Pa. A guess that
+        /// the iteration starts from; it has no part in the solution.
+        start_pressure: f64,
+    },
+    /// The potential reduction interior point method, with the paper's starting points.
+    Ip {
+        /// Its constants.
+        settings: IpSettings,
+        /// Where an increment starts.
+        start: Start,
+        /// Which rows stay positive.
+        partition: Partition,
+        /// The linear system of a direction.
+        newton: NewtonSystem,
+    },
+    /// The predictor–corrector interior point method.
+    PredictorCorrector {
+        /// Its constants.
+        settings: PredictorCorrectorSettings,
+        /// The linear system of a direction.
+        newton: NewtonSystem,
+    },
+}
+
+/// Where the paper's interior point method starts the increments after the first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Start {
+    /// Away from the border: `u` and `p_t` of the last solution, the positive unknowns uniform, a
+    /// tenth of their largest values there.
+    Safe,
+    /// At the last solution; from the safe point if that fails.
+    Prev {
+        /// The search gives up below this step.
+        shortest_step: f64,
+        /// `σ_{k+1} / σ_k` far from the solution.
+        far: f64,
+        /// After so many iterations the increment begins again from the safe point.
+        patience: usize,
+    },
+}
+
+impl Start {
+    /// The paper's *prev* for the block: `σ` falls slowly, and 30 iterations must do.
+    pub const PREV: Start = Start::Prev { shortest_step: 0.01, far: 0.95, patience: 30 };
+}
+
+impl HistorySettings {
+    /// BN as in the paper: `p_n = 1 MPa · l` to start from, 10 MPa from 100 contact nodes on.
+    pub fn paper_bn(problem: &ContactProblem, scaling: Scaling, max_iterations: usize, tolerance: f64) -> Self {
+        HistorySettings {
+            method: Method::Bn {
+                settings: BnSettings::paper(max_iterations),
+                start_pressure: if problem.contacts() < 100 { 1e6 } else { 1e7 },
+            },
+            conventions: Conventions::paper(problem),
+            scaling,
+            tolerance,
+        }
+    }
+
+    /// IP without a number to guess: the predictor–corrector method.
+    pub fn ip(problem: &ContactProblem, scaling: Scaling, max_iterations: usize, tolerance: f64) -> Self {
+        HistorySettings {
+            method: Method::PredictorCorrector {
+                settings: PredictorCorrectorSettings { tolerance, max_iterations },
+                newton: NewtonSystem::Reduced,
+            },
+            conventions: Conventions::paper(problem),
+            scaling,
+            tolerance,
+        }
+    }
+
+    /// IP as in the paper: forces in MN and displacements in 10⁻⁵ m, the partition (F̃, G̃).
+    pub fn paper_ip(problem: &ContactProblem, start: Start, max_iterations: usize, tolerance: f64) -> Self {
+        HistorySettings {
+            method: Method::Ip {
+                settings: IpSettings::paper(max_iterations),
+                start,
+                partition: Partition::Products,
+                newton: NewtonSystem::Reduced,
+            },
+            conventions: Conventions::paper(problem),
+            scaling: Scaling { force: 1e6, length: 1e-5 },
+            tolerance,
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! How a scene is to be solved.
+
+use serde::{Deserialize, Serialize};
+
+/// How to solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solver {
+    /// The algorithm with its named set of constants.
+    pub method: Method,
+    /// The linear algebra.
+    pub linear: LinearBackend,
+    /// The most iterations an increment may take.
+    pub max_iterations: usize,
+    /// An increment has converged when every component of the error measure is at most this.
+    pub tolerance: f64,
+}
+
+/// The algorithm for one increment, with a named set of constants and conventions. The setting
+/// `paper` has those behind the tables of Christensen, Klarbring, Pang and Strömberg (1998).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// `bn`, setting `paper`: the B-differentiable Newton method.
+    PaperBn,
+    /// `ip`, setting `paper`: the potential reduction interior point method.
+    PaperIp {
+        /// Where an increment starts.
+        start: Start,
+        /// Which equations stay positive.
+        partition: Partition,
+        /// The linear system of a direction.
+        newton: NewtonSystem,
+    },
+    /// `ip`, setting `default`: the predictor–corrector interior point method.
+    Ip {
+        /// The linear system of a direction.
+        newton: NewtonSystem,
+    },
+}
+
+/// The name of an algorithm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MethodName {
+    /// The B-differentiable Newton method.
+    #[default]
+    Bn,
+    /// The interior point method.
+    Ip,
+}
+
+/// The name of a set of constants and conventions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Setting {
+    /// Those behind the tables of the paper.
+    Paper,
+    /// Those that come from the problem itself.
+    Default,
+}
+
+/// Where the paper's interior point method starts an increment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Start {
+    /// Away from the border.
+    #[default]
+    Safe,
+    /// At the last solution; away from the border after 30 iterations.
+    Prev,
+}
+
+/// Which equations of the constrained equation formulation stay positive, besides the unknowns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Partition {
+    /// The products, `(F̃, G̃)` (29)–(31).
+    #[default]
+    Products,
+    /// The products and the friction cone, `(F, G)` (26)–(28).
+    Cone,
+}
+
+/// The linear system behind a direction of the interior point method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NewtonSystem {
+    /// Slacks and multipliers eliminated row by row: the unknowns `(u, p_t, p_n)`.
+    #[default]
+    Reduced,
+    /// All unknowns, `(u, p_t, p_n, v_n, s, λ)`.
+    Extended,
+}
+
+impl Method {
+    /// The name of the algorithm.
+    pub fn name(self) -> MethodName {
+        match self {
+            Method::PaperBn => MethodName::Bn,
+            Method::PaperIp { .. } | Method::Ip { .. } => MethodName::Ip,
+        }
+    }
+
+    /// The name of its constants.
+    pub fn setting(self) -> Setting {
+        match self {
+            Method::PaperBn | Method::PaperIp { .. } => Setting::Paper,
+            Method::Ip { .. } => Setting::Default,
+        }
+    }
+}
+
+/// The linear algebra.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LinearBackend {
+    /// UMFPACK on the uncondensed system.
+    #[default]
+    Umfpack,
+}

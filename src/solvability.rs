@@ -1,0 +1,276 @@
+//! Whether a problem can be expected to have a solution, told before anything is solved.
+//!
+//! Theorem 3 of the paper assumes three things, which [`Conditions`] checks as far as that is possible:
+//!
+//! - (a) `K u = 0` and `C_n u ≤ 0` only for `u = 0`: no rigid motion takes the body away from every
+//!   obstacle;
+//! - (b) the columns of `[C_nᵀ C_tᵀ]` are linearly independent;
+//! - the Jacobian is regular everywhere in the interior, where `p_n > 0` and `w_n < g`. That depends
+//!   on points which only the iteration visits: nobody can check it beforehand.
+//!
+//! Where (a) fails it depends on the load whether there is a solution: see [`rigid_equilibrium`].
+
+mod cone;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::null_space::{NEGLIGIBLE, null_space};
+use crate::problem::ContactProblem;
+use cone::{Cone, norm};
+
+/// What violates the conditions (a) and (b) of Theorem 3.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Conditions {
+    /// A motion that violates (a), if there is one: the weights of the problem's `free_motions`.
+    pub leaving: Option<Vec<f64>>,
+    /// The contact nodes whose rows violate (b), ascending. A row that is empty depends on any other.
+    pub dependent: Vec<usize>,
+}
+
+impl Conditions {
+    /// Checks `problem`. The rows of `C_t` count where there is a `p_t`: where they are not empty
+    /// and `μ > 0`.
+    pub fn of(problem: &ContactProblem) -> Self {
+        Conditions { leaving: leaving(problem), dependent: dependent(problem) }
+    }
+
+    /// Whether both hold.
+    pub fn hold(&self) -> bool {
+        self.leaving.is_none() && self.dependent.is_empty()
+    }
+}
+
+/// Whether contact forces can balance `force` (n_u, N) against the free rigid motions `R`: whether
+/// there are `p_n ≥ 0` and `|p_t| ≤ μ p_n` with `Rᵀ (f - C_nᵀ p_n - C_tᵀ p_t) = 0`.
+///
+/// An equilibrium needs that: `Rᵀ K = 0`, so (15) multiplied by `Rᵀ` is this. It is not enough for
+/// one, since it lets every contact node carry a force, whatever its gap and its slip.
+///
+/// # Errors
+/// The weights of the problem's `free_motions` in a motion on which the load does work, while no
+/// admissible contact force does negative work. By Farkas' lemma there is either such a motion or a
+/// balance; and it excludes a balance, as the work of all forces would have to vanish.
+pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<(), Vec<f64>> {
+    let free = Free::new(problem);
+    let (mut load, mut size) = (Vec::new(), Vec::new());
+    for (motion, largest) in problem.free_motions.iter().zip(&free.largest) {
+        let work = motion.iter().zip(force).map(|(u, f)| u * f);
+        size.push(work.clone().map(f64::abs).sum::<f64>() / largest);
+        load.push(work.sum::<f64>() / largest);
+    }
+    let generators = (0..problem.contacts()).flat_map(|i| {
+        let mu = problem.mu[i];
+        let (n, t) = (free.felt(problem.c_n.row(i)), free.felt(problem.c_t.row(i)));
+        // Divided by what may be large. The normal is the mean of the other two: they would lose it
+        // beside an enormous mu.
+        let edge = |mu: f64| n.iter().zip(&t).map(|(n, t)| (n + mu * t) / mu.abs().max(1.0)).collect();
+        [edge(mu), edge(-mu), n.clone()]
+    });
+    match Cone::new(load.len(), generators).outside(&load, norm(&size)) {
+        Some(y) => Err(free.weights(&y)),
+        None => Ok(()),
+    }
+}
+
+/// (a): motions that no row of `C_n` feels as positive are the polar of the cone of these rows. There
+/// are none but zero if and only if that cone is the whole space, and so holds every direction.
+fn leaving(problem: &ContactProblem) -> Option<Vec<f64>> {
+    let free = Free::new(problem);
+    let rows: Vec<Vec<f64>> = (0..problem.contacts()).map(|i| free.felt(problem.c_n.row(i))).collect();
+    let dimension = problem.free_motions.len();
+    // First the way out of all of them at once: where it exists it is the plainest to tell.
+    let away: Vec<f64> = (0..dimension).map(|k| -rows.iter().map(|row| row[k]).sum::<f64>()).collect();
+    let size: f64 = rows.iter().map(|row| norm(row)).sum();
+    let cone = Cone::new(dimension, rows);
+    let directions = (0..dimension).flat_map(|k| {
+        [1.0, -1.0].map(|sign| (0..dimension).map(|j| if j == k { sign } else { 0.0 }).collect::<Vec<f64>>())
+    });
+    let y = cone.outside(&away, size).or_else(|| directions.into_iter().find_map(|e| cone.outside(&e, 1.0)));
+    y.map(|y| free.weights(&y))
+}
+
+/// The free motions, each measured by its largest displacement, so that units do not matter.
+struct Free<'a> {
+    motions: &'a [Vec<f64>],
+    largest: Vec<f64>,
+}
+
+impl<'a> Free<'a> {
+    fn new(problem: &'a ContactProblem) -> Self {
+        let motions = problem.free_motions.as_slice();
+        let largest = motions.iter().map(|motion| motion.iter().fold(0.0_f64, |m, u| m.max(u.abs()))).collect();
+        Free { motions, largest }
+    }
+
+    /// What a contact row says of each motion. What rounding has left is zero: the cone takes any
+    /// vector for a direction, however short.
+    fn felt(&self, row: &[(usize, f64)]) -> Vec<f64> {
+        let size: f64 = row.iter().map(|(_, c)| c.abs()).sum();
+        (self.motions.iter().zip(&self.largest))
+            .map(|(motion, largest)| row.iter().map(|&(j, c)| c * motion[j]).sum::<f64>() / largest)
+            .map(|w| if w.abs() <= NEGLIGIBLE * size { 0.0 } else { w })
+            .collect()
+    }
+
+    /// The weights of the motions themselves in `y`, brought to length one.
+    fn weights(&self, y: &[f64]) -> Vec<f64> {
+        let length = norm(y);
+        y.iter().zip(&self.largest).map(|(y, largest)| y / length / largest).collect()
+    }
+}
+
+/// A contact node and one of its rows.
+type Row<'a> = (usize, &'a [(usize, f64)]);
+
+/// (b): each group of rows that share displacements has relations of its own, the null space of
+/// its transposed.
+fn dependent(problem: &ContactProblem) -> Vec<usize> {
+    let rows: Vec<Row> = (0..problem.contacts())
+        .flat_map(|i| {
+            let tangential = problem.c_t.row(i);
+            let sliding = problem.mu[i] > 0.0 && !tangential.is_empty();
+            [(i, problem.c_n.row(i))].into_iter().chain(sliding.then_some((i, tangential)))
+        })
+        .collect();
+    let mut found = BTreeSet::new();
+    for group in groups(&rows) {
+        let mut columns = BTreeMap::new();
+        for (place, &&(_, row)) in group.iter().enumerate() {
+            let length = row.iter().map(|(_, c)| c * c).sum::<f64>().sqrt();
+            for &(column, c) in row {
+                columns.entry(column).or_insert_with(|| vec![0.0; group.len()])[place] += c / length;
+            }
+        }
+        for relation in null_space(group.len(), columns.into_values()) {
+            let part = group.iter().zip(relation).filter(|(_, weight)| weight.abs() > NEGLIGIBLE);
+            found.extend(part.map(|(&&(node, _), _)| node));
+        }
+    }
+    found.into_iter().collect()
+}
+
+/// The rows in groups that have no displacement in common. An empty row is a group of its own.
+fn groups<'a, 'b>(rows: &'b [Row<'a>]) -> Vec<Vec<&'b Row<'a>>> {
+    fn root(parents: &mut [usize], mut k: usize) -> usize {
+        while parents[k] != k {
+            parents[k] = parents[parents[k]];
+            k = parents[k];
+        }
+        k
+    }
+    let mut parents: Vec<usize> = (0..rows.len()).collect();
+    let mut first = BTreeMap::new();
+    for (k, (_, row)) in rows.iter().enumerate() {
+        for (column, _) in *row {
+            let other = root(&mut parents, *first.entry(column).or_insert(k));
+            let own = root(&mut parents, k);
+            parents[own] = other;
+        }
+    }
+    let mut groups = BTreeMap::<usize, Vec<&Row>>::new();
+    for (k, row) in rows.iter().enumerate() {
+        groups.entry(root(&mut parents, k)).or_default().push(row);
+    }
+    groups.into_values().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sparse::{Csr, Symmetric};
+
+    type Entries<'a> = &'a [(usize, f64)];
+
+    /// A rigid particle or two: displacements that nothing but contact rows tells apart.
+    fn problem(motions: &[&[f64]], displacements: usize, contacts: &[(Entries, Entries, f64)]) -> ContactProblem {
+        let (mut c_n, mut c_t) = (Csr::new(displacements), Csr::new(displacements));
+        for (n, t, _) in contacts {
+            c_n.push_row(n.iter().copied());
+            c_t.push_row(t.iter().copied());
+        }
+        ContactProblem {
+            stiffness: Symmetric::from_entries(displacements, |_| ()),
+            c_n,
+            c_t,
+            mu: contacts.iter().map(|(_, _, mu)| *mu).collect(),
+            weight: vec![1.0; contacts.len()],
+            free_motions: motions.iter().map(|motion| motion.to_vec()).collect(),
+        }
+    }
+
+    const FREE: [&[f64]; 2] = [&[1.0, 0.0], &[0.0, 1.0]];
+
+    fn close(a: &[f64], b: &[f64]) -> bool {
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9)
+    }
+
+    #[test]
+    fn rows_that_share_displacements_are_ranked_together() {
+        let (n, t): (Entries, Entries) = (&[(0, 0.6), (1, 0.8)], &[(0, 0.8), (1, -0.6)]);
+        let dependent = |contacts: &[(Entries, Entries, f64)]| dependent(&problem(&[], 8, contacts));
+        assert_eq!(dependent(&[(n, t, 0.3), (&[(2, -1.0)], &[(3, 1.0)], 0.3)]), [0; 0]);
+        // A slanted normal where a roller leaves x alone: the tangent repeats it, if there is friction.
+        let roller: (Entries, Entries) = (&[(4, 0.6)], &[(4, 0.8)]);
+        assert_eq!(dependent(&[(n, t, 0.3), (roller.0, roller.1, 0.3)]), [1]);
+        assert_eq!(dependent(&[(n, t, 0.3), (roller.0, roller.1, 0.0)]), [0; 0]);
+        assert_eq!(dependent(&[(n, t, 0.3), (roller.0, &[], 0.3)]), [0; 0]);
+        // Two obstacles at one node, the second with friction or without.
+        assert_eq!(dependent(&[(n, &[], 0.3), (&[(0, 1.0)], &[], 0.3)]), [0; 0]);
+        assert_eq!(dependent(&[(n, t, 0.3), (&[(0, 1.0)], &[], 0.3)]), [0, 1]);
+        // A chain of nodes that share displacements, closed by its last row.
+        let (a, b, c): (Entries, Entries, Entries) = (&[(0, 1.0), (1, -1.0)], &[(1, 1e-6), (2, -1e-6)], &[(2, 1e6)]);
+        let ring: Entries = &[(2, 1.0), (0, -1.0)];
+        assert_eq!(dependent(&[(a, &[], 0.0), (b, &[], 0.0), (c, &[], 0.0)]), [0; 0]);
+        assert_eq!(dependent(&[(a, &[], 0.0), (b, &[], 0.0), (c, &[], 0.0), (ring, &[], 0.0)]), [0, 1, 3]);
+        // A row without entries.
+        assert_eq!(dependent(&[(n, t, 0.3), (&[], &[(2, 1.0)], 0.3)]), [1]);
+    }
+
+    #[test]
+    fn motions_that_leave_every_obstacle() {
+        let leaving = |contacts: &[(Entries, Entries, f64)]| leaving(&problem(&FREE, 2, contacts));
+        let (down, up, left, right): (Entries, Entries, Entries, Entries) =
+            (&[(1, -1.0)], &[(1, 1.0)], &[(0, -1.0)], &[(0, 1.0)]);
+        assert!(close(&leaving(&[(down, &[], 0.0)]).unwrap(), &[0.0, 1.0]));
+        let half = 0.5_f64.sqrt();
+        assert!(close(&leaving(&[(down, &[], 0.0), (left, &[], 0.0)]).unwrap(), &[half, half]));
+        // Between two walls only the way along them is left.
+        assert!(close(&leaving(&[(left, &[], 0.0), (right, &[], 0.0)]).unwrap(), &[0.0, 1.0]));
+        assert_eq!(leaving(&[(down, &[], 0.0), (up, &[], 0.0), (left, &[], 0.0), (right, &[], 0.0)]), None);
+        assert_eq!(leaving(&[(down, &[], 0.0), (&[(0, 1.0), (1, 1.0)], &[], 0.0), (left, &[], 0.0)]), None);
+        assert!(leaving(&[]).is_some());
+        // Held by supports, or free but nowhere in contact along the motion.
+        assert_eq!(super::leaving(&problem(&[], 2, &[(down, &[], 0.0)])), None);
+        assert_eq!(super::leaving(&problem(&[&[7.0, 0.0]], 2, &[(down, &[], 0.0)])), Some(vec![1.0 / 7.0]));
+        // A plane that slants: what rounding leaves of the way along it is no contact.
+        let (c, s) = (0.1_f64.cos(), 0.1_f64.sin());
+        let slant: [&[f64]; 2] = [&[c, s], &[1e6 * s, -1e6 * c]];
+        let wall: Entries = &[(0, -s), (1, c)];
+        let back: Entries = &[(0, s), (1, -c)];
+        let along = super::leaving(&problem(&slant, 2, &[(wall, &[], 0.0), (back, &[], 0.0)])).unwrap();
+        assert!(along[0] > 0.0 && along[1].abs() < 1e-16, "{along:?}");
+    }
+
+    #[test]
+    fn friction_balances_up_to_its_limit() {
+        let floor = |mu| problem(&FREE, 2, &[(&[(1, -1.0)], &[(0, 1.0)], mu)]);
+        let balance = |mu, force: [f64; 2]| rigid_equilibrium(&floor(mu), &force);
+        assert_eq!(balance(0.4, [4.0, -10.0]), Ok(()));
+        assert_eq!(balance(0.4, [-3.9, -10.0]), Ok(()));
+        let slide = balance(0.4, [4.1, -10.0]).unwrap_err();
+        // At right angles to the edge of the friction cone: forward, and lifting by the friction angle.
+        assert!((slide[1] / slide[0] - 0.4).abs() < 1e-12 && slide[0] > 0.0, "{slide:?}");
+        assert!(close(&balance(0.4, [0.0, 1.0]).unwrap_err(), &[0.0, 1.0]));
+        // No load; a load that is in balance but for rounding; forces and friction of any size.
+        assert_eq!(balance(0.0, [0.0, 0.0]), Ok(()));
+        let pair = problem(&[&[1.0, 1.0]], 2, &[]);
+        assert_eq!(rigid_equilibrium(&pair, &[0.1 + 0.2, -0.3]), Ok(()));
+        assert_eq!(rigid_equilibrium(&pair, &[0.3, -0.2]).unwrap_err().len(), 1);
+        for mu in [1e9, 1e18, 1e300] {
+            assert_eq!(balance(mu, [1e3, -1e-4]), Ok(()), "{mu}");
+            assert_eq!(balance(mu, [0.0, -1.0]), Ok(()), "{mu}");
+            assert!(balance(mu, [0.0, 1.0]).is_err(), "{mu}");
+        }
+        assert_eq!(rigid_equilibrium(&problem(&[], 2, &[]), &[1.0, 1.0]), Ok(()));
+    }
+}
