@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use crate::sparse::Pattern;
 
+mod condensed;
 mod direct;
 mod error;
 pub mod process;
@@ -17,6 +18,7 @@ mod refine;
 mod sys;
 mod umfpack;
 
+pub use condensed::Condensed;
 pub use direct::{Direct, Statistics};
 pub use error::LinearError;
 pub use refine::{SolveInfo, backward_error};

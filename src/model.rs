@@ -2,10 +2,11 @@
 
 use crate::contact::{ContactBoundary, ContactNode, Obstacle, contact_nodes, unreachable};
 use crate::fem::{Dofs, Elasticity, InvertedElement, RigidMotion, assemble, edge_load, rigid_motions};
+use crate::linear::{Condensed, Direct, Umfpack};
 use crate::loading::{Approach, LoadCase, Loading};
 use crate::mesh::{self, Boundary, Mesh};
 use crate::problem::ContactProblem;
-use crate::scene::{self, Scene, SceneError};
+use crate::scene::{self, LinearBackend, Scene, SceneError};
 use crate::sparse::Csr;
 use crate::units::Scaling;
 
@@ -119,6 +120,14 @@ impl Model {
             free_motions: rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect(),
         };
         Ok(Model { mesh, dofs, contacts, contact_boundaries, problem, loading, rigid_motions })
+    }
+
+    /// The linear algebra that a scene names.
+    pub fn linear(&self, backend: LinearBackend) -> Direct {
+        Direct::new(match backend {
+            LinearBackend::Umfpack => Box::new(Umfpack::default()),
+            LinearBackend::Condensed => Box::new(Condensed::new(self.problem.interior())),
+        })
     }
 
     /// Units for the numbers inside, see [`ContactProblem::scaling`].

@@ -60,6 +60,15 @@ impl ContactProblem {
         self.c_n.rows()
     }
 
+    /// The displacements that no contact row touches, the `r` of (33).
+    pub fn interior(&self) -> Vec<usize> {
+        let mut touched = vec![false; self.displacements()];
+        for i in 0..self.contacts() {
+            self.c_n.row(i).iter().chain(self.c_t.row(i)).for_each(|&(dof, _)| touched[dof] = true);
+        }
+        (0..touched.len()).filter(|&dof| !touched[dof]).collect()
+    }
+
     /// Units of order one for a run whose external nodal forces reach `largest_force` (N) and whose
     /// obstacles reach `interference` (m) into the body: the stiffness of a typical node, and the
     /// displacement that either makes.

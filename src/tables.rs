@@ -1,13 +1,13 @@
-//! The paper's tables, computed again.
+//! The paper's tables, computed again: mean counts of linear systems and line searches per increment.
 
 use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::history::{self, HistorySettings, IncrementRecord, Status};
-use crate::linear::{Direct, LinearError, Umfpack};
+use crate::history::{self, HistorySettings, IncrementRecord, Start, Status};
+use crate::linear::LinearError;
 use crate::model::{Model, ModelError};
-use crate::scene::{Override, Scene, SceneError};
+use crate::scene::{LinearBackend, Override, Scene, SceneError};
 
 /// Half a unit of the last digit that the paper prints: a difference up to this is rounding.
 pub const ROUNDING: f64 = 0.05;
@@ -22,7 +22,31 @@ pub enum PaperTable {
     Block,
 }
 
-/// BN's figures of one row of a table, as published.
+/// A method whose figures a table has, or that is worth having beside them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PaperMethod {
+    /// Algorithm BN.
+    Bn,
+    /// Algorithm IP from the safe point.
+    IpSafe,
+    /// Algorithm IP from the last solution.
+    IpPrev,
+    /// The default interior point method, which the paper does not have.
+    Ip,
+}
+
+/// Means over the increments of a history.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Counts {
+    /// Linear systems per increment.
+    pub nle: f64,
+    /// Line search steps per increment: BN's are `Σ (m_k + 1) - 1`, IP's `Σ m_k`. The paper gives
+    /// none for IP from the safe point, because all are 0.
+    pub nls: Option<f64>,
+}
+
+/// One row of a table as published.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Case {
     /// Contact nodes n_c; the block has n_c × n_c elements, the punch always 31 contact nodes.
@@ -31,24 +55,34 @@ pub struct Case {
     pub mu: f64,
     /// Increments: of each of the two paths of the block, of the whole history of the punch.
     pub increments: usize,
-    /// The paper's mean number of linear systems per increment.
-    pub paper_nle: f64,
-    /// The paper's mean number of line search steps per increment.
-    pub paper_nls: f64,
+    /// Algorithm BN.
+    #[serde(skip)]
+    pub bn: Counts,
+    /// Algorithm IP from the safe point.
+    #[serde(skip)]
+    pub ip_safe: Counts,
+    /// Algorithm IP from the last solution.
+    #[serde(skip)]
+    pub ip_prev: Counts,
 }
 
-/// One row of a table, the paper's figures and ours.
+/// What one method does in one case.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cell {
     /// The case.
     #[serde(flatten)]
     pub case: Case,
-    /// Linear systems per increment here.
-    pub nle: f64,
-    /// Line search steps per increment here: `Σ (m_k + 1) - 1`.
-    pub nls: f64,
-    /// The verdict of the whole history.
+    /// The method.
+    pub method: PaperMethod,
+    /// The paper's figures, if it has any.
+    pub paper: Option<Counts>,
+    /// The figures here.
+    pub here: Counts,
+    /// The verdict of the whole history. If it is not converged, `here` counts what was done until
+    /// the failure and says nothing about the table.
     pub status: Status,
+    /// The increments that converged, of all.
+    pub converged: [usize; 2],
     /// The largest component of the error measure in any increment.
     pub worst_error: f64,
     /// Wall seconds.
@@ -76,8 +110,8 @@ impl PaperTable {
     /// The heading.
     pub fn title(self) -> &'static str {
         match self {
-            PaperTable::Punch => "Table I, punch, Algorithm BN",
-            PaperTable::Block => "Table II, elastic block, Algorithm BN",
+            PaperTable::Punch => "Table I, punch",
+            PaperTable::Block => "Table II, elastic block",
         }
     }
 
@@ -96,12 +130,13 @@ impl PaperTable {
             Some(row)
         });
         rows.filter_map(|row| match row[..] {
-            [contact_nodes, mu, increments, paper_nle, paper_nls, ..] => Some(Case {
+            [contact_nodes, mu, increments, bn_nle, bn_nls, safe_nle, prev_nle, prev_nls] => Some(Case {
                 contact_nodes: contact_nodes as usize,
                 mu,
                 increments: increments as usize,
-                paper_nle,
-                paper_nls,
+                bn: Counts { nle: bn_nle, nls: Some(bn_nls) },
+                ip_safe: Counts { nle: safe_nle, nls: None },
+                ip_prev: Counts { nle: prev_nle, nls: Some(prev_nls) },
             }),
             _ => None,
         })
@@ -130,43 +165,95 @@ impl PaperTable {
         }
     }
 
-    /// Computes one row with the setting `paper` on the uncondensed system.
+    /// Computes one cell; the linear algebra changes its time and its rounding, nothing else.
     ///
     /// # Errors
     /// When memory is short; the scenes themselves are sound.
-    pub fn cell(self, case: &Case) -> Result<Cell, TableError> {
+    pub fn cell(self, case: &Case, method: PaperMethod, linear: LinearBackend) -> Result<Cell, TableError> {
         let start = Instant::now();
         let scene = self.scene(case)?;
         let model = Model::new(&scene)?;
-        let solver = &scene.solver;
-        let settings =
-            HistorySettings::paper_bn(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
-        let mut linear = Direct::new(Box::new(Umfpack::default()));
+        let settings = self.settings(method, &model);
+        let mut linear = model.linear(linear);
         let times = scene.time.all();
         let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ())?;
         let mean = |count: fn(&IncrementRecord) -> usize| {
             outcome.records.iter().map(count).sum::<usize>() as f64 / outcome.records.len() as f64
         };
+        let nls = match method {
+            PaperMethod::Bn => mean(|record| record.iterations + record.backtracks) - 1.0,
+            _ => mean(|record| record.backtracks),
+        };
+        let converged = outcome.records.iter().filter(|record| record.status == Status::Converged).count();
         Ok(Cell {
             case: *case,
-            nle: mean(|record| record.iterations),
-            nls: mean(|record| record.iterations + record.backtracks) - 1.0,
+            method,
+            paper: case.paper(method),
+            here: Counts { nle: mean(|record| record.iterations), nls: Some(nls) },
             status: outcome.status,
+            converged: [converged, times.len()],
             worst_error: outcome.records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
             seconds: start.elapsed().as_secs_f64(),
         })
     }
+
+    fn settings(self, method: PaperMethod, model: &Model) -> HistorySettings {
+        let (problem, scaling) = (&model.problem, model.scaling());
+        // The paper's IP ends at an absolute Theta, which leaves errors of 1e-7.
+        let paper_ip = |start| HistorySettings::paper_ip(problem, start, MAX_ITERATIONS, 1e-6);
+        match method {
+            PaperMethod::Bn => HistorySettings::paper_bn(problem, scaling, MAX_ITERATIONS, 1e-10),
+            PaperMethod::IpSafe => paper_ip(Start::Safe),
+            PaperMethod::IpPrev if self == PaperTable::Block => paper_ip(Start::PREV),
+            // The paper restarts nothing here, and lets σ fall by (36); with that the iteration
+            // stalls in the second increment. With the block's rule it gets through in most cells.
+            PaperMethod::IpPrev => paper_ip(Start::PREV.patient()),
+            PaperMethod::Ip => HistorySettings::ip(problem, scaling, MAX_ITERATIONS, 1e-10),
+        }
+    }
+}
+
+/// More than the paper's longest increments, of "over 200 iterations".
+const MAX_ITERATIONS: usize = 300;
+
+impl Case {
+    /// The published figures of `method`.
+    pub fn paper(&self, method: PaperMethod) -> Option<Counts> {
+        match method {
+            PaperMethod::Bn => Some(self.bn),
+            PaperMethod::IpSafe => Some(self.ip_safe),
+            PaperMethod::IpPrev => Some(self.ip_prev),
+            PaperMethod::Ip => None,
+        }
+    }
+}
+
+impl PaperMethod {
+    /// All of them, in the order of the columns.
+    pub const ALL: [PaperMethod; 4] = [PaperMethod::Bn, PaperMethod::IpSafe, PaperMethod::IpPrev, PaperMethod::Ip];
+
+    /// The heading of its columns.
+    pub fn title(self) -> &'static str {
+        match self {
+            PaperMethod::Bn => "BN",
+            PaperMethod::IpSafe => "IP safe",
+            PaperMethod::IpPrev => "IP prev",
+            PaperMethod::Ip => "IP default",
+        }
+    }
 }
 
 impl Cell {
-    /// Here minus paper.
-    pub fn nle_difference(&self) -> f64 {
-        self.nle - self.case.paper_nle
+    /// Here minus paper; `None` where there is nothing to compare.
+    pub fn nle_difference(&self) -> Option<f64> {
+        let comparable = self.status == Status::Converged;
+        comparable.then_some(self.here.nle - self.paper?.nle)
     }
 
-    /// Here minus paper.
-    pub fn nls_difference(&self) -> f64 {
-        self.nls - self.case.paper_nls
+    /// Here minus paper; `None` where there is nothing to compare.
+    pub fn nls_difference(&self) -> Option<f64> {
+        let comparable = self.status == Status::Converged;
+        comparable.then_some(self.here.nls? - self.paper?.nls?)
     }
 }
 
@@ -179,22 +266,29 @@ pub struct Agreement {
     pub largest: f64,
     /// Cells equal to within [`ROUNDING`].
     pub equal: usize,
-    /// All cells.
+    /// Cells that are compared.
     pub cells: usize,
+    /// Cells whose history did not converge here.
+    pub failed: usize,
 }
 
 impl Agreement {
-    /// Summarises differences.
-    pub fn of(differences: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
-        let cells = differences.len();
-        let sizes = differences.map(f64::abs);
-        Agreement {
-            mean: sizes.clone().sum::<f64>() / cells.max(1) as f64,
-            largest: sizes.clone().fold(0.0, f64::max),
+    /// Summarises differences; `None` stands for a cell that failed.
+    pub fn of(differences: impl Iterator<Item = Option<f64>>) -> Self {
+        let (mut agreement, mut sum) = (Agreement { mean: 0.0, largest: 0.0, equal: 0, cells: 0, failed: 0 }, 0.0);
+        for difference in differences {
+            let Some(size) = difference.map(f64::abs) else {
+                agreement.failed += 1;
+                continue;
+            };
+            sum += size;
+            agreement.largest = agreement.largest.max(size);
+            agreement.cells += 1;
             // The slack absorbs that neither 0.05 nor the printed figures are binary numbers.
-            equal: sizes.filter(|&size| size <= ROUNDING + 1e-9).count(),
-            cells,
+            agreement.equal += usize::from(size <= ROUNDING + 1e-9);
         }
+        agreement.mean = sum / agreement.cells.max(1) as f64;
+        agreement
     }
 }
 
@@ -208,13 +302,14 @@ mod tests {
         assert_eq!((punch.len(), block.len()), (21, 75));
         let last = block[74];
         assert_eq!((last.contact_nodes, last.mu, last.increments), (100, 0.8, 50));
-        assert_eq!((last.paper_nle, last.paper_nls), (2.7, 18.5));
-        assert_eq!((punch[20].mu, punch[20].increments, punch[20].paper_nls), (0.8, 100, 23.3));
+        assert_eq!(last.bn, Counts { nle: 2.7, nls: Some(18.5) });
+        assert_eq!((last.ip_safe.nle, last.ip_prev), (14.1, Counts { nle: 20.7, nls: Some(2.8) }));
+        assert_eq!((punch[20].mu, punch[20].increments, punch[20].bn.nls), (0.8, 100, Some(23.3)));
     }
 
     #[test]
     fn agreement_counts_rounding_as_equal() {
-        let agreement = Agreement::of([0.05, -0.04, 0.2].into_iter());
-        assert_eq!((agreement.equal, agreement.cells, agreement.largest), (2, 3, 0.2));
+        let agreement = Agreement::of([Some(0.05), Some(-0.04), None, Some(0.2)].into_iter());
+        assert_eq!((agreement.equal, agreement.cells, agreement.failed, agreement.largest), (2, 3, 1, 0.2));
     }
 }

@@ -36,8 +36,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "units",
         ],
     ),
-    ("model", &["contact", "fem", "loading", "mesh", "problem", "scene", "sparse", "units"]),
-    ("report", &["contact", "history", "model", "problem", "scene"]),
+    ("model", &["contact", "fem", "linear", "loading", "mesh", "problem", "scene", "sparse", "units"]),
+    ("report", &["contact", "formulation", "history", "model", "problem", "scene"]),
     ("tables", &["history", "linear", "model", "scene"]),
 ];
 

@@ -1,24 +1,42 @@
-//! The paper's punch: BN's part of Table I.
+//! The paper's punch: Table I.
 #![allow(clippy::unwrap_used)]
 
 mod common;
 
 use stickslip::history::Status;
 use stickslip::model::Model;
-use stickslip::scene::Scene;
-use stickslip::tables::{PaperTable, ROUNDING};
+use stickslip::scene::{LinearBackend, Scene};
+use stickslip::tables::{Agreement, Cell, PaperMethod, PaperTable};
 
-/// The reconstructed mesh reproduces nle to rounding in 19 of 21 cells and to 0.1 in all; nls is
-/// mostly one too many in the first increment. Cells with up to 20 increments are computed here.
+fn cells(method: PaperMethod, increments: usize) -> Vec<Cell> {
+    let cases = PaperTable::Punch.cases().into_iter().filter(|case| case.increments <= increments);
+    cases.map(|case| PaperTable::Punch.cell(&case, method, LinearBackend::Umfpack).unwrap()).collect()
+}
+
+/// The reconstructed mesh reproduces BN's nle to rounding in 19 of 21 cells and to 0.1 in all; nls
+/// is mostly one too many in the first increment. Cells with up to 20 increments are computed here.
 #[test]
-fn table_i() {
-    let cases: Vec<_> = PaperTable::Punch.cases().into_iter().filter(|case| case.increments <= 20).collect();
-    let cells: Vec<_> = cases.iter().map(|case| PaperTable::Punch.cell(case).unwrap()).collect();
+fn table_i_bn() {
+    let cells = cells(PaperMethod::Bn, 20);
     assert!(cells.iter().all(|cell| cell.status == Status::Converged));
-    assert!(cells.iter().all(|cell| cell.nle_difference().abs() <= 0.1 + 1e-9), "{cells:?}");
-    let equal = cells.iter().filter(|cell| cell.nle_difference().abs() <= ROUNDING + 1e-9).count();
-    assert_eq!((equal, cells.len()), (14, 15));
-    assert!(cells.iter().all(|cell| cell.nls_difference().abs() <= 1.6 + 1e-9), "{cells:?}");
+    let nle = Agreement::of(cells.iter().map(Cell::nle_difference));
+    assert!(nle.largest <= 0.1 + 1e-9, "{cells:?}");
+    assert_eq!((nle.equal, nle.cells), (14, 15));
+    assert!(Agreement::of(cells.iter().map(Cell::nls_difference)).largest <= 1.6 + 1e-9, "{cells:?}");
+}
+
+/// IP from the safe point is within 1.4 of the paper's nle on average (the first start is not quite
+/// the paper's, and weighs most here); the default IP needs less.
+#[test]
+fn table_i_ip() {
+    let safe = cells(PaperMethod::IpSafe, 5);
+    assert!(safe.iter().all(|cell| cell.status == Status::Converged));
+    let nle = Agreement::of(safe.iter().map(Cell::nle_difference));
+    assert!(nle.mean <= 1.4 && nle.largest <= 3.0 + 1e-9, "{nle:?} {safe:?}");
+    for cell in cells(PaperMethod::Ip, 5) {
+        assert_eq!(cell.status, Status::Converged, "{cell:?}");
+        assert!(cell.here.nle <= 10.0, "{cell:?}");
+    }
 }
 
 /// At the end 23 of 31 nodes touch; the resultants come close to those of a history without time

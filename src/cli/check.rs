@@ -32,7 +32,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         scene.time.end
     );
     say!(
-        "solver       {:?}, setting {:?}, {:?}; at most {} iterations; error of every law at most {:.0e}",
+        "solver       {}, setting {}, {:?}; at most {} iterations; error of every law at most {:.0e}",
         solver.method.name(),
         solver.method.setting(),
         solver.linear,

@@ -7,14 +7,15 @@ use std::time::Instant;
 
 use clap::Args;
 use stickslip::fem::RigidMotion;
+use stickslip::formulation::Layout;
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Observer, Start, Status, Step};
-use stickslip::linear::{self, Direct, Umfpack};
+use stickslip::linear;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IpSettings, IterationRecord, PredictorCorrectorSettings};
 use stickslip::report::{
-    ContactLine, Final, Measured, ResultFolder, Resultant, RunReport, cpu_seconds, peak_rss_bytes,
+    ContactLine, Final, Measured, ResultFolder, Resultant, RunReport, Unknowns, cpu_seconds, peak_rss_bytes,
 };
-use stickslip::scene::{self, LinearBackend, Scene, Solver};
+use stickslip::scene::{self, NewtonSystem, Scene, Solver};
 
 use super::progress::Progress;
 use super::{Failure, SceneArgs, discretise};
@@ -51,8 +52,7 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         failed_write: None,
     };
     let settings = settings(&scene, &model);
-    let LinearBackend::Umfpack = scene.solver.linear;
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = model.linear(scene.solver.linear);
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut watcher);
     watcher.progress.finish();
     let Watcher { folder, failed_write, .. } = watcher;
@@ -240,15 +240,20 @@ fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
 }
 
 fn print_head(scene: &Scene, model: &Model) {
-    let layout = stickslip::formulation::Layout::new(&model.problem);
+    let method = scene.solver.method;
+    let Unknowns { u, p_t, p_n, v_n, s, lambda } = Unknowns::new(&Layout::new(&model.problem), method.name());
+    let blocks = [(u, "u"), (p_t, "p_t"), (p_n, "p_n"), (v_n, "v_n"), (s, "s"), (lambda, "lambda")];
+    let present = blocks.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}"));
+    let reduced = match method {
+        scene::Method::PaperIp { newton, .. } | scene::Method::Ip { newton } if newton == NewtonSystem::Reduced => {
+            format!(", reduced to {} in the matrix", u + p_t + p_n)
+        }
+        _ => String::new(),
+    };
     say!("{}", scene.title);
-    say!(
-        "unknowns     {} = {} u + {} p_t + {} p_n\n",
-        layout.unknowns(),
-        layout.displacements(),
-        layout.tangentials(),
-        layout.contacts()
-    );
+    say!("method       {}, setting {}", method.name(), method.setting());
+    let total: usize = blocks.iter().map(|(count, _)| count).sum();
+    say!("unknowns     {total} = {}{reduced}\n", present.collect::<Vec<_>>().join(" + "));
 }
 
 fn print_verdict(report: &RunReport, increments: usize) {

@@ -70,6 +70,15 @@ pub enum Start {
 impl Start {
     /// The paper's *prev* for the block: `σ` falls slowly, and 30 iterations must do.
     pub const PREV: Start = Start::Prev { shortest_step: 0.01, far: 0.95, patience: 30 };
+
+    /// The same without giving up.
+    #[must_use]
+    pub fn patient(self) -> Self {
+        match self {
+            Start::Prev { shortest_step, far, .. } => Start::Prev { shortest_step, far, patience: usize::MAX },
+            Start::Safe => Start::Safe,
+        }
+    }
 }
 
 impl HistorySettings {

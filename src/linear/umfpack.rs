@@ -9,7 +9,7 @@
 
 use std::ffi::c_void;
 use std::ptr::{self, NonNull};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::{FactorInfo, LinearError, LinearSolver, sys};
 use crate::sparse::Pattern;
@@ -116,6 +116,9 @@ impl Umfpack {
         self.symbolic = None;
         let mut info: Info = [0.0; INFO];
         let mut symbolic = ptr::null_mut();
+        // METIS draws from the generator of the C library, which all threads share: alone it orders
+        // the same pattern the same way in every run.
+        let _alone = ORDERING.lock().unwrap_or_else(PoisonError::into_inner);
         // SAFETY: `pattern` holds n + 1 column starts and the row indices they span, `values` is
         // null or as long as those; `control` and `info` have the lengths UMFPACK prescribes.
         let status = unsafe {
@@ -139,6 +142,9 @@ impl Umfpack {
         Ok(())
     }
 }
+
+/// One ordering at a time.
+static ORDERING: Mutex<()> = Mutex::new(());
 
 impl LinearSolver for Umfpack {
     fn name(&self) -> &'static str {

@@ -149,7 +149,7 @@ impl Ip {
             let longest = formulation.largest_step(z, dz, h, centring);
             let first = (settings.tau_hat * longest).min(settings.xi);
             let search = clock.time(|| {
-                if theta < settings.search_above {
+                if theta < settings.search_above || formulation.is_affine() {
                     return Some((first, 0));
                 }
                 let psi = formulation.potential_along(zeta, z, dz, h, centring);

@@ -5,6 +5,7 @@ use std::ops::Range;
 use serde::Serialize;
 
 use crate::contact::ContactBoundary;
+use crate::formulation::Layout;
 use crate::history::{HistoryOutcome, IncrementRecord, Status};
 use crate::problem::State;
 use crate::scene::{LinearBackend, MethodName, Scene, Setting};
@@ -48,6 +49,23 @@ pub struct Unknowns {
     pub p_t: usize,
     /// Normal contact forces.
     pub p_n: usize,
+    /// Distances, the slacks of the interior point method.
+    pub v_n: usize,
+    /// Friction reserves, the slacks of the interior point method, two for each `p_t`.
+    pub s: usize,
+    /// Multipliers of the interior point method, two for each `p_t`.
+    pub lambda: usize,
+}
+
+impl Unknowns {
+    /// Those of `method` for the unknowns in `layout`.
+    pub fn new(layout: &Layout, method: MethodName) -> Self {
+        let (u, p_t, p_n) = (layout.displacements(), layout.tangentials(), layout.contacts());
+        match method {
+            MethodName::Bn => Unknowns { u, p_t, p_n, v_n: 0, s: 0, lambda: 0 },
+            MethodName::Ip => Unknowns { u, p_t, p_n, v_n: p_n, s: 2 * p_t, lambda: 2 * p_t },
+        }
+    }
 }
 
 /// Sums over a run.
@@ -123,11 +141,7 @@ impl RunReport {
             solver: scene.solver.linear,
             status: outcome.status,
             reason,
-            unknowns: Unknowns {
-                u: outcome.layout.displacements(),
-                p_t: outcome.layout.tangentials(),
-                p_n: outcome.layout.contacts(),
-            },
+            unknowns: Unknowns::new(&outcome.layout, scene.solver.method.name()),
             increments: outcome.records.clone(),
             totals: Totals {
                 iterations: outcome.records.iter().map(|record| record.iterations).sum(),

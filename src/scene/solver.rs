@@ -1,5 +1,7 @@
 //! How a scene is to be solved.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 /// How to solve.
@@ -116,4 +118,24 @@ pub enum LinearBackend {
     /// UMFPACK on the uncondensed system.
     #[default]
     Umfpack,
+    /// Static condensation: what no contact touches is eliminated once a run.
+    Condensed,
+}
+
+impl fmt::Display for MethodName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            MethodName::Bn => "bn",
+            MethodName::Ip => "ip",
+        })
+    }
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Setting::Paper => "paper",
+            Setting::Default => "default",
+        })
+    }
 }

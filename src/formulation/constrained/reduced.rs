@@ -70,17 +70,28 @@ impl Reduced {
     }
 }
 
-/// Works out `dv_n`, `ds` and `dλ` from `(du, dp_t, dp_n)`.
+/// Works out `dv_n`, `ds` and `dλ` from `(du, dp_t, dp_n)`. Of a pair, the member that is small gets
+/// its change from the product row, divided by the large one: as a difference of large numbers, or
+/// divided by the small one, most of its digits would be lost.
 pub(super) fn recover(data: &Scaled, layout: &SlackLayout, z: &[f64], b: &[f64], dz: &mut [f64]) {
     for i in 0..data.layout.contacts() {
-        let p_n = data.layout.p_n(i);
-        dz[layout.v_n(i)] = b[p_n] - data.w_n(i, dz);
-        if let Some(p_t) = data.layout.p_t(i) {
-            let (s, lambda) = (layout.s(p_t), layout.lambda(p_t));
-            for (sign, s, lambda) in [(1.0, s[0], lambda[0]), (-1.0, s[1], lambda[1])] {
-                dz[s] = b[s] + data.mu[i] * dz[p_n] - sign * dz[p_t];
-                dz[lambda] = (b[lambda] - z[lambda] * dz[s]) / z[s];
-            }
+        let (p_n, v_n) = (data.layout.p_n(i), layout.v_n(i));
+        dz[v_n] = if z[p_n] > z[v_n] { (b[v_n] - z[v_n] * dz[p_n]) / z[p_n] } else { b[p_n] - data.w_n(i, dz) };
+        let Some(p_t) = data.layout.p_t(i) else { continue };
+        let ([s_plus, s_minus], [l_plus, l_minus]) = (layout.s(p_t), layout.lambda(p_t));
+        for (sign, s, lambda) in [(1.0, s_plus, l_plus), (-1.0, s_minus, l_minus)] {
+            dz[s] = b[s] + data.mu[i] * dz[p_n] - sign * dz[p_t];
+            dz[lambda] = (b[lambda] - z[lambda] * dz[s]) / z[s];
+        }
+        // A node that slips: λ from the slip row.
+        let slip = b[p_t] + data.w_t(i, dz);
+        let (slips_plus, slips_minus) = (z[s_plus] < z[l_plus], z[s_minus] < z[l_minus]);
+        if slips_plus && !slips_minus {
+            dz[l_plus] = dz[l_minus] + slip;
+            dz[s_plus] = (b[l_plus] - z[s_plus] * dz[l_plus]) / z[l_plus];
+        } else if slips_minus && !slips_plus {
+            dz[l_minus] = dz[l_plus] - slip;
+            dz[s_minus] = (b[l_minus] - z[s_minus] * dz[l_minus]) / z[l_minus];
         }
     }
 }
