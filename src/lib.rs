@@ -10,7 +10,7 @@
 //!
 //! Data flows one way: [`scene`] (TOML) → [`model`] ([`mesh`], [`fem`], [`contact`]) → [`problem`]
 //! (algebra only) → [`formulation`] (the equations `H(z) = 0` and their Jacobian on one fixed
-//! pattern) → [`nonlinear`] (Algorithm BN) with [`linear`] (UMFPACK) → [`history`] (increments and
+//! pattern) → [`nonlinear`] (Algorithms BN and IP) with [`linear`] (UMFPACK) → [`history`] (increments and
 //! verdicts) → [`report`]. [`solvability`] tells beforehand what to expect of a problem.
 //!
 //! ```
