@@ -34,6 +34,16 @@ pub enum Stop {
     Interrupted,
 }
 
+impl Stop {
+    /// The end that a linear solve makes: a singular matrix is a verdict, anything else an error.
+    fn at(error: LinearError) -> Result<Self, LinearError> {
+        match error {
+            LinearError::Singular { .. } | LinearError::NotFinite => Ok(Stop::Singular(error)),
+            error => Err(error),
+        }
+    }
+}
+
 /// What the solver did in one increment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
@@ -70,6 +80,21 @@ impl Outcome {
         self.backtracks += backtracks;
         self.theta = theta;
         self.backward_error = self.backward_error.max(backward_error);
+    }
+
+    /// Whether the iteration ends here, and why: the stop test is `met`, the numbers are not finite, or
+    /// the observer wants no more.
+    fn ends(&mut self, met: bool, flow: Flow) -> bool {
+        self.stop = if met {
+            Stop::Met
+        } else if !self.theta.is_finite() {
+            Stop::Diverged
+        } else if flow == Flow::Stop {
+            Stop::Interrupted
+        } else {
+            return false;
+        };
+        true
     }
 
     /// This and then `next`, as one.

@@ -75,11 +75,10 @@ impl Bn {
             }
             let backward_error = match self.direction(formulation, linear) {
                 Ok(error) => error,
-                Err(error @ (LinearError::Singular { .. } | LinearError::NotFinite)) => {
-                    outcome.stop = Stop::Singular(error);
+                Err(error) => {
+                    outcome.stop = Stop::at(error)?;
                     break;
                 }
-                Err(error) => return Err(error),
             };
 
             // Step 3: the step size (12), and the step.
@@ -99,16 +98,9 @@ impl Bn {
             // Step 4: termination.
             let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored: fresh };
             let flow = observe(&record);
-            outcome.stop = if theta <= self.settings.epsilon || formulation.is_affine() {
-                Stop::Met
-            } else if !theta.is_finite() {
-                Stop::Diverged
-            } else if flow == Flow::Stop {
-                Stop::Interrupted
-            } else {
-                continue;
-            };
-            break;
+            if outcome.ends(theta <= self.settings.epsilon || formulation.is_affine(), flow) {
+                break;
+            }
         }
         outcome.assembly_seconds = clock.seconds;
         Ok(outcome)

@@ -137,11 +137,10 @@ impl Ip {
             let solved = linear.factorize(formulation.matrix()).and_then(|_| self.work.solve(formulation, linear, z));
             let backward_error = match solved {
                 Ok(info) => info.backward_error,
-                Err(error @ (LinearError::Singular { .. } | LinearError::NotFinite)) => {
-                    outcome.stop = Stop::Singular(error);
+                Err(error) => {
+                    outcome.stop = Stop::at(error)?;
                     break;
                 }
-                Err(error) => return Err(error),
             };
 
             // Step 3: the step size, along ψ (13), and the step.
@@ -170,18 +169,11 @@ impl Ip {
             // Step 4: termination, and the next σ (36).
             let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored: true };
             let flow = observe(&record);
-            outcome.stop = if theta <= settings.epsilon || formulation.is_affine() {
-                Stop::Met
-            } else if !theta.is_finite() {
-                Stop::Diverged
-            } else if flow == Flow::Stop {
-                Stop::Interrupted
-            } else {
-                let Centring { far, near, border } = settings.centring;
-                sigma *= if theta > border { far } else { near };
-                continue;
-            };
-            break;
+            if outcome.ends(theta <= settings.epsilon || formulation.is_affine(), flow) {
+                break;
+            }
+            let Centring { far, near, border } = settings.centring;
+            sigma *= if theta > border { far } else { near };
         }
         outcome.assembly_seconds = clock.seconds;
         Ok(outcome)

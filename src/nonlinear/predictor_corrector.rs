@@ -80,11 +80,10 @@ impl PredictorCorrector {
             };
             let taken = match taken {
                 Ok(taken) => taken,
-                Err(error @ (LinearError::Singular { .. } | LinearError::NotFinite)) => {
-                    outcome.stop = Stop::Singular(error);
+                Err(error) => {
+                    outcome.stop = Stop::at(error)?;
                     break;
                 }
-                Err(error) => return Err(error),
             };
             let theta = clock.time(|| {
                 formulation.residual(z, &mut self.work.h);
@@ -94,16 +93,9 @@ impl PredictorCorrector {
             outcome.add(theta, 0, backward_error);
             let record = IterationRecord { iteration, theta, step, backtracks: 0, backward_error, factored: true };
             let flow = observe(&record);
-            outcome.stop = if error <= settings.tolerance || formulation.is_affine() {
-                Stop::Met
-            } else if !theta.is_finite() {
-                Stop::Diverged
-            } else if flow == Flow::Stop {
-                Stop::Interrupted
-            } else {
-                continue;
-            };
-            break;
+            if outcome.ends(error <= settings.tolerance || formulation.is_affine(), flow) {
+                break;
+            }
         }
         outcome.assembly_seconds = clock.seconds;
         Ok(outcome)
