@@ -206,7 +206,7 @@ impl PaperTable {
             PaperMethod::IpSafe => paper_ip(Start::Safe),
             PaperMethod::IpPrev if self == PaperTable::Block => paper_ip(Start::PREV),
             // The paper restarts nothing here, and lets σ fall by (36); with that the iteration
-            // stalls in the second increment. With the block's rule it gets through in most cells.
+            // stalls in the second increment or soon after. With the block's rule it gets through in most cells.
             PaperMethod::IpPrev => paper_ip(Start::PREV.patient()),
             PaperMethod::Ip => HistorySettings::ip(problem, scaling, MAX_ITERATIONS, 1e-10),
         }

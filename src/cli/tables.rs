@@ -242,7 +242,7 @@ fn notes(table: PaperTable, columns: &[Column]) -> Vec<String> {
         if (table, column.method) == (PaperTable::Punch, PaperMethod::IpPrev) {
             notes.push(
                 "IP prev: not reproduced. With the paper's rule (36) for sigma the iteration stalls at the border \
-                 in the second increment; shown is the block's rule (0.95), without a restart"
+                 in the second increment or soon after; shown is the block's rule (0.95), without a restart"
                     .to_string(),
             );
         }
