@@ -74,7 +74,7 @@ impl Model {
             scene::Plane::Strain => Elasticity::plane_strain(scene.material.young, scene.material.poisson),
             scene::Plane::Stress => Elasticity::plane_stress(scene.material.young, scene.material.poisson),
         };
-        let stiffness = assemble(&mesh, &dofs, &material)?;
+        let stiffness = assemble(&mesh, &dofs, |_| material)?;
 
         let (mut contacts, mut mu) = (Vec::<ContactNode>::new(), Vec::new());
         let (mut contact_boundaries, mut approaches) = (Vec::new(), Vec::new());

@@ -15,11 +15,16 @@ pub struct InvertedElement {
     pub centre: [f64; 2],
 }
 
-/// `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m per unit depth.
+/// `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m per unit depth; `material` is
+/// that of each element.
 ///
 /// # Errors
 /// [`InvertedElement`] for the first element that is not sound.
-pub fn assemble(mesh: &Mesh, dofs: &Dofs, material: &Elasticity) -> Result<Symmetric, InvertedElement> {
+pub fn assemble(
+    mesh: &Mesh,
+    dofs: &Dofs,
+    material: impl Fn(usize) -> Elasticity,
+) -> Result<Symmetric, InvertedElement> {
     let mut k = Symmetric::from_entries(dofs.free(), |take| {
         for quad in &mesh.quads {
             let element = dofs.element(quad);
@@ -32,7 +37,7 @@ pub fn assemble(mesh: &Mesh, dofs: &Dofs, material: &Elasticity) -> Result<Symme
     });
     for (e, quad) in mesh.quads.iter().enumerate() {
         let corners = mesh.corners(e);
-        let element = element_stiffness(&corners, material).ok_or_else(|| InvertedElement {
+        let element = element_stiffness(&corners, &material(e)).ok_or_else(|| InvertedElement {
             element: e,
             centre: [0, 1].map(|c| corners.iter().map(|x| x[c]).sum::<f64>() / 4.0),
         })?;

@@ -13,6 +13,7 @@ pub(super) struct IpMethod {
     formulation: Constrained,
     settings: IpSettings,
     start: Start,
+    partition: Partition,
     ip: Ip,
     z: Vec<f64>,
 }
@@ -27,8 +28,18 @@ impl IpMethod {
         newton: NewtonSystem,
     ) -> Self {
         let formulation = Constrained::new(problem, history.scaling, &history.conventions, partition, newton);
-        let z = first_point(formulation.layout(), &problem.weight);
-        IpMethod { formulation, settings, start, ip: Ip::default(), z }
+        let mut z = first_point(formulation.layout(), &problem.weight);
+        if partition == Partition::Cone {
+            enter_cone(formulation.layout(), formulation.mu(), &mut z);
+        }
+        IpMethod { formulation, settings, start, partition, ip: Ip::default(), z }
+    }
+
+    fn move_to_safe_point(&mut self) {
+        move_to_safe_point(self.formulation.layout(), &mut self.z);
+        if self.partition == Partition::Cone {
+            enter_cone(self.formulation.layout(), self.formulation.mu(), &mut self.z);
+        }
     }
 
     fn iterate(
@@ -63,7 +74,7 @@ impl IncrementSolver for IpMethod {
         match self.start {
             _ if task.first => self.iterate(&settings, linear, observe),
             Start::Safe => {
-                move_to_safe_point(self.formulation.layout(), &mut self.z);
+                self.move_to_safe_point();
                 self.iterate(&settings, linear, observe)
             }
             Start::Prev { shortest_step, far, patience } => {
@@ -77,7 +88,7 @@ impl IncrementSolver for IpMethod {
                     return Ok(attempt);
                 }
                 self.z = before;
-                move_to_safe_point(self.formulation.layout(), &mut self.z);
+                self.move_to_safe_point();
                 Ok(attempt.then(self.iterate(&settings, linear, observe)?))
             }
         }
@@ -115,6 +126,20 @@ fn move_to_safe_point(layout: &SlackLayout, z: &mut [f64]) {
         for pair in block {
             z[pair.force] = force;
             z[pair.length] = length;
+        }
+    }
+}
+
+/// Raises `s` where its cone row `s - μ p_n ± p_t` is not positive, so that the row is what `s` was.
+/// The safe point takes no account of these rows, and the first point does so while `μ l < 1`.
+fn enter_cone(layout: &SlackLayout, mu: &[f64], z: &mut [f64]) {
+    for (i, mu) in mu.iter().enumerate() {
+        let Some(p_t) = layout.forces().p_t(i) else { continue };
+        for (sign, s) in [1.0, -1.0].into_iter().zip(layout.s(p_t)) {
+            let reserve = mu * z[layout.forces().p_n(i)] - sign * z[p_t];
+            if z[s] <= reserve {
+                z[s] += reserve;
+            }
         }
     }
 }

@@ -1,0 +1,151 @@
+//! The default interior point method on scenes far from the paper's: it converges wherever there is
+//! an equilibrium, and says so where there is none.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use stickslip::fem::{Elasticity, RigidMotion, assemble};
+use stickslip::formulation::{Layout, SlackLayout};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::linear::{Direct, Umfpack};
+use stickslip::model::Model;
+use stickslip::scene::Scene;
+
+const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
+
+fn ip(model: &Model, times: &[f64]) -> HistoryOutcome {
+    let settings = HistorySettings::ip(&model.problem, model.scaling(), 100, 1e-10);
+    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    history::run(&model.problem, &model.loading, times, &settings, &mut linear, &mut ()).unwrap()
+}
+
+/// Fails unless every increment converged, in 40 iterations and 20 on average at most.
+fn assert_solved(name: &str, outcome: &HistoryOutcome) {
+    let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
+    assert_eq!(outcome.status, Status::Converged, "{name}: {iterations:?} {:?}", outcome.records.last());
+    let most = *iterations.iter().max().unwrap();
+    let mean = iterations.iter().sum::<usize>() as f64 / iterations.len() as f64;
+    assert!(most <= 40 && mean <= 20.0, "{name}: {iterations:?}");
+    assert!(outcome.records.iter().all(|record| record.kkt.worst().1 <= 1e-10), "{name}");
+}
+
+fn block(text: &str, n: usize, overrides: &[&str]) -> (Model, Vec<f64>) {
+    let mesh = format!("mesh.elements=[{n},{n}]");
+    let all = [&[mesh.as_str(), "time.increments=4"], overrides].concat();
+    let overrides: Vec<_> = all.iter().map(|text| text.parse().unwrap()).collect();
+    let scene = Scene::parse("block.toml", text, &overrides).unwrap();
+    (Model::new(&scene).unwrap(), scene.time.all())
+}
+
+fn base() -> &'static str {
+    include_str!("../data/scenes/block.toml")
+}
+
+#[test]
+fn gaps_loads_shapes_materials_and_friction() {
+    let roller = "support.fix=[\"x\"]";
+    let unloaded = ["load[0].traction=[0,0]", "load[1].traction=[0,0]"];
+    let loads_times = |factor: f64| {
+        let traction = -10e6 * factor;
+        [format!("load[0].traction=[0,{traction:e}]"), format!("load[1].traction=[{traction:e},0]")]
+    };
+    let scaled = [1e3, 1e-3, 1e6].map(loads_times);
+    let scaled: Vec<Vec<&str>> = scaled.iter().map(|pair| pair.iter().map(String::as_str).collect()).collect();
+    for n in [10, 20] {
+        for (name, overrides) in [
+            ("no contact", vec!["contact.obstacle.gap=1"]),
+            ("no contact by far", vec!["contact.obstacle.gap=1e3"]),
+            ("no load", unloaded.to_vec()),
+            ("zero gap", vec!["contact.obstacle.gap=0"]),
+            ("no load, zero gap", [&unloaded[..], &["contact.obstacle.gap=0"]].concat()),
+            ("interference", vec!["contact.obstacle.gap=-1e-5", roller]),
+            ("load times 1e3", scaled[0].clone()),
+            ("load times 1e-3", scaled[1].clone()),
+            ("load times 1e6", scaled[2].clone()),
+            ("soft", vec!["material.young=2.1e5"]),
+            ("nearly incompressible", vec!["material.poisson=0.4999"]),
+            ("1000 m x 1 m", vec!["mesh.size=[1000,1]"]),
+            ("1 m x 1000 m", vec!["mesh.size=[1,1000]"]),
+            ("1000 m x 1 m, 200 x 4", vec!["mesh.size=[1000,1]", "mesh.elements=[200,4]"]),
+            ("1 m x 1000 m, 4 x 200", vec!["mesh.size=[1,1000]", "mesh.elements=[4,200]"]),
+            ("mu = 0", vec!["contact.friction=0"]),
+            ("mu = 1e-6", vec!["contact.friction=1e-6"]),
+            ("mu = 1", vec!["contact.friction=1"]),
+            ("mu = 2", vec!["contact.friction=2"]),
+            ("mu = 5", vec!["contact.friction=5"]),
+            ("mu = 10", vec!["contact.friction=10"]),
+            ("held by a roller and contact", vec![roller]),
+        ] {
+            let (model, times) = block(base(), n, &overrides);
+            assert_solved(&format!("{name}, n = {n}"), &ip(&model, &times));
+        }
+    }
+}
+
+#[test]
+fn held_by_contact_only() {
+    let text = base().replace(SUPPORT, "");
+    assert!(!text.contains("[[support]]"));
+    for gap in ["contact.obstacle.gap=1e-5", "contact.obstacle.gap=0"] {
+        let (model, times) = block(&text, 10, &[gap, "load[1].traction=[-1e6,0]"]);
+        assert_eq!(model.problem.free_motions.len(), 3);
+        assert_solved(gap, &ip(&model, &times));
+    }
+}
+
+/// Stiffness that jumps by up to eight decades from element to element.
+#[test]
+fn random_stiffness() {
+    // Splitmix64.
+    let mut state = 1_u64;
+    let mut random = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for sample in 0..8 {
+        let (mut model, times) = block(base(), 12, &[]);
+        let young: Vec<f64> = model.mesh.quads.iter().map(|_| 210e9 * 10_f64.powf(8.0 * (random() - 0.5))).collect();
+        let material = |element| Elasticity::plane_strain(young[element], 0.3);
+        model.problem.stiffness = assemble(&model.mesh, &model.dofs, material).unwrap();
+        assert_solved(&format!("sample {sample}"), &ip(&model, &times));
+    }
+}
+
+#[test]
+fn friction_that_differs_by_node() {
+    let (mut model, times) = block(base(), 20, &[]);
+    let mu = [0.0, 0.1, 2.0, 0.4, 1e-6];
+    model.problem.mu.iter_mut().enumerate().for_each(|(i, value)| *value = mu[i % mu.len()]);
+    assert_solved("mixed", &ip(&model, &times));
+}
+
+#[test]
+fn without_friction_there_are_no_multipliers() {
+    let (model, _) = block(base(), 10, &["contact.friction=0"]);
+    let problem = &model.problem;
+    let layout = SlackLayout::new(&Layout::new(problem));
+    assert_eq!(layout.unknowns(), problem.displacements() + 2 * problem.contacts());
+}
+
+/// A side load of 0.6 of the normal load with mu = 0.4: no contact force can balance it, and either
+/// method says so and names the motion. At 0.39 it can.
+#[test]
+fn no_equilibrium() {
+    let text = base().replace(SUPPORT, "");
+    let run = |side: &str| {
+        let (model, times) = block(&text, 8, &["contact.obstacle.gap=0", "load[0].history=[[0,1]]", side]);
+        let paper = HistorySettings::paper_bn(&model.problem, model.scaling(), 100, 1e-10);
+        let mut linear = Direct::new(Box::new(Umfpack::default()));
+        let bn = history::run(&model.problem, &model.loading, &times, &paper, &mut linear, &mut ()).unwrap();
+        (bn, ip(&model, &times), model)
+    };
+    let (bn, ip, model) = run("load[1].traction=[-6e6,0]");
+    for outcome in [bn, ip] {
+        assert_eq!(outcome.status, Status::NoEquilibrium);
+        let motion = RigidMotion::combination(&model.rigid_motions, &outcome.free_motion.unwrap()).unwrap();
+        assert!(motion.to_string().contains("translation"), "{motion}");
+    }
+    assert_solved("below the limit", &run("load[1].traction=[-3.0e6,0]").1);
+}
