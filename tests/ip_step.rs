@@ -125,7 +125,9 @@ fn along_a_direction() {
         assert!((formulation.beta(&h) - beta).abs() <= 1e-15 * beta);
         let centring = 0.3 * beta;
         let mut b: Vec<f64> = h.iter().map(|h| -h).collect();
-        g.iter().for_each(|&k| b[k] += centring);
+        for &k in &g {
+            b[k] += centring;
+        }
         let dz = direction(&mut formulation, &z, &b);
         let ahead = |t: f64| z.iter().zip(&dz).map(|(z, dz)| z + t * dz).collect::<Vec<f64>>();
 
