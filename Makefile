@@ -2,12 +2,13 @@
 # make test   all tests
 # make bench  the benchmarks (minutes)
 # make tables the paper's Tables I and II, complete (minutes)
+# make report the paper's Figures 4 to 7, into doc/figures, and both tables (minutes)
 # Each installs what is missing first.
 
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test bench tables deps
+.PHONY: demo test bench tables report deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -22,6 +23,10 @@ bench: deps
 tables: deps
 	cargo run --release -- tables punch
 	cargo run --release -- tables block
+
+report: deps
+	cargo run --release -- figures --out doc/figures
+	$(MAKE) tables
 
 # SUITESPARSE_INCLUDE_DIR says that SuiteSparse is installed in a place of its own.
 deps:

@@ -12,6 +12,7 @@ macro_rules! say {
 }
 
 mod check;
+mod figures;
 mod progress;
 mod run;
 mod tables;
@@ -45,6 +46,8 @@ enum Command {
     Check(check::CheckArgs),
     /// Compute a table of the paper and set it beside the published one
     Tables(tables::TablesArgs),
+    /// Draw the figures of the paper
+    Figures(figures::FiguresArgs),
 }
 
 /// A scene and what to change in it.
@@ -152,6 +155,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Run(args) => run::run(args),
         Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
         Command::Tables(args) => tables::tables(args),
+        Command::Figures(args) => figures::figures(args),
     };
     match result {
         Ok(code) => code,

@@ -114,7 +114,7 @@ impl Outcome {
 /// One iteration, as it happens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IterationRecord {
-    /// Its number in the increment, from 1.
+    /// Its number in the increment, from 1; 0 stands for the start.
     pub iteration: usize,
     /// `Theta` after the step.
     pub theta: f64,
@@ -126,6 +126,13 @@ pub struct IterationRecord {
     pub backward_error: f64,
     /// Whether the matrix was factored; not when it is that of the last iteration.
     pub factored: bool,
+}
+
+impl IterationRecord {
+    /// The start, before any iteration.
+    pub fn start(theta: f64) -> Self {
+        IterationRecord { iteration: 0, theta, step: 0.0, backtracks: 0, backward_error: 0.0, factored: false }
+    }
 }
 
 /// What an observer wants.

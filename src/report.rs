@@ -1,5 +1,6 @@
 //! Results for people and for scripts: contact lines, records, tables, JSON, plots.
 
+mod chart;
 mod contact_line;
 mod csv;
 mod folder;
@@ -8,9 +9,11 @@ mod run;
 mod table;
 mod usage;
 
+pub use chart::{Axis, Chart, Curve, Dash, Line, Marker, Panel, PlotError, Scale};
 pub use contact_line::{ContactLine, ContactPoint};
-pub use folder::ResultFolder;
-pub use plot::contact_stresses;
+pub use csv::table as csv_table;
+pub use folder::{ResultFolder, write_file};
+pub use plot::{contact_stresses, stress_chart};
 pub use run::{Final, Measured, Resultant, RunReport, Totals, Unknowns};
 pub use table::Table;
 pub use usage::{available_bytes, cpu_seconds, peak_rss_bytes};

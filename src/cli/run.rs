@@ -162,13 +162,18 @@ fn wanted_increments(wanted: &[f64], times: &[f64]) -> Vec<usize> {
 }
 
 fn open_folder(path: &Path) -> Result<ResultFolder, Failure> {
-    ResultFolder::create(path).map_err(|error| match error.kind() {
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => disk_failure(path, &error),
+    ResultFolder::create(path).map_err(|error| write_failure(path, &error))
+}
+
+/// Results cannot be written at all: the folder is to blame, unless the disk is.
+pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
+    match error.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => disk_failure(path, error),
         _ => {
             let help = "choose a folder that can be written with --out";
             Failure::Input(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
         }
-    })
+    }
 }
 
 fn disk_failure(path: &Path, error: &io::Error) -> Failure {

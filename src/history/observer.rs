@@ -22,7 +22,7 @@ pub struct Step<'a> {
 pub trait Observer {
     /// When the patterns are analysed and the first matrix is factored, before the first increment.
     fn ready(&mut self) {}
-    /// After each iteration of increment `index`.
+    /// At the start of the iteration of increment `index`, and after each of its steps.
     fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> Flow {
         Flow::Continue
     }

@@ -60,6 +60,9 @@ impl Bn {
             formulation.merit(&self.h)
         });
         let mut outcome = Outcome::new(theta);
+        if observe(&IterationRecord::start(theta)) == Flow::Stop {
+            return Ok(Outcome { stop: Stop::Interrupted, ..outcome });
+        }
 
         for iteration in 1..=self.settings.max_iterations {
             // Step 2: the direction, H(z) + H̃'(z; dz) = 0 (22). The matrix is factored unless it is

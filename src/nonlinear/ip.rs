@@ -125,6 +125,9 @@ impl Ip {
         clock.time(|| formulation.residual(z, &mut self.work.h));
         let mut theta = formulation.theta(z, &self.work.h);
         let mut outcome = Outcome::new(theta);
+        if observe(&IterationRecord::start(theta)) == Flow::Stop {
+            return Ok(Outcome { stop: Stop::Interrupted, ..outcome });
+        }
 
         for iteration in 1..=settings.max_iterations {
             // Step 2: the direction, ∇H_I(z) dz = -H_I(z) + (0, σ β e) (14).

@@ -58,7 +58,11 @@ impl PredictorCorrector {
         let mut clock = Clock::default();
         self.work.resize(formulation);
         clock.time(|| formulation.residual(z, &mut self.work.h));
-        let mut outcome = Outcome::new(formulation.theta(z, &self.work.h));
+        let theta = formulation.theta(z, &self.work.h);
+        let mut outcome = Outcome::new(theta);
+        if observe(&IterationRecord::start(theta)) == Flow::Stop {
+            return Ok(Outcome { stop: Stop::Interrupted, ..outcome });
+        }
         // The face ahead, and the last one that a step to it has been tried on.
         let (mut ahead, mut tried): (Option<Face>, Option<Face>) = (None, None);
         let mut settled = false;

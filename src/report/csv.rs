@@ -3,7 +3,7 @@
 use crate::history::IncrementRecord;
 
 /// A whole table. Fields must hold neither commas nor quotes.
-pub(super) fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+pub fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let mut text = header.join(",");
     text.push('\n');
     for row in rows {

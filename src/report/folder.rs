@@ -86,14 +86,22 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn write(&self, name: &str, text: &str) -> io::Result<()> {
-        let partial = self.path.join(format!(".{name}.partial"));
-        let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, self.path.join(name)));
-        if written.is_err() {
-            // What is left of a failed write is of no use; that it stays is no second error.
-            let _ = fs::remove_file(&partial);
-        }
-        written
+        write_file(&self.path, name, text)
     }
+}
+
+/// Writes a whole file into a folder; a reader never sees half of it.
+///
+/// # Errors
+/// When the disk refuses.
+pub fn write_file(folder: &Path, name: &str, text: &str) -> io::Result<()> {
+    let partial = folder.join(format!(".{name}.partial"));
+    let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, folder.join(name)));
+    if written.is_err() {
+        // What is left of a failed write is of no use; that it stays is no second error.
+        let _ = fs::remove_file(&partial);
+    }
+    written
 }
 
 /// Whether a run writes a file of this name.

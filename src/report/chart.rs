@@ -1,0 +1,346 @@
+//! Line charts as SVG: panels with common axes, and curves that are told apart without colour.
+
+mod axis;
+mod pen;
+
+pub use axis::Scale;
+
+use axis::Ticks;
+use pen::{Anchor, Pen, text_width};
+
+/// Why a chart could not be drawn.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the plot could not be drawn: {0}")]
+pub struct PlotError(String);
+
+/// A chart of one or more panels, all with the same axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    /// What is shown.
+    pub title: String,
+    /// For which case.
+    pub subtitle: String,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// How many panels stand side by side.
+    pub columns: usize,
+    /// The panels, row by row.
+    pub panels: Vec<Panel>,
+}
+
+/// An axis.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Axis {
+    /// The quantity and its unit.
+    pub label: String,
+    /// How its numbers are laid out.
+    pub scale: Scale,
+}
+
+/// One plot of a chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// The heading; empty for none.
+    pub title: String,
+    /// The curves in the order of the legend; the first is in front.
+    pub curves: Vec<Curve>,
+}
+
+/// A curve: a line, markers, or both.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Its name in the legend; curves of the same name share an entry, those without have none.
+    pub label: String,
+    /// The points in order. On an axis of decades, numbers that are not positive are left out.
+    pub points: Vec<[f64; 2]>,
+    /// The line through the points.
+    pub line: Option<Line>,
+    /// What stands at each point.
+    pub marker: Option<Marker>,
+    /// Red, green, blue.
+    pub colour: [u8; 3],
+}
+
+/// A line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    /// How it is broken.
+    pub dash: Dash,
+    /// Its width, px.
+    pub width: f64,
+}
+
+/// How a line is broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dash {
+    /// Not at all.
+    Solid,
+    /// Into dots.
+    Dotted,
+    /// Into dashes.
+    Dashed,
+    /// Into dashes and dots in turn.
+    DashDotted,
+}
+
+/// What stands at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marker {
+    /// A filled circle.
+    Disc,
+    /// A hollow circle.
+    Circle,
+    /// A hollow square.
+    Square,
+    /// A hollow triangle.
+    Triangle,
+}
+
+const WIDTH: f64 = 960.0;
+/// Left of the first panel: the axis label and the numbers.
+const LEFT: f64 = 92.0;
+/// Left of the other panels: the numbers.
+const BETWEEN: f64 = 66.0;
+const RIGHT: f64 = 26.0;
+/// Below a panel: the numbers.
+const BELOW: f64 = 30.0;
+const HEADING: f64 = 26.0;
+const LEGEND_ROW: f64 = 24.0;
+/// The sample line of a legend entry, and the gap behind an entry.
+const SAMPLE: f64 = 38.0;
+const GAP: f64 = 26.0;
+
+const TITLE_SIZE: f64 = 18.0;
+const LABEL_SIZE: f64 = 15.0;
+const NUMBER_SIZE: f64 = 13.5;
+
+const BLACK: [u8; 3] = [0, 0, 0];
+const GREY: [u8; 3] = [120, 120, 120];
+const GRID: [u8; 3] = [228, 228, 228];
+
+/// Where a panel is, px.
+#[derive(Clone, Copy)]
+struct Frame {
+    left: f64,
+    top: f64,
+    width: f64,
+    height: f64,
+}
+
+impl Chart {
+    /// The chart as an SVG picture.
+    ///
+    /// # Errors
+    /// When a number is not finite, or the drawing library refuses.
+    pub fn to_svg(&self) -> Result<String, PlotError> {
+        let points = || self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
+        if points().flatten().any(|value| !value.is_finite()) {
+            return Err(PlotError("a number is not finite".into()));
+        }
+        let columns = self.columns.max(1);
+        let rows = self.panels.len().div_ceil(columns);
+        let width = (WIDTH - LEFT - RIGHT - (columns - 1) as f64 * (BETWEEN + RIGHT)) / columns as f64;
+        let height = width
+            * match (columns, rows) {
+                (1, _) => 0.45,
+                (_, 1) => 0.8,
+                _ => 0.64,
+            };
+        let x = self.x.scale.ticks(points().map(|p| p[0]), 0.0, width / 60.0);
+        let y = self.y.scale.ticks(points().map(|p| p[1]), 0.03, height / 31.0);
+
+        let legend = self.legend();
+        let headings = if self.panels.iter().all(|panel| panel.title.is_empty()) { 8.0 } else { HEADING };
+        let top = 66.0 + LEGEND_ROW * legend.len() as f64;
+        let pitch = headings + height + BELOW;
+        pen::picture([WIDTH, top + rows as f64 * pitch + 34.0], |pen| {
+            pen.text([0.5 * WIDTH, 24.0], &self.title, TITLE_SIZE, Anchor::Bold)?;
+            pen.text([0.5 * WIDTH, 48.0], &self.subtitle, LABEL_SIZE, Anchor::Middle)?;
+            for (row, entries) in legend.iter().enumerate() {
+                draw_legend(pen, 74.0 + LEGEND_ROW * row as f64, entries)?;
+            }
+            for (k, panel) in self.panels.iter().enumerate() {
+                let (row, column) = (k / columns, k % columns);
+                let frame = Frame {
+                    left: LEFT + column as f64 * (width + BETWEEN + RIGHT),
+                    top: top + row as f64 * pitch + headings,
+                    width,
+                    height,
+                };
+                self.draw_panel(pen, frame, panel, &x, &y)?;
+                let Frame { left, top, .. } = frame;
+                if column == 0 {
+                    pen.text([22.0, top + 0.5 * height], &self.y.label, LABEL_SIZE, Anchor::Upwards)?;
+                }
+                if k + columns >= self.panels.len() {
+                    let below = [left + 0.5 * width, top + height + BELOW + 14.0];
+                    pen.text(below, &self.x.label, LABEL_SIZE, Anchor::Middle)?;
+                }
+            }
+            Ok(())
+        })
+    }
+
+    fn draw_panel(&self, pen: &Pen<'_>, frame: Frame, panel: &Panel, x: &Ticks, y: &Ticks) -> Result<(), PlotError> {
+        let Frame { left, top, width, height } = frame;
+        let (right, bottom) = (left + width, top + height);
+        let (across, up) = (|t: f64| left + t * width, |t: f64| bottom - t * height);
+        pen.text([left + 0.5 * width, top - 13.0], &panel.title, LABEL_SIZE, Anchor::Middle)?;
+
+        let line = |from, to, width, colour| pen.line(&[from, to], Line { dash: Dash::Solid, width }, colour);
+        for tick in &x.all {
+            let at = across(x.share(tick.value));
+            let length = tick.length();
+            if let Some(label) = &tick.label {
+                line([at, top], [at, bottom], 1.0, GRID)?;
+                pen.text([at, bottom + 14.0], label, NUMBER_SIZE, Anchor::Middle)?;
+            }
+            line([at, bottom], [at, bottom - length], 1.0, BLACK)?;
+            line([at, top], [at, top + length], 1.0, BLACK)?;
+        }
+        for tick in &y.all {
+            let at = up(y.share(tick.value));
+            let length = tick.length();
+            if let Some(label) = &tick.label {
+                line([left, at], [right, at], 1.0, GRID)?;
+                pen.text([left - 8.0, at], label, NUMBER_SIZE, Anchor::End)?;
+            }
+            line([left, at], [left + length, at], 1.0, BLACK)?;
+            line([right, at], [right - length, at], 1.0, BLACK)?;
+        }
+        if self.y.scale == Scale::Linear && y.from < 0.0 && y.to > 0.0 {
+            line([left, up(y.share(0.0))], [right, up(y.share(0.0))], 1.0, GREY)?;
+        }
+        let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
+        pen.line(&corners, Line { dash: Dash::Solid, width: 1.0 }, BLACK)?;
+        for curve in panel.curves.iter().rev() {
+            let place = |&[a, b]: &[f64; 2]| {
+                Some([across(x.share(self.x.scale.place(a)?)), up(y.share(self.y.scale.place(b)?))])
+            };
+            let points: Vec<[f64; 2]> = curve.points.iter().filter_map(place).collect();
+            curve.draw(pen, &points)?;
+        }
+        Ok(())
+    }
+
+    /// The curves of the legend, row by row.
+    fn legend(&self) -> Vec<Vec<&Curve>> {
+        let mut rows: Vec<Vec<&Curve>> = Vec::new();
+        let mut used = 0.0;
+        for curve in self.panels.iter().flat_map(|panel| &panel.curves) {
+            let known = rows.iter().flatten().any(|entry| entry.label == curve.label);
+            if known || curve.label.is_empty() {
+                continue;
+            }
+            used += entry_width(curve);
+            match rows.last_mut() {
+                Some(row) if used <= WIDTH => row.push(curve),
+                _ => {
+                    rows.push(vec![curve]);
+                    used = entry_width(curve);
+                }
+            }
+        }
+        rows
+    }
+}
+
+fn entry_width(curve: &Curve) -> f64 {
+    SAMPLE + 8.0 + text_width(&curve.label, LABEL_SIZE) + GAP
+}
+
+/// A row of the legend, in the middle of the picture.
+fn draw_legend(pen: &Pen<'_>, y: f64, entries: &[&Curve]) -> Result<(), PlotError> {
+    let width: f64 = entries.iter().map(|curve| entry_width(curve)).sum::<f64>() - GAP;
+    let mut x = 0.5 * (WIDTH - width);
+    for curve in entries {
+        let sample = [[x, y], [x + SAMPLE, y]];
+        Curve { marker: None, ..(*curve).clone() }.draw(pen, &sample)?;
+        Curve { line: None, ..(*curve).clone() }.draw(pen, &[[x + 0.5 * SAMPLE, y]])?;
+        pen.text([x + SAMPLE + 8.0, y], &curve.label, LABEL_SIZE, Anchor::Start)?;
+        x += entry_width(curve);
+    }
+    Ok(())
+}
+
+impl Curve {
+    /// Draws the curve through `points` of the picture.
+    fn draw(&self, pen: &Pen<'_>, points: &[[f64; 2]]) -> Result<(), PlotError> {
+        if let Some(line) = self.line {
+            pen.line(points, line, self.colour)?;
+        }
+        if let Some(marker) = self.marker {
+            points.iter().try_for_each(|&point| pen.marker(point, marker, self.colour))?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chart(scale: Scale, points: &[[f64; 2]]) -> Chart {
+        let curve = |label: &str| Curve {
+            label: label.into(),
+            points: points.to_vec(),
+            line: Some(Line { dash: Dash::Dotted, width: 2.0 }),
+            marker: Some(Marker::Triangle),
+            colour: BLACK,
+        };
+        let panel = |title: &str| Panel { title: title.into(), curves: vec![curve("a < b & c"), curve("")] };
+        Chart {
+            title: "Title".into(),
+            subtitle: "Case".into(),
+            x: Axis { label: "iteration".into(), scale: Scale::Integers },
+            y: Axis { label: "Theta, N²".into(), scale },
+            columns: 2,
+            panels: vec![panel("(a)"), panel("(b)"), panel("(c)")],
+        }
+    }
+
+    #[test]
+    fn texts_are_there_once_and_escaped() {
+        let svg = chart(Scale::Decades, &[[0.0, 1e12], [1.0, 1e-3], [2.0, 0.0]]).to_svg().unwrap();
+        // Every label is on a line of its own.
+        let count = |text: &str| svg.lines().filter(|line| *line == text).count();
+        assert_eq!(["Title", "Case", "(a)", "(b)", "(c)", "a &lt; b &amp; c"].map(count), [1; 6]);
+        assert_eq!((count("Theta, N²"), count("iteration")), (2, 2));
+        assert_eq!(count("10¹⁰"), 3);
+        assert!(svg.starts_with("<svg width=\"960\" height=") && svg.ends_with("</svg>\n"), "{svg}");
+    }
+
+    #[test]
+    fn the_smallest_letter_can_be_read() {
+        let svg = chart(Scale::Linear, &[[0.0, 1.0], [3.0, 2.0]]).to_svg().unwrap();
+        let sizes =
+            svg.split("font-size=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse::<f64>().unwrap());
+        let unit: f64 = svg.split("viewBox=\"0 0 ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        assert!(sizes.clone().count() > 10);
+        assert!(sizes.into_iter().all(|size| size * WIDTH / unit >= 12.0));
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_said() {
+        let error = chart(Scale::Linear, &[[0.0, f64::NAN]]).to_svg().unwrap_err();
+        assert_eq!(error.to_string(), "the plot could not be drawn: a number is not finite");
+        for points in [vec![], vec![[1.0, 5.0]], vec![[1.0, 0.0], [1.0, 0.0]]] {
+            assert!(!chart(Scale::Linear, &points).to_svg().unwrap().contains("NaN"));
+            assert!(!chart(Scale::Decades, &points).to_svg().unwrap().contains("NaN"));
+        }
+    }
+
+    #[test]
+    fn a_long_legend_has_several_rows() {
+        let mut chart = chart(Scale::Linear, &[[0.0, 1.0]]);
+        for k in 0..9 {
+            let curve = Curve { label: format!("a curve with a long name, {k}"), ..chart.panels[0].curves[0].clone() };
+            chart.panels[0].curves.push(curve);
+        }
+        let rows = chart.legend();
+        assert!(rows.len() > 1 && rows.iter().flatten().count() == 10);
+        assert!(rows.iter().all(|row| row.iter().map(|curve| entry_width(curve)).sum::<f64>() <= WIDTH));
+    }
+}
