@@ -3,18 +3,14 @@
 
 mod picture;
 
-use crate::history::{self, HistoryOutcome, HistorySettings, IncrementRecord, Observer, Start, Status, Step};
-use crate::linear::LinearError;
-use crate::model::{Model, ModelError};
+use crate::history::{self, HistoryOutcome, IncrementRecord, Observer, Status, Step};
+use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::report::ContactLine;
-use crate::scene::{Override, Scene, SceneError};
-use crate::tables::PaperMethod;
+use crate::tables::{PaperError, PaperMethod, PaperTable};
 
 /// The friction coefficient of all figures.
 pub const MU: f64 = 0.4;
-/// The limit of iterations of an increment.
-const MAX_ITERATIONS: usize = 300;
 
 /// A figure of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,23 +71,6 @@ pub enum FigureData {
     BlockIterations(Vec<Effort>),
 }
 
-/// Why a figure could not be computed.
-#[derive(Debug, thiserror::Error)]
-pub enum FigureError {
-    /// The scene could not be built.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// The linear algebra failed.
-    #[error(transparent)]
-    Linear(#[from] LinearError),
-}
-
-impl From<SceneError> for FigureError {
-    fn from(error: SceneError) -> Self {
-        FigureError::Model(error.into())
-    }
-}
-
 impl PaperFigure {
     /// All of them, in order.
     pub const ALL: [PaperFigure; 4] =
@@ -121,7 +100,7 @@ impl PaperFigure {
     ///
     /// # Errors
     /// When memory is short; the scenes themselves are sound.
-    pub fn compute(self, progress: &mut dyn FnMut()) -> Result<FigureData, FigureError> {
+    pub fn compute(self, progress: &mut dyn FnMut()) -> Result<FigureData, PaperError> {
         Ok(match self {
             PaperFigure::PunchStresses => FigureData::PunchStresses(punch_stresses(&[1, 5, 20, 100], progress)?),
             PaperFigure::PunchTheta => FigureData::PunchTheta(punch_theta(progress)?),
@@ -135,10 +114,10 @@ impl PaperFigure {
 ///
 /// # Errors
 /// As [`PaperFigure::compute`].
-pub fn punch_stresses(increments: &[usize], progress: &mut dyn FnMut()) -> Result<Vec<Stresses>, FigureError> {
+pub fn punch_stresses(increments: &[usize], progress: &mut dyn FnMut()) -> Result<Vec<Stresses>, PaperError> {
     let mut stresses = Vec::new();
     for &increments in increments {
-        let run = run(&punch(increments)?, PaperMethod::Bn, &[increments], progress)?;
+        let run = run(PaperTable::Punch, 0, increments, PaperMethod::Bn, &[increments], progress)?;
         stresses.extend(run.stresses(increments));
     }
     Ok(stresses)
@@ -148,9 +127,9 @@ pub fn punch_stresses(increments: &[usize], progress: &mut dyn FnMut()) -> Resul
 ///
 /// # Errors
 /// As [`PaperFigure::compute`].
-pub fn punch_theta(progress: &mut dyn FnMut()) -> Result<Vec<Descent>, FigureError> {
+pub fn punch_theta(progress: &mut dyn FnMut()) -> Result<Vec<Descent>, PaperError> {
     let descent = |method| {
-        let Run { outcome, iterations, .. } = run(&punch(1)?, method, &[], progress)?;
+        let Run { outcome, iterations, .. } = run(PaperTable::Punch, 0, 1, method, &[], progress)?;
         Ok(Descent { method, status: outcome.status, iterations })
     };
     [PaperMethod::Bn, PaperMethod::IpSafe, PaperMethod::Ip].into_iter().map(descent).collect()
@@ -161,8 +140,8 @@ pub fn punch_theta(progress: &mut dyn FnMut()) -> Result<Vec<Descent>, FigureErr
 ///
 /// # Errors
 /// As [`PaperFigure::compute`].
-pub fn block_stresses(n: usize, increments: usize, progress: &mut dyn FnMut()) -> Result<Vec<Stresses>, FigureError> {
-    let run = run(&block(n, increments)?, PaperMethod::Bn, &[increments, 2 * increments], progress)?;
+pub fn block_stresses(n: usize, increments: usize, progress: &mut dyn FnMut()) -> Result<Vec<Stresses>, PaperError> {
+    let run = run(PaperTable::Block, n, increments, PaperMethod::Bn, &[increments, 2 * increments], progress)?;
     Ok(run.stresses(increments))
 }
 
@@ -170,38 +149,12 @@ pub fn block_stresses(n: usize, increments: usize, progress: &mut dyn FnMut()) -
 ///
 /// # Errors
 /// As [`PaperFigure::compute`].
-pub fn block_iterations(n: usize, increments: usize, progress: &mut dyn FnMut()) -> Result<Vec<Effort>, FigureError> {
+pub fn block_iterations(n: usize, increments: usize, progress: &mut dyn FnMut()) -> Result<Vec<Effort>, PaperError> {
     let effort = |method| {
-        let outcome = run(&block(n, increments)?, method, &[], progress)?.outcome;
+        let outcome = run(PaperTable::Block, n, increments, method, &[], progress)?.outcome;
         Ok(Effort { method, status: outcome.status, increments: outcome.records })
     };
     [PaperMethod::Bn, PaperMethod::IpSafe, PaperMethod::IpPrev].into_iter().map(effort).collect()
-}
-
-fn punch(increments: usize) -> Result<Scene, SceneError> {
-    let overrides = [Override::value("contact.friction", MU), Override::value("time.increments", increments as i64)];
-    Scene::parse("punch.toml", include_str!("../data/scenes/punch.toml"), &overrides)
-}
-
-fn block(n: usize, increments: usize) -> Result<Scene, SceneError> {
-    let overrides = [
-        Override::value("contact.friction", MU),
-        Override::value("mesh.elements", toml_edit::Array::from_iter([n as i64, n as i64])),
-        Override::value("time.increments", 2 * increments as i64),
-    ];
-    Scene::parse("block.toml", include_str!("../data/scenes/block.toml"), &overrides)
-}
-
-fn settings(method: PaperMethod, model: &Model) -> HistorySettings {
-    let (problem, scaling) = (&model.problem, model.scaling());
-    // The paper's IP ends at an absolute Theta, which leaves errors of 1e-7.
-    let paper_ip = |start| HistorySettings::paper_ip(problem, start, MAX_ITERATIONS, 1e-6);
-    match method {
-        PaperMethod::Bn => HistorySettings::paper_bn(problem, scaling, MAX_ITERATIONS, 1e-10),
-        PaperMethod::IpSafe => paper_ip(Start::Safe),
-        PaperMethod::IpPrev => paper_ip(Start::PREV),
-        PaperMethod::Ip => HistorySettings::ip(problem, scaling, MAX_ITERATIONS, 1e-10),
-    }
 }
 
 /// A history and what was kept of it.
@@ -219,10 +172,18 @@ impl Run {
     }
 }
 
-/// Runs a scene and keeps the contact lines of the increments `wanted`.
-fn run(scene: &Scene, method: PaperMethod, wanted: &[usize], progress: &mut dyn FnMut()) -> Result<Run, FigureError> {
-    let model = Model::new(scene)?;
-    let settings = settings(method, &model);
+/// Runs a problem and keeps the contact lines of the increments `wanted`.
+fn run(
+    table: PaperTable,
+    contact_nodes: usize,
+    increments: usize,
+    method: PaperMethod,
+    wanted: &[usize],
+    progress: &mut dyn FnMut(),
+) -> Result<Run, PaperError> {
+    let scene = table.scene(contact_nodes, MU, increments)?;
+    let model = Model::new(&scene)?;
+    let settings = table.settings(method, &model);
     let mut linear = model.linear(scene.solver.linear);
     let mut keep = Keep { model: &model, wanted, progress, lines: Vec::new(), iterations: Vec::new() };
     let times = scene.time.all();

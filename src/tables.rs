@@ -89,9 +89,9 @@ pub struct Cell {
     pub seconds: f64,
 }
 
-/// Why a cell could not be computed.
+/// Why a cell or a figure could not be computed.
 #[derive(Debug, thiserror::Error)]
-pub enum TableError {
+pub enum PaperError {
     /// The scene could not be built.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -100,9 +100,9 @@ pub enum TableError {
     Linear(#[from] LinearError),
 }
 
-impl From<SceneError> for TableError {
+impl From<SceneError> for PaperError {
     fn from(error: SceneError) -> Self {
-        TableError::Model(error.into())
+        PaperError::Model(error.into())
     }
 }
 
@@ -143,20 +143,21 @@ impl PaperTable {
         .collect()
     }
 
-    /// The scene of a case.
+    /// The scene with so many contact nodes (of the block; the punch has its own), friction
+    /// coefficient and increments (of each path of the block).
     ///
     /// # Errors
-    /// None: the scenes and the cases are sound.
-    pub fn scene(self, case: &Case) -> Result<Scene, SceneError> {
-        let friction = Override::value("contact.friction", case.mu);
-        let increments = case.increments as i64;
+    /// None for the numbers of the paper.
+    pub fn scene(self, contact_nodes: usize, mu: f64, increments: usize) -> Result<Scene, SceneError> {
+        let friction = Override::value("contact.friction", mu);
+        let increments = increments as i64;
         match self {
             PaperTable::Punch => {
                 let text = include_str!("../data/scenes/punch.toml");
                 Scene::parse("punch.toml", text, &[friction, Override::value("time.increments", increments)])
             }
             PaperTable::Block => {
-                let n = case.contact_nodes as i64;
+                let n = contact_nodes as i64;
                 let elements = Override::value("mesh.elements", toml_edit::Array::from_iter([n, n]));
                 let text = include_str!("../data/scenes/block.toml");
                 let increments = Override::value("time.increments", 2 * increments);
@@ -169,9 +170,9 @@ impl PaperTable {
     ///
     /// # Errors
     /// When memory is short; the scenes themselves are sound.
-    pub fn cell(self, case: &Case, method: PaperMethod, linear: LinearBackend) -> Result<Cell, TableError> {
+    pub fn cell(self, case: &Case, method: PaperMethod, linear: LinearBackend) -> Result<Cell, PaperError> {
         let start = Instant::now();
-        let scene = self.scene(case)?;
+        let scene = self.scene(case.contact_nodes, case.mu, case.increments)?;
         let model = Model::new(&scene)?;
         let settings = self.settings(method, &model);
         let mut linear = model.linear(linear);
@@ -197,7 +198,8 @@ impl PaperTable {
         })
     }
 
-    fn settings(self, method: PaperMethod, model: &Model) -> HistorySettings {
+    /// How `method` is run on `model`.
+    pub fn settings(self, method: PaperMethod, model: &Model) -> HistorySettings {
         let (problem, scaling) = (&model.problem, model.scaling());
         // The paper's IP ends at an absolute Theta, which leaves errors of 1e-7.
         let paper_ip = |start| HistorySettings::paper_ip(problem, start, MAX_ITERATIONS, 1e-6);

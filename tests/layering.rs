@@ -39,7 +39,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("model", &["contact", "fem", "linear", "loading", "mesh", "problem", "scene", "sparse", "units"]),
     ("report", &["contact", "formulation", "history", "model", "problem", "scene"]),
     ("tables", &["history", "linear", "model", "scene"]),
-    ("figures", &["history", "linear", "model", "nonlinear", "report", "scene", "tables"]),
+    ("figures", &["history", "model", "nonlinear", "report", "tables"]),
 ];
 
 /// Where the program is, which uses the library as any other crate does.

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use stickslip::figures::{FigureError, PaperFigure};
+use stickslip::figures::PaperFigure;
 use stickslip::linear;
 use stickslip::report::write_file;
+use stickslip::tables::PaperError;
 
 use super::Failure;
 use super::progress::bar;
@@ -35,8 +36,8 @@ pub(super) fn figures(args: &FiguresArgs) -> Result<ExitCode, Failure> {
         let name = format!("figure{}", figure.number());
         bar.set_message(name.clone());
         let data = figure.compute(&mut || bar.inc(1)).map_err(|error| match error {
-            FigureError::Model(error) => Failure::from(error),
-            FigureError::Linear(error) => Failure::linear(&error),
+            PaperError::Model(error) => Failure::from(error),
+            PaperError::Linear(error) => Failure::linear(&error),
         })?;
         let svg = data.chart().to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
         for (file, text) in [(format!("{name}.csv"), data.to_csv()), (format!("{name}.svg"), svg)] {

@@ -11,7 +11,7 @@ use stickslip::history::Status;
 use stickslip::linear;
 use stickslip::report::Table;
 use stickslip::scene::LinearBackend;
-use stickslip::tables::{Agreement, Case, Cell, Counts, PaperMethod, PaperTable, TableError};
+use stickslip::tables::{Agreement, Case, Cell, Counts, PaperError, PaperMethod, PaperTable};
 
 use super::Failure;
 use super::progress::bar;
@@ -157,7 +157,7 @@ fn compute(
     let bar = bar(tasks.len(), "cells");
     let next = AtomicUsize::new(0);
     let done: Mutex<Vec<Option<Cell>>> = Mutex::new(vec![None; tasks.len()]);
-    let failure: Mutex<Option<TableError>> = Mutex::new(None);
+    let failure: Mutex<Option<PaperError>> = Mutex::new(None);
     thread::scope(|scope| {
         for _ in 0..jobs.min(tasks.len()) {
             scope.spawn(|| {
@@ -182,8 +182,8 @@ fn compute(
     bar.finish_and_clear();
     let failure = lock(&failure).take();
     match failure {
-        Some(TableError::Model(error)) => Err(Failure::from(error)),
-        Some(TableError::Linear(error)) => Err(Failure::linear(&error)),
+        Some(PaperError::Model(error)) => Err(Failure::from(error)),
+        Some(PaperError::Linear(error)) => Err(Failure::linear(&error)),
         None => Ok(lock(&done).iter().flatten().copied().collect()),
     }
 }
