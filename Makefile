@@ -19,6 +19,7 @@ test: deps
 bench: deps
 	cargo bench --bench factor
 	cargo bench --bench history
+	cargo bench --bench interior
 
 tables: deps
 	cargo run --release -- tables punch

@@ -22,6 +22,7 @@ use stickslip::scene::{NewtonSystem, Partition};
 use stickslip::sparse::Csc;
 
 const PRODUCTS: [f64; 3] = [1.0, 1e-4, 1e-8];
+const ROUNDS: usize = 3;
 const FORMS: [(NewtonSystem, &str); 2] = [(NewtonSystem::Reduced, "reduced"), (NewtonSystem::Extended, "extended")];
 
 fn main() {
@@ -98,7 +99,7 @@ fn measure(n: usize) -> [Form; 2] {
         (formulation, bare, direct, form, Vec::new(), Vec::new())
     });
     linear::process::keep_freed_memory();
-    for product in PRODUCTS {
+    for product in [PRODUCTS; ROUNDS].concat() {
         let z = point(&systems[0].0, &model, product);
         let mut b = vec![0.0; z.len()];
         systems[0].0.residual(&z, &mut b);

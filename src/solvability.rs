@@ -5,8 +5,10 @@
 //! - (a) `K u = 0` and `C_n u ≤ 0` only for `u = 0`: no rigid motion takes the body away from every
 //!   obstacle;
 //! - (b) the columns of `[C_nᵀ C_tᵀ]` are linearly independent;
-//! - the Jacobian is regular everywhere in the interior, where `p_n > 0` and `w_n < g`. That depends
-//!   on points which only the iteration visits: nobody can check it beforehand.
+//! - the Jacobian of `H_I` (25) is regular everywhere in `Ω₊₊` (28). That depends on points which
+//!   only the iteration visits: nobody can check it beforehand.
+//!
+//! Then Algorithm IP with the partition (F, G) is well defined and drives `H_I` to 0.
 //!
 //! Where (a) fails it depends on the load whether there is a solution: see [`rigid_equilibrium`].
 
