@@ -93,23 +93,85 @@ fn held_by_contact_only() {
     }
 }
 
+/// Splitmix64, in [0, 1).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Gives every element a modulus of its own, over so many decades.
+fn randomise_stiffness(model: &mut Model, decades: f64, random: &mut Random) {
+    let young: Vec<f64> =
+        model.mesh.quads.iter().map(|_| 210e9 * 10_f64.powf(decades * (random.next() - 0.5))).collect();
+    let material = |element| Elasticity::plane_strain(young[element], 0.3);
+    model.problem.stiffness = assemble(&model.mesh, &model.dofs, material).unwrap();
+}
+
 /// Stiffness that jumps by up to eight decades from element to element.
 #[test]
 fn random_stiffness() {
-    // Splitmix64.
-    let mut state = 1_u64;
-    let mut random = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = Random(1);
     for sample in 0..8 {
         let (mut model, times) = block(base(), 12, &[]);
-        let young: Vec<f64> = model.mesh.quads.iter().map(|_| 210e9 * 10_f64.powf(8.0 * (random() - 0.5))).collect();
-        let material = |element| Elasticity::plane_strain(young[element], 0.3);
-        model.problem.stiffness = assemble(&model.mesh, &model.dofs, material).unwrap();
+        randomise_stiffness(&mut model, 8.0, &mut random);
         assert_solved(&format!("sample {sample}"), &ip(&model, &times));
+    }
+}
+
+/// Histories in which everything is random: mesh, shape, loads that turn, gaps (none, small, negative),
+/// friction by node, stiffness in some.
+#[test]
+fn random_histories() {
+    for seed in 0..80_u64 {
+        let mut random = Random(seed * 7919 + 13);
+        let mut r = || random.next();
+        let (nx, ny) = (1 + (r() * 14.0) as usize, 1 + (r() * 10.0) as usize);
+        let roller = r() < 0.3;
+        let mut overrides = vec![
+            format!("mesh.elements=[{nx},{ny}]"),
+            format!("mesh.size=[{},{}]", 10_f64.powf(2.0 * r() - 1.0), 10_f64.powf(2.0 * r() - 1.0)),
+            "time.increments=8".to_string(),
+        ];
+        let mut history = |of: fn(f64) -> f64| {
+            let points = [0.0, 0.5, 1.0, 1.5, 2.0].map(|t| format!("[{t},{}]", if t == 0.0 { 0.0 } else { of(r()) }));
+            format!("[{}]", points.join(","))
+        };
+        overrides.push(format!("load[0].history={}", history(|x| x)));
+        overrides.push(format!("load[1].history={}", history(|x| 2.0 * x - 1.0)));
+        let (down, side) = (10_f64.powf(r()), 10_f64.powf(2.0 * r() - 1.0));
+        overrides.push(format!("load[0].traction=[0,{}]", -down * 1e7));
+        overrides.push(format!("load[1].traction=[{},{}]", side * 1e7, if roller { 0.0 } else { (r() - 0.5) * 1e7 }));
+        if roller {
+            overrides.push("support.fix=[\"x\"]".to_string());
+        }
+        let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
+        let scene = Scene::parse("block.toml", base(), &overrides).unwrap();
+        let mut model = Model::new(&scene).unwrap();
+        let kind = (r() * 4.0) as usize;
+        for i in 0..model.contacts.len() {
+            model.problem.mu[i] = match kind {
+                0 => 0.4,
+                1 => r(),
+                2 => [0.0, r()][usize::from(r() >= 0.5)],
+                _ => 10_f64.powf(-6.0 * r()),
+            };
+            let depth = r() - if roller { 0.3 } else { 0.0 };
+            model.loading.gap[i] = [1e-5, 0.0, 5e-5 * depth][(r() * 3.0) as usize];
+        }
+        if r() < 0.3 {
+            let decades = 6.0 * r();
+            randomise_stiffness(&mut model, decades, &mut random);
+        }
+        let outcome = ip(&model, &scene.time.all());
+        let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
+        assert_eq!(outcome.status, Status::Converged, "seed {seed}: {iterations:?} {:?}", outcome.records.last());
+        assert!(iterations.iter().all(|&count| count <= 60), "seed {seed}: {iterations:?}");
     }
 }
 
