@@ -128,7 +128,8 @@ fn random_stiffness() {
 /// friction by node, stiffness in some.
 #[test]
 fn random_histories() {
-    for seed in 0..80_u64 {
+    // The last four stall, or crawl, from the first start.
+    for seed in (0..60).chain([614, 1088, 1122, 1290_u64]) {
         let mut random = Random(seed * 7919 + 13);
         let mut r = || random.next();
         let (nx, ny) = (1 + (r() * 14.0) as usize, 1 + (r() * 10.0) as usize);
@@ -171,7 +172,7 @@ fn random_histories() {
         let outcome = ip(&model, &scene.time.all());
         let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
         assert_eq!(outcome.status, Status::Converged, "seed {seed}: {iterations:?} {:?}", outcome.records.last());
-        assert!(iterations.iter().all(|&count| count <= 60), "seed {seed}: {iterations:?}");
+        assert!(iterations.iter().all(|&count| count <= 40), "seed {seed}: {iterations:?}");
     }
 }
 

@@ -12,8 +12,8 @@ use crate::scene::{NewtonSystem, Partition};
 use crate::sparse::Csc;
 
 /// How far inside the attempts at an increment start, in terms of the estimate. The first is the
-/// fastest and nearly always enough; on random problems with stiffness over six decades and friction
-/// that differs by node it stalled in one of 1200 increments, and the second did not.
+/// fastest and nearly always enough: of 12000 increments with random loads, gaps, friction and
+/// stiffness it stalled in one and crawled in three; the second got through all.
 const ATTEMPTS: [f64; 3] = [1.0, 10.0, 100.0];
 /// After so many iterations an attempt is given up for the next one: more than any increment of the
 /// tests takes.
