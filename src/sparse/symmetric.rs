@@ -29,6 +29,11 @@ impl Symmetric {
         self.lower.pattern.columns()
     }
 
+    /// The lower triangle, diagonal included: what is stored.
+    pub fn lower(&self) -> &Csc {
+        &self.lower
+    }
+
     /// Adds `value` at `(row, column)` of the lower triangle; an entry of the upper one, which is
     /// stored as its mirror image, is passed over.
     ///
