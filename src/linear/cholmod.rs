@@ -150,8 +150,8 @@ impl Cholmod {
     }
 }
 
-/// An order of low fill with `last` at the end. Nested dissection sees the interior alone: the
-/// border is a separator already, and what it is ordered by makes no difference there.
+/// An order of low fill with `last` at the end. Only the interior is ordered for fill: `last` has an
+/// order already, and the Schur complement is as good as dense in any.
 fn order(session: &mut Session, pattern: &Pattern, last: &[usize]) -> Result<Vec<i64>, LinearError> {
     let n = pattern.columns();
     let mut is_last = vec![false; n];

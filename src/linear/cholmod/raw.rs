@@ -78,12 +78,13 @@ impl Session {
     }
 
     /// A fill-reducing, postordered permutation for a symmetric matrix with this lower triangle:
-    /// nested dissection or minimum degree, whichever fills less; without METIS only the latter.
+    /// minimum degree, and nested dissection, where METIS is there, if the former fills much.
     pub(super) fn order(&mut self, lower: &Pattern) -> Result<Vec<i64>, LinearError> {
         let common = self.common_mut();
-        common.nmethods = 2;
-        common.method[0].ordering = sys::CHOLMOD_METIS as c_int;
-        common.method[1].ordering = sys::CHOLMOD_AMD as c_int;
+        // CHOLMOD's own strategy: these factors are made once, so the time to order counts. On plane
+        // meshes METIS takes five to ten times as long as AMD and all of it half as long again or
+        // twice as long, to save 5 % of the fill; on solid ones the strategy arrives at METIS.
+        common.nmethods = 0;
         common.postorder = TRUE;
         // The supernodes of this block alone would be of no use.
         common.supernodal = sys::CHOLMOD_SIMPLICIAL as c_int;
