@@ -13,9 +13,11 @@ macro_rules! say {
 
 mod check;
 mod figures;
+mod interrupt;
 mod progress;
 mod run;
 mod tables;
+mod verdict;
 
 use std::io::Write;
 use std::path::PathBuf;

@@ -365,7 +365,7 @@ fn cells_of_table_ii() {
     let table = json(&output);
     let columns = table["columns"].as_array().unwrap();
     let names: Vec<_> = columns.iter().map(|column| column["method"].as_str().unwrap()).collect();
-    assert_eq!(names, ["bn", "ip-safe", "ip-prev", "ip"]);
+    assert_eq!(names, ["bn", "ip-safe", "ip-prev", "bn-default", "ip"]);
     for column in columns {
         for (cell, mu) in column["cells"].as_array().unwrap().iter().zip([0.1, 0.4, 0.8]) {
             assert_eq!((count(&cell["contact_nodes"]), count(&cell["increments"]), number(&cell["mu"])), (5, 1, mu));

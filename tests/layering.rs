@@ -20,7 +20,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("contact", &["fem", "mesh", "problem", "scene"]),
     ("formulation", &["contact", "null_space", "problem", "scene", "sparse", "units"]),
     ("linear", &["sparse"]),
-    ("nonlinear", &["formulation", "linear"]),
+    ("nonlinear", &["formulation", "linear", "sparse"]),
     (
         "history",
         &[

@@ -6,9 +6,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
-use stickslip::fem::RigidMotion;
 use stickslip::formulation::Layout;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Observer, Start, Status, Step};
+use stickslip::history::{self, HistorySettings, Method, Observer, Start, Status, Step};
 use stickslip::linear;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IpSettings, IterationRecord, PredictorCorrectorSettings};
@@ -18,7 +17,7 @@ use stickslip::report::{
 use stickslip::scene::{self, NewtonSystem, Scene, Solver};
 
 use super::progress::Progress;
-use super::{Failure, SceneArgs, discretise};
+use super::{Failure, SceneArgs, discretise, interrupt, verdict};
 
 #[derive(Args)]
 pub(super) struct RunArgs {
@@ -34,6 +33,7 @@ pub(super) struct RunArgs {
 
 pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
+    interrupt::listen();
     let scene = args.scene.read()?;
     let model = discretise(&scene)?;
     let model_seconds = start.elapsed().as_secs_f64();
@@ -63,15 +63,9 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         model_seconds,
         peak_rss_bytes: peak_rss_bytes(),
     };
-    let reason = reason(&scene, &model, &outcome);
-    let report = RunReport::new(
-        &args.scene.scene.display().to_string(),
-        &scene,
-        &model.contact_boundaries,
-        &outcome,
-        reason,
-        measured,
-    );
+    let explanation = verdict::explain(&scene, &model, &outcome);
+    let name = args.scene.scene.display().to_string();
+    let report = RunReport::new(&name, &scene, &model.contact_boundaries, &outcome, explanation, measured);
     let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     if let Some(folder) = &folder
         && let Err(error) = failed_write.map_or_else(|| folder.write("run.json", &json), Err)
@@ -86,7 +80,11 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
             say!("results      {}", folder.path().display());
         }
     }
-    Ok(if outcome.status == Status::Converged { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(match outcome.status {
+        Status::Converged => ExitCode::SUCCESS,
+        Status::OutOfMemory => ExitCode::from(3),
+        _ => ExitCode::from(1),
+    })
 }
 
 /// Feeds the display and the folder of results.
@@ -108,7 +106,7 @@ impl Observer for Watcher<'_> {
 
     fn iteration(&mut self, _index: usize, record: &IterationRecord) -> Flow {
         self.progress.iteration(record.iteration, record.theta);
-        Flow::Continue
+        if interrupt::requested() { Flow::Stop } else { Flow::Continue }
     }
 
     fn increment(&mut self, step: &Step<'_>) -> Flow {
@@ -135,6 +133,11 @@ fn settings(scene: &Scene, model: &Model) -> HistorySettings {
     let Solver { method, max_iterations, tolerance, .. } = scene.solver;
     let problem = &model.problem;
     match method {
+        scene::Method::Bn { r_factor } => {
+            let mut settings = HistorySettings::bn(problem, model.scaling(), max_iterations, tolerance);
+            settings.conventions.r.iter_mut().for_each(|r| *r *= r_factor);
+            settings
+        }
         scene::Method::PaperBn => HistorySettings::paper_bn(problem, model.scaling(), max_iterations, tolerance),
         scene::Method::PaperIp { start, partition, newton } => {
             let start = match start {
@@ -181,69 +184,6 @@ fn disk_failure(path: &Path, error: &io::Error) -> Failure {
     Failure::Machine(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
 }
 
-/// Why the run did not converge, in words; empty if it did.
-fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
-    let Some(record) = outcome.records.iter().find(|record| record.status != Status::Converged) else {
-        return match outcome.status {
-            Status::Singular => unheld(model, outcome),
-            Status::Interrupted => "stopped on request".to_string(),
-            _ => String::new(),
-        };
-    };
-    let (law, error) = record.kkt.worst();
-    let violated = format!("{law} is violated by {error:.1e} (tolerance {:.0e})", scene.solver.tolerance);
-    let tried = scene.solver.max_iterations;
-    let why = match outcome.status {
-        Status::Singular => unheld(model, outcome),
-        Status::NoEquilibrium => no_equilibrium(model, outcome),
-        Status::MaxIterations => {
-            format!("no convergence within max_iterations = {tried}: {violated}; {}", advice(scene))
-        }
-        Status::Inaccurate if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
-            "{violated}, which is what rounding the displacements of so slender a body makes; \
-             if that is enough, set solver.tolerance above it"
-        ),
-        Status::Inaccurate => {
-            format!("the method stopped with Theta = {:.1e}, but {violated}; {}", record.theta, advice(scene))
-        }
-        _ => violated,
-    };
-    format!("increment {} (t = {} s): {why}", record.index, record.time)
-}
-
-/// What to try when the iteration stops too late or too early.
-fn advice(scene: &Scene) -> &'static str {
-    if let scene::Method::Ip { .. } = scene.solver.method {
-        return "try more increments (time.increments); `stickslip check` tells what holds the body";
-    }
-    // The setting's r is ten times the modulus of steel; the window that works is two decades wide.
-    if (1e10..1e13).contains(&scene.material.young) {
-        "the setting paper stops at an absolute Theta, made for loads of MN; \
-         try --method ip, loads of that size or more increments (time.increments)"
-    } else {
-        "the setting paper has constants made for moduli near 2e11 Pa: \
-         try --method ip, or scale modulus and loads alike"
-    }
-}
-
-fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
-    match motion(model, outcome) {
-        Some(motion) => format!("nothing holds the body against {motion}; add a support"),
-        None => "the linearised problem is singular".to_string(),
-    }
-}
-
-fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
-    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.to_string());
-    format!(
-        "no equilibrium exists: the loads drive {motion}, and no contact force within its friction resists; change the loads or add a support"
-    )
-}
-
-fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
-    RigidMotion::combination(&model.rigid_motions, outcome.free_motion.as_ref()?)
-}
-
 fn print_head(scene: &Scene, model: &Model) {
     let method = scene.solver.method;
     let Unknowns { u, p_t, p_n, v_n, s, lambda } = Unknowns::new(&Layout::new(&model.problem), method.name());
@@ -270,8 +210,8 @@ fn print_verdict(report: &RunReport, increments: usize) {
         .map(|record| record.kkt.worst())
         .fold(("none", 0.0), |a, b| if b.1.is_nan() || b.1 > a.1 { b } else { a });
     say!("\nverdict      {}, {done} of {increments} increments", report.status);
-    if !report.reason.is_empty() {
-        say!("             {}", report.reason);
+    if !report.explanation.reason.is_empty() {
+        say!("             {}", report.explanation.reason);
     }
     if report.increments.is_empty() {
         return;

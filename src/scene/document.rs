@@ -142,6 +142,7 @@ pub(super) struct Solver {
     pub start: Option<Spanned<Start>>,
     pub partition: Option<Spanned<Partition>>,
     pub newton: Option<Spanned<NewtonSystem>>,
+    pub r_factor: Option<Spanned<f64>>,
     pub max_iterations: Option<Spanned<i64>>,
     pub tolerance: Option<Spanned<f64>>,
 }
