@@ -16,6 +16,7 @@ mod figures;
 mod progress;
 mod run;
 mod tables;
+mod uniqueness;
 
 use std::io::Write;
 use std::path::PathBuf;
