@@ -17,6 +17,7 @@ mod interrupt;
 mod progress;
 mod run;
 mod tables;
+mod uniqueness;
 mod verdict;
 
 use std::io::Write;

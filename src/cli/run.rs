@@ -17,7 +17,8 @@ use stickslip::report::{
 use stickslip::scene::{self, NewtonSystem, Scene, Solver};
 
 use super::progress::Progress;
-use super::{Failure, SceneArgs, discretise, interrupt, verdict};
+use super::uniqueness::LastIncrement;
+use super::{Failure, SceneArgs, discretise, interrupt, uniqueness, verdict};
 
 #[derive(Args)]
 pub(super) struct RunArgs {
@@ -29,6 +30,9 @@ pub(super) struct RunArgs {
     /// Print the report as one JSON object and nothing else
     #[arg(long)]
     json: bool,
+    /// Tell up to how much friction the rates at the end are unique along the statuses there
+    #[arg(long)]
+    uniqueness: bool,
 }
 
 pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
@@ -50,13 +54,18 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         folder,
         progress: Progress::new(times.len(), !args.json),
         failed_write: None,
+        last: args.uniqueness.then(LastIncrement::default),
     };
     let settings = settings(&scene, &model);
     let mut linear = model.linear(scene.solver.linear);
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut watcher);
     watcher.progress.finish();
-    let Watcher { folder, failed_write, .. } = watcher;
+    let Watcher { folder, failed_write, last, .. } = watcher;
     let outcome = outcome.map_err(|error| Failure::linear(&error))?;
+    let critical_friction = match last {
+        Some(last) => last.critical_friction(&model, &outcome, &mut linear).map_err(|error| Failure::linear(&error))?,
+        None => None,
+    };
     let measured = Measured {
         cpu_seconds: cpu_seconds(),
         wall_seconds: start.elapsed().as_secs_f64(),
@@ -65,7 +74,8 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     };
     let explanation = verdict::explain(&scene, &model, &outcome);
     let name = args.scene.scene.display().to_string();
-    let report = RunReport::new(&name, &scene, &model.contact_boundaries, &outcome, explanation, measured);
+    let mut report = RunReport::new(&name, &scene, &model.contact_boundaries, &outcome, explanation, measured);
+    report.critical_friction = critical_friction;
     let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     if let Some(folder) = &folder
         && let Err(error) = failed_write.map_or_else(|| folder.write("run.json", &json), Err)
@@ -76,6 +86,9 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         say!("{json}");
     } else {
         print_verdict(&report, times.len());
+        if let Some(critical) = &report.critical_friction {
+            say!("uniqueness   {}", uniqueness::explain(critical, &model.problem.mu));
+        }
         if let Some(folder) = &folder {
             say!("results      {}", folder.path().display());
         }
@@ -96,6 +109,8 @@ struct Watcher<'a> {
     folder: Option<ResultFolder>,
     progress: Progress,
     failed_write: Option<io::Error>,
+    /// Kept where the uniqueness is asked for.
+    last: Option<LastIncrement>,
 }
 
 impl Observer for Watcher<'_> {
@@ -111,6 +126,9 @@ impl Observer for Watcher<'_> {
 
     fn increment(&mut self, step: &Step<'_>) -> Flow {
         self.progress.increment(step.record);
+        if let Some(last) = &mut self.last {
+            last.keep(step);
+        }
         let Some(folder) = &mut self.folder else { return Flow::Continue };
         let mut written = folder.add_increment(step.record);
         // What a failed increment reached is worth a look, too.

@@ -86,6 +86,14 @@ impl Bdiff {
         }
     }
 
+    /// Linearises for given cases of (21), one for each contact node, instead of those of a `z`. The
+    /// tangential case counts where there is a `p_t`.
+    pub fn set_cases(&mut self, cases: impl IntoIterator<Item = (NormalCase, TangentialCase)>) {
+        for (i, (normal, tangential)) in (0..self.layout().contacts()).zip(cases) {
+            self.write_rows(i, (normal, self.layout().p_t(i).map(|_| tangential)));
+        }
+    }
+
     /// Writes the rows of node `i` for its cases in (21); tells whether they changed.
     fn write_rows(&mut self, i: usize, (normal, tangential): Case) -> bool {
         if self.cases[i] == Some((normal, tangential)) {
@@ -194,9 +202,7 @@ impl Formulation for Bdiff {
     }
 
     fn hold_contacts(&mut self) {
-        for i in 0..self.layout().contacts() {
-            self.write_rows(i, (NormalCase::Closed, self.layout().p_t(i).map(|_| TangentialCase::Stick)));
-        }
+        self.set_cases(vec![(NormalCase::Closed, TangentialCase::Stick); self.layout().contacts()]);
     }
 
     fn jacobian(&self) -> &Csc {

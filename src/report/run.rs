@@ -9,6 +9,7 @@ use crate::formulation::Layout;
 use crate::history::{HistoryOutcome, IncrementRecord, Status};
 use crate::problem::State;
 use crate::scene::{LinearBackend, MethodName, Scene, Setting};
+use crate::uniqueness::CriticalFriction;
 
 /// Everything about a run but the fields; SI units throughout.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -39,6 +40,9 @@ pub struct RunReport {
     pub end: Final,
     /// The same for each boundary with contact.
     pub boundaries: Vec<Resultant>,
+    /// The critical friction at the end of the last converged increment, where it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub critical_friction: Option<CriticalFriction>,
 }
 
 /// Why a run ended early.
@@ -185,6 +189,7 @@ impl RunReport {
                     sums: Final::of(&outcome.state, boundary.nodes.clone()),
                 })
                 .collect(),
+            critical_friction: None,
         }
     }
 
