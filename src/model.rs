@@ -1,7 +1,7 @@
 //! From a scene to the discrete problem: mesh, `K`, contact maps, loads.
 
 use crate::contact::{ContactBoundary, ContactNode, Obstacle, contact_nodes, unreachable};
-use crate::fem::{Dofs, Elasticity, InvertedElement, RigidMotion, assemble, edge_load, rigid_motions};
+use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, edge_load, rigid_motions};
 use crate::linear::{Condensed, Direct, Umfpack};
 use crate::loading::{Approach, LoadCase, Loading};
 use crate::mesh::{self, Boundary, Mesh};
@@ -74,7 +74,11 @@ impl Model {
             scene::Plane::Strain => Elasticity::plane_strain(scene.material.young, scene.material.poisson),
             scene::Plane::Stress => Elasticity::plane_stress(scene.material.young, scene.material.poisson),
         };
-        let stiffness = assemble(&mesh, &dofs, |_| material)?;
+        let element = match scene.element {
+            scene::Element::Bilinear => Element::Bilinear,
+            scene::Element::BBar => Element::BBar,
+        };
+        let stiffness = assemble(&mesh, &dofs, element, |_| material)?;
 
         let (mut contacts, mut mu) = (Vec::<ContactNode>::new(), Vec::new());
         let (mut contact_boundaries, mut approaches) = (Vec::new(), Vec::new());

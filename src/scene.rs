@@ -48,6 +48,8 @@ pub struct Scene {
     pub title: String,
     /// The body's mesh.
     pub mesh: Mesh,
+    /// The elements of the mesh.
+    pub element: Element,
     /// The body's material.
     pub material: Material,
     /// Where the body is held.
@@ -77,6 +79,19 @@ pub enum Mesh {
     },
     /// A rectangle that stands for a half-plane pressed at the left end of its top.
     HalfPlane(HalfPlane),
+}
+
+/// How the strain of an element follows from its corner displacements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Element {
+    /// As that of bilinear displacements; too stiff (it locks) when Poisson's ratio is close to 0.5 in
+    /// plane strain.
+    #[default]
+    Bilinear,
+    /// With the mean dilatation of the element in place of the local one: does not lock. Plane
+    /// strain only.
+    BBar,
 }
 
 /// A rectangle, fine under a contact zone at the left end of its top and coarser away from it:

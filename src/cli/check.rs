@@ -6,7 +6,7 @@ use clap::Args;
 use stickslip::fem::RigidMotion;
 use stickslip::formulation::Layout;
 use stickslip::model::Model;
-use stickslip::scene::{HalfPlane, Material, Mesh, Plane, Scene, Shape};
+use stickslip::scene::{Element, HalfPlane, Material, Mesh, Plane, Scene, Shape};
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 
 use super::{Failure, SceneArgs, discretise};
@@ -56,8 +56,12 @@ fn body(scene: &Scene, model: &Model) {
             format!("half-plane {width} m x {height} m, ({contact_elements} + {outer_elements}) x {layers}")
         }
     };
+    let element = match scene.element {
+        Element::Bilinear => "bilinear",
+        Element::BBar => "B-bar",
+    };
     say!(
-        "mesh         {kind} bilinear quadrilaterals, {} nodes, boundaries {}",
+        "mesh         {kind} {element} quadrilaterals, {} nodes, boundaries {}",
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
     );

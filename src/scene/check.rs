@@ -19,6 +19,7 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     let time = check.time(&document.time)?;
     let mesh = check.mesh(&document.mesh)?;
     let material = check.material(&document.material)?;
+    let element = check.element(&document.mesh, &material)?;
     let supports = document.support.into_iter().map(|support| check.support(support)).collect::<Result<_, _>>()?;
     let contacts = check.contacts(document.contact)?;
     let loads = document.load.into_iter().map(|load| check.load(load, &time)).collect::<Result<_, _>>()?;
@@ -26,7 +27,7 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     let output = check.output(document.output, &time)?;
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let title = document.title.unwrap_or_else(stem);
-    Ok(Scene { title, mesh, material, supports, contacts, loads, time, solver, output, source })
+    Ok(Scene { title, mesh, element, material, supports, contacts, loads, time, solver, output, source })
 }
 
 struct Check<'a> {
@@ -101,7 +102,8 @@ impl Check<'_> {
         let young = self.finite("material.young", &material.young)?;
         self.demand(young > 0.0, "material.young", &material.young, "positive", "give Young's modulus in Pa")?;
         let poisson = self.finite("material.poisson", &material.poisson)?;
-        let help = "thermodynamics sets the lower limit; an incompressible material is beyond displacements alone, use e.g. 0.49";
+        let help = "thermodynamics sets the lower limit; an incompressible material is beyond displacements alone, \
+                    use e.g. 0.49, or 0.4999 with mesh.element = \"b-bar\"";
         let sound = poisson > -1.0 && poisson < 0.5;
         self.demand(sound, "material.poisson", &material.poisson, "above -1 and below 0.5", help)?;
         Ok(Material { young, poisson, plane: material.plane })

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::Source;
-use super::{LinearBackend, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start};
+use super::{Element, LinearBackend, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start};
 
 /// Two values. An array type would do but for that the TOML reader passes over what is too many.
 #[derive(Clone, Copy, Deserialize)]
@@ -59,6 +59,7 @@ pub(super) enum MeshKind {
 pub(super) struct Mesh {
     pub kind: Spanned<MeshKind>,
     pub size: Spanned<Pair<f64>>,
+    pub element: Option<Spanned<Element>>,
     pub elements: Option<Spanned<Pair<i64>>>,
     pub contact_width: Option<Spanned<f64>>,
     pub contact_elements: Option<Spanned<i64>>,
@@ -153,7 +154,8 @@ pub(super) struct Output {
 }
 
 /// What the TOML reader calls its types, and what the author of a scene does.
-const JARGON: [(&str, &str); 6] = [
+const JARGON: [(&str, &str); 7] = [
+    ("wanted string or table", "invalid type: expected a word in quotes"),
     ("type: map", "type: table"),
     ("type: sequence", "type: list"),
     ("expected a sequence", "expected a list"),

@@ -4,7 +4,7 @@ use toml::Spanned;
 
 use super::Check;
 use crate::scene::document::{self, MeshKind, Pair};
-use crate::scene::{HalfPlane, Mesh, SceneError};
+use crate::scene::{Element, HalfPlane, Material, Mesh, Plane, SceneError};
 
 /// Beyond this a mesh is a slip of the pen, not a model: no matrix of it would fit into memory.
 const MOST_ELEMENTS: i64 = 50_000_000;
@@ -35,6 +35,18 @@ impl Check<'_> {
             }
             MeshKind::HalfPlane => self.half_plane(mesh, size),
         }
+    }
+
+    /// The elements of the mesh, for a body of `material`.
+    pub(super) fn element(&self, mesh: &document::Mesh, material: &Material) -> Result<Element, SceneError> {
+        let Some(given) = &mesh.element else { return Ok(Element::default()) };
+        let element = *given.get_ref();
+        if element == Element::BBar && material.plane == Plane::Stress {
+            let message = "mesh.element is \"b-bar\", but material.plane is \"stress\"";
+            let help = "plane stress does not constrain the volume, so nothing locks: use \"bilinear\"";
+            return self.fail(given.span(), message, help);
+        }
+        Ok(element)
     }
 
     fn half_plane(&self, mesh: &document::Mesh, size: [f64; 2]) -> Result<Mesh, SceneError> {
