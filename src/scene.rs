@@ -76,6 +76,8 @@ pub enum Mesh {
         size: [f64; 2],
         /// Elements along x and y.
         elements: [usize; 2],
+        /// Size of the last element over that of the first along x and y, in geometric progression.
+        grading: [f64; 2],
     },
     /// A rectangle that stands for a half-plane pressed at the left end of its top.
     HalfPlane(HalfPlane),
@@ -112,7 +114,7 @@ pub struct HalfPlane {
 }
 
 /// An isotropic linear elastic material in the plane, of unit thickness.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Young's modulus, Pa.
     pub young: f64,
@@ -120,6 +122,22 @@ pub struct Material {
     pub poisson: f64,
     /// Plane strain or plane stress.
     pub plane: Plane,
+    /// Horizontal layers of other materials, from the bottom of the body up; above the last, the
+    /// material itself.
+    pub layers: Vec<Layer>,
+}
+
+/// A horizontal layer of the body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layer {
+    /// Height of its upper side over the bottom of the body, m.
+    pub top: f64,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio, in (-1, 0.5).
+    pub poisson: f64,
+    /// Where the scene says it.
+    pub span: Range<usize>,
 }
 
 /// The plane state of the body.
@@ -260,6 +278,13 @@ impl Mesh {
             Mesh::Block { elements: [nx, ny], .. } => (nx + 1) * (ny + 1),
             Mesh::HalfPlane(m) => (m.contact_elements + m.outer_elements + 1) * (m.layers + 1),
         }
+    }
+}
+
+impl Material {
+    /// The number of the layer at `height` (m) over the bottom; `None` in the base material.
+    pub fn layer(&self, height: f64) -> Option<usize> {
+        self.layers.iter().position(|layer| height < layer.top)
     }
 }
 

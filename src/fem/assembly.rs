@@ -40,10 +40,8 @@ pub fn assemble(
     });
     for (e, quad) in mesh.quads.iter().enumerate() {
         let corners = mesh.corners(e);
-        let stiffness = element_stiffness(&corners, element, &material(e)).ok_or_else(|| InvertedElement {
-            element: e,
-            centre: [0, 1].map(|c| corners.iter().map(|x| x[c]).sum::<f64>() / 4.0),
-        })?;
+        let stiffness = element_stiffness(&corners, element, &material(e))
+            .ok_or_else(|| InvertedElement { element: e, centre: mesh.centre(e) })?;
         let dofs = dofs.element(quad);
         for (i, row) in dofs.iter().enumerate() {
             for (j, column) in dofs.iter().enumerate() {
