@@ -6,7 +6,7 @@ mod half_plane;
 pub use block::{block, graded_block};
 pub use half_plane::half_plane;
 
-/// A two-dimensional mesh of bilinear quadrilaterals.
+/// A two-dimensional mesh of four-node quadrilaterals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     /// Node coordinates, m.
