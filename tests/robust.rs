@@ -4,7 +4,7 @@
 
 mod common;
 
-use stickslip::fem::{Elasticity, RigidMotion, assemble};
+use stickslip::fem::{Elasticity, Element, RigidMotion, assemble};
 use stickslip::formulation::{Layout, SlackLayout};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
 use stickslip::linear::{Direct, Umfpack};
@@ -129,7 +129,7 @@ fn randomise_stiffness(model: &mut Model, decades: f64, random: &mut Random) {
     let young: Vec<f64> =
         model.mesh.quads.iter().map(|_| 210e9 * 10_f64.powf(decades * (random.next() - 0.5))).collect();
     let material = |element| Elasticity::plane_strain(young[element], 0.3);
-    model.problem.stiffness = assemble(&model.mesh, &model.dofs, material).unwrap();
+    model.problem.stiffness = assemble(&model.mesh, &model.dofs, Element::Bilinear, material).unwrap();
 }
 
 /// Stiffness that jumps by up to eight decades from element to element.
