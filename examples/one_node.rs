@@ -7,11 +7,9 @@
 
 #![allow(clippy::print_stdout)]
 
-use stickslip::formulation::Conventions;
-use stickslip::history::{self, HistorySettings, Method};
+use stickslip::history::{self, HistorySettings};
 use stickslip::linear::{Direct, Umfpack};
 use stickslip::loading::{LoadCase, Loading};
-use stickslip::nonlinear::BnSettings;
 use stickslip::problem::ContactProblem;
 use stickslip::sparse::{Csr, Symmetric};
 use stickslip::units::Scaling;
@@ -29,13 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let load = LoadCase { force: vec![1.0, 1.0], history: vec![[0.0, 0.0], [1.0, 1.0]] };
     let loading = Loading { cases: vec![load], gap: vec![0.0], ..Loading::default() };
 
-    // This problem is far from the paper's scale, so r and the units of Theta are chosen to fit it.
-    let settings = HistorySettings {
-        method: Method::Bn { settings: BnSettings { epsilon: 1e-24, ..BnSettings::paper(50) }, start_pressure: 0.0 },
-        conventions: Conventions { r: vec![1.0], row_unit: vec![1.0] },
-        scaling: Scaling::SI,
-        tolerance: 1e-12,
-    };
+    let settings = HistorySettings::bn(&problem, Scaling::SI, 50, 1e-12);
     let mut linear = Direct::new(Box::new(Umfpack::default()));
     let outcome = history::run(&problem, &loading, &[1.0], &settings, &mut linear, &mut ())?;
     println!(

@@ -13,9 +13,12 @@ macro_rules! say {
 
 mod check;
 mod figures;
+mod interrupt;
 mod progress;
 mod run;
 mod tables;
+mod uniqueness;
+mod verdict;
 
 use std::io::Write;
 use std::path::PathBuf;

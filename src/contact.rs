@@ -7,5 +7,5 @@ mod kkt;
 mod obstacle;
 
 pub use kinematics::{ContactBoundary, ContactNode, contact_nodes, unreachable};
-pub use kkt::{ContactStatus, KktErrors, KktScales, rounding_level, statuses};
+pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, rounding_level, statuses};
 pub use obstacle::Obstacle;

@@ -10,7 +10,7 @@ mod scaled;
 pub use bdiff::Bdiff;
 pub use constrained::{Constrained, Face, Pair, SlackLayout};
 pub use layout::Layout;
-pub use natural::Conventions;
+pub use natural::{Conventions, Pressure};
 
 use crate::problem::Increment;
 use crate::sparse::Csc;
@@ -26,6 +26,9 @@ pub trait Formulation {
     /// `h = H(z)`.
     fn residual(&self, z: &[f64], h: &mut [f64]);
 
+    /// `h = H(z + rest)`, the linear rows in twice the working precision; `rest` is below the rounding of `z`.
+    fn residual_beyond(&self, z: &[f64], rest: &[f64], h: &mut [f64]);
+
     /// The merit `Theta` of a residual.
     fn merit(&self, h: &[f64]) -> f64;
 
@@ -35,6 +38,18 @@ pub trait Formulation {
     /// Linearises at `z`: rewrites the values of [`Formulation::jacobian`] that depend on it, and
     /// tells whether any of them changed.
     fn linearize(&mut self, z: &[f64]) -> bool;
+
+    /// Linearises at `z` as seen from `z + t dz`, `t → 0+`: where several cases meet in `z`, each node
+    /// takes the one that `dz` leads into. A `dz` that solves with it and is met by it again, unchanged,
+    /// is the direction of the B-derivative itself (20). Tells whether any case changed.
+    fn linearize_towards(&mut self, z: &[f64], dz: &[f64]) -> bool;
+
+    /// Turns a residual into the right-hand side of the last linearisation's matrix, whose rows are
+    /// those of the derivative up to row operations.
+    fn right_hand_side(&self, h: &mut [f64]);
+
+    /// The case of every contact node in the last linearisation, to be compared with others.
+    fn cases(&self) -> Vec<u8>;
 
     /// Linearises as if every contact node were held where it is: closed, and sticking where there
     /// is friction. With that matrix the other displacements follow a change of the load alone.

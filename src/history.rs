@@ -5,6 +5,7 @@ mod held;
 mod ip;
 mod method;
 mod observer;
+mod path;
 mod predictor_corrector;
 mod record;
 mod settings;
@@ -13,17 +14,16 @@ use std::time::Instant;
 
 pub use observer::{Observer, Step};
 pub use record::{ContactCounts, IncrementRecord, Seconds, Status};
-pub use settings::{HistorySettings, Method, Start};
+pub use settings::{FirstGuess, HistorySettings, Method, Start};
 
-use crate::contact::{KktErrors, KktScales, rounding_level, statuses};
+use crate::contact::{KktScales, Violation, rounding_level, statuses};
 use crate::formulation::Layout;
 use crate::linear::{Direct, LinearError, Statistics};
 use crate::loading::Loading;
-use crate::nonlinear::{Flow, Outcome, Stop};
-use crate::problem::{ContactProblem, Increment, State};
-use crate::solvability::rigid_equilibrium;
+use crate::nonlinear::{Flow, Stop};
+use crate::problem::{ContactProblem, State};
 use held::HeldBody;
-use method::Task;
+use path::{Path, Walked};
 
 /// The result of a history.
 #[derive(Debug, Clone)]
@@ -34,9 +34,13 @@ pub struct HistoryOutcome {
     pub records: Vec<IncrementRecord>,
     /// The state at the end of the last converged increment.
     pub state: State,
+    /// How far the history got, s: within the increment that failed, if that was halved.
+    pub reached: f64,
     /// The scales of the error measure, from all converged increments.
     pub scales: KktScales,
-    /// The equilibrium error that rounding alone makes in the last increment.
+    /// Where the increment that failed violates the law most.
+    pub violation: Option<Violation>,
+    /// The equilibrium error that rounding alone makes in the increment that failed.
     pub rounding: f64,
     /// If a rigid motion is to blame, one that nothing stops or that the loads drive against all
     /// contact forces: the weights of the problem's `free_motions` in it.
@@ -53,7 +57,7 @@ pub struct HistoryOutcome {
 /// does not converge.
 ///
 /// # Errors
-/// When the linear algebra cannot go on, as for want of memory.
+/// When the linear algebra cannot go on. If memory runs out in an increment, that is its verdict.
 ///
 /// # Panics
 /// If the arrays of `problem`, `loading` and `settings` do not have the lengths they say.
@@ -72,14 +76,16 @@ pub fn run(
         status: Status::Converged,
         records: Vec::with_capacity(times.len()),
         state: State::zero(problem),
+        reached: 0.0,
         scales: KktScales::default(),
+        violation: None,
         rounding: 0.0,
         free_motion: None,
         layout: Layout::new(problem),
         linear: *linear.statistics(),
         setup_seconds: 0.0,
     };
-    let mut held = match HeldBody::new(method.as_mut(), problem, loading, &settings.scaling, linear)? {
+    let held = match HeldBody::new(method.as_mut(), problem, loading, &settings.scaling, linear)? {
         Ok(held) => held,
         Err(free_motion) => {
             return Ok(HistoryOutcome { status: Status::Singular, free_motion, ..outcome });
@@ -87,29 +93,22 @@ pub fn run(
     };
     outcome.setup_seconds = start.elapsed().as_secs_f64();
     observer.ready();
-
-    let mut force = vec![0.0; problem.displacements()];
-    let mut gap = vec![0.0; problem.contacts()];
+    let mut path = Path::new(problem, loading, settings, method, held);
 
     for (k, &time) in times.iter().enumerate() {
+        let index = k + 1;
         let start = Instant::now();
         let before = *linear.statistics();
-        loading.force(time, &mut force);
-        loading.gap_at(time, &mut gap);
-        let w_t_last = problem.c_t.mul(&outcome.state.u);
-        let increment = Increment { force: &force, gap: &gap, w_t_last: &w_t_last };
-        let response = held.advance(loading, time);
-        let index = k + 1;
-        let task = Task { first: k == 0, increment: &increment, response: &response, scales: &outcome.scales };
-        let solved = match rigid_equilibrium(problem, &force) {
-            Ok(()) => method.solve(&task, linear, &mut |record| observer.iteration(index, record))?,
-            Err(motion) => Outcome { stop: Stop::NoEquilibrium(motion), ..Outcome::new(f64::NAN) },
+        let increment = match path.increment(time, linear, &mut |record| observer.iteration(index, record)) {
+            Ok(increment) => increment,
+            Err(LinearError::OutOfMemory { .. }) => {
+                outcome.status = Status::OutOfMemory;
+                break;
+            }
+            Err(error) => return Err(error),
         };
-
-        let state = method.state();
-        let scales = KktScales::after(&outcome.scales, &increment, &state);
-        let kkt = KktErrors::measure(problem, &increment, &state, &scales);
-        let statuses = statuses(problem, &increment, &state, &scales);
+        let Walked { solved, attempt, kkt, status, parts } = increment;
+        let statuses = statuses(problem, &path.data(), &attempt.state, &attempt.scales);
         let after = *linear.statistics();
         let mut seconds = Seconds {
             assembly: solved.assembly_seconds,
@@ -118,53 +117,41 @@ pub fn run(
             rest: 0.0,
         };
         seconds.rest = start.elapsed().as_secs_f64() - seconds.assembly - seconds.factorization - seconds.solve;
-        let status = verdict(&solved, &kkt, settings.tolerance);
-        let Outcome { stop, iterations, backtracks, theta, backward_error, .. } = solved;
         let record = IncrementRecord {
             index,
             time,
             status,
-            iterations,
-            backtracks,
-            theta,
+            parts,
+            rescued: solved.rescued,
+            iterations: solved.iterations,
+            backtracks: solved.backtracks,
+            theta: solved.theta,
             kkt,
-            backward_error,
+            backward_error: solved.backward_error,
             contact: ContactCounts::of(&statuses),
             seconds,
         };
+        let data = path.data();
         let flow =
-            observer.increment(&Step { record: &record, increment: &increment, state: &state, statuses: &statuses });
+            observer.increment(&Step { record: &record, increment: &data, state: &attempt.state, statuses: &statuses });
         outcome.records.push(record);
         outcome.linear = after;
         outcome.status = status;
+        outcome.reached = path.reached.unwrap_or(0.0);
         if status != Status::Converged {
-            outcome.rounding = rounding_level(problem, &state, &scales);
-            if let Stop::Unheld(motion) | Stop::NoEquilibrium(motion) = stop {
+            outcome.rounding = rounding_level(problem, &attempt.state, &attempt.scales);
+            outcome.violation = Some(Violation::worst(problem, &data, &attempt.state, &attempt.scales));
+            if let Stop::Unheld(motion) | Stop::NoEquilibrium(motion) = solved.stop {
                 outcome.free_motion = Some(motion);
             }
             break;
         }
-        outcome.state = state;
-        outcome.scales = scales;
+        outcome.state = attempt.state;
+        outcome.scales = attempt.scales;
         if flow == Flow::Stop && index < times.len() {
             outcome.status = Status::Interrupted;
             break;
         }
     }
     Ok(outcome)
-}
-
-/// Converged is what the error measure says, whatever the solver thinks; how the solver ended only
-/// tells why it did not. An increment that was interrupted is not judged.
-fn verdict(solved: &Outcome, kkt: &KktErrors, tolerance: f64) -> Status {
-    match solved.stop {
-        Stop::Interrupted => Status::Interrupted,
-        _ if kkt.worst().1 <= tolerance => Status::Converged,
-        Stop::Met => Status::Inaccurate,
-        Stop::MaxIterations => Status::MaxIterations,
-        Stop::Diverged => Status::Diverged,
-        Stop::Stalled => Status::Stalled,
-        Stop::Unheld(_) | Stop::Singular(_) => Status::Singular,
-        Stop::NoEquilibrium(_) => Status::NoEquilibrium,
-    }
 }

@@ -11,7 +11,8 @@
 //! Data flows one way: [`scene`] (TOML) → [`model`] ([`mesh`], [`fem`], [`contact`]) → [`problem`]
 //! (algebra only) → [`formulation`] (the equations `H(z) = 0` and their Jacobian on one fixed
 //! pattern) → [`nonlinear`] (Algorithms BN and IP) with [`linear`] (UMFPACK) → [`history`] (increments and
-//! verdicts) → [`report`]. [`solvability`] tells beforehand what to expect of a problem.
+//! verdicts) → [`report`]. [`solvability`] tells beforehand what to expect of a problem,
+//! [`uniqueness`] afterwards how far friction is from making a solution ambiguous.
 //!
 //! ```
 //! use stickslip::history::{self, HistorySettings, Status};
@@ -48,4 +49,5 @@ pub mod scene;
 pub mod solvability;
 pub mod sparse;
 pub mod tables;
+pub mod uniqueness;
 pub mod units;

@@ -3,10 +3,10 @@
 mod block;
 mod half_plane;
 
-pub use block::block;
+pub use block::{block, graded_block};
 pub use half_plane::half_plane;
 
-/// A two-dimensional mesh of bilinear quadrilaterals.
+/// A two-dimensional mesh of four-node quadrilaterals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     /// Node coordinates, m.
@@ -46,6 +46,12 @@ impl Mesh {
     /// The corner coordinates of element `e`, m.
     pub fn corners(&self, e: usize) -> [[f64; 2]; 4] {
         self.quads[e].map(|node| self.nodes[node])
+    }
+
+    /// The centre of element `e`, the mean of its corners, m.
+    pub fn centre(&self, e: usize) -> [f64; 2] {
+        let corners = self.corners(e);
+        [0, 1].map(|c| corners.iter().map(|x| x[c]).sum::<f64>() / 4.0)
     }
 }
 

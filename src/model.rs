@@ -1,7 +1,7 @@
 //! From a scene to the discrete problem: mesh, `K`, contact maps, loads.
 
 use crate::contact::{ContactBoundary, ContactNode, Obstacle, contact_nodes, unreachable};
-use crate::fem::{Dofs, Elasticity, InvertedElement, RigidMotion, assemble, edge_load, rigid_motions};
+use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, edge_load, rigid_motions};
 use crate::linear::{Condensed, Direct, Umfpack};
 use crate::loading::{Approach, LoadCase, Loading};
 use crate::mesh::{self, Boundary, Mesh};
@@ -49,7 +49,7 @@ impl Model {
     /// the body inside the obstacle, or leaves nothing free.
     pub fn new(scene: &Scene) -> Result<Self, ModelError> {
         let mesh = match scene.mesh {
-            scene::Mesh::Block { size, elements } => mesh::block(size, elements),
+            scene::Mesh::Block { size, elements, grading } => mesh::graded_block(size, elements, grading),
             scene::Mesh::HalfPlane(m) => {
                 mesh::half_plane(m.size, m.contact_width, m.contact_elements, m.outer_elements, m.layers)
             }
@@ -70,11 +70,11 @@ impl Model {
             return Err(scene.error_at(support.boundary.span(), message, help).into());
         }
 
-        let material = match scene.material.plane {
-            scene::Plane::Strain => Elasticity::plane_strain(scene.material.young, scene.material.poisson),
-            scene::Plane::Stress => Elasticity::plane_stress(scene.material.young, scene.material.poisson),
+        let element = match scene.element {
+            scene::Element::Bilinear => Element::Bilinear,
+            scene::Element::BBar => Element::BBar,
         };
-        let stiffness = assemble(&mesh, &dofs, |_| material)?;
+        let stiffness = assemble(&mesh, &dofs, element, materials(scene, &mesh)?)?;
 
         let (mut contacts, mut mu) = (Vec::<ContactNode>::new(), Vec::new());
         let (mut contact_boundaries, mut approaches) = (Vec::new(), Vec::new());
@@ -134,6 +134,26 @@ impl Model {
     pub fn scaling(&self) -> Scaling {
         self.problem.scaling(self.loading.largest_force(), self.loading.largest_interference())
     }
+}
+
+/// The material of each element: that of the layer that holds its centre.
+fn materials(scene: &Scene, mesh: &Mesh) -> Result<impl Fn(usize) -> Elasticity, SceneError> {
+    let body = &scene.material;
+    let of_element: Vec<Option<usize>> = (0..mesh.quads.len()).map(|e| body.layer(mesh.centre(e)[1])).collect();
+    let mut filled = vec![false; body.layers.len()];
+    of_element.iter().flatten().for_each(|&k| filled[k] = true);
+    if let Some(k) = filled.iter().position(|filled| !filled) {
+        let message = format!("no element of the mesh has its centre in material.layers[{k}]");
+        let help = "use more elements, a thicker layer or fewer layers; thicknesses are in m, from the bottom up";
+        return Err(scene.error_at(body.layers[k].span.clone(), message, help));
+    }
+    let elasticity = |young, poisson| match body.plane {
+        scene::Plane::Strain => Elasticity::plane_strain(young, poisson),
+        scene::Plane::Stress => Elasticity::plane_stress(young, poisson),
+    };
+    let base = elasticity(body.young, body.poisson);
+    let layers: Vec<Elasticity> = body.layers.iter().map(|layer| elasticity(layer.young, layer.poisson)).collect();
+    Ok(move |e: usize| of_element[e].map_or(base, |k| layers[k]))
 }
 
 fn find<'a>(scene: &Scene, mesh: &'a Mesh, name: &scene::Name) -> Result<&'a Boundary, SceneError> {

@@ -7,7 +7,7 @@ mod ip;
 mod predictor_corrector;
 
 pub use armijo::Armijo;
-pub use bn::{Bn, BnSettings};
+pub use bn::{Bn, BnSettings, End};
 pub use ip::{Centring, Ip, IpSettings};
 pub use predictor_corrector::{PredictorCorrector, PredictorCorrectorSettings};
 
@@ -20,6 +20,9 @@ pub enum Stop {
     Met,
     /// The limit of iterations was reached.
     MaxIterations,
+    /// The limit of iterations was reached, and half of them went through the same sets of contact
+    /// cases again.
+    Cycling,
     /// The merit or the iterate is not finite.
     Diverged,
     /// No step along the direction improves the iterate.
@@ -59,6 +62,8 @@ pub struct Outcome {
     pub backward_error: f64,
     /// Seconds spent in evaluating residual, merit and Jacobian.
     pub assembly_seconds: f64,
+    /// Whether the method left it to another one, which solved it.
+    pub rescued: bool,
 }
 
 impl Outcome {
@@ -71,6 +76,7 @@ impl Outcome {
             theta,
             backward_error: 0.0,
             assembly_seconds: 0.0,
+            rescued: false,
         }
     }
 
@@ -107,6 +113,7 @@ impl Outcome {
             theta: next.theta,
             backward_error: self.backward_error.max(next.backward_error),
             assembly_seconds: self.assembly_seconds + next.assembly_seconds,
+            rescued: self.rescued || next.rescued,
         }
     }
 }

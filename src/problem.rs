@@ -5,7 +5,7 @@
 //! `p_n (w_n - g) = 0` (4); friction `|p_t| ≤ μ p_n`, dissipating most against the slip increment
 //! `w_t - w̄_t` with `w_t = C_t u` (8).
 
-use crate::sparse::{Csr, Symmetric};
+use crate::sparse::{Csr, Symmetric, Twofold};
 use crate::units::Scaling;
 
 /// One body against rigid obstacles, in SI units.
@@ -43,6 +43,9 @@ pub struct Increment<'a> {
 pub struct State {
     /// `u`, free displacements, n_u, m.
     pub u: Vec<f64>,
+    /// What rounding `u` to double precision leaves off, n_u, m; empty where it does not matter. In
+    /// slender bodies the forces follow from such small differences of displacements that it does.
+    pub u_rest: Vec<f64>,
     /// `p_t`, tangential contact forces, n_c, N.
     pub p_t: Vec<f64>,
     /// `p_n`, normal contact forces, n_c, N; positive in compression.
@@ -60,6 +63,30 @@ impl ContactProblem {
         self.c_n.rows()
     }
 
+    /// `K u + C_nᵀ p_n + C_tᵀ p_t - f`, N; in twice the working precision if the state has a `u_rest`.
+    pub fn imbalance(&self, force: &[f64], state: &State) -> Vec<f64> {
+        if state.u_rest.is_empty() {
+            let mut balance = vec![0.0; state.u.len()];
+            self.stiffness.mul(&state.u, &mut balance);
+            self.c_n.add_transposed(&state.p_n, &mut balance);
+            self.c_t.add_transposed(&state.p_t, &mut balance);
+            balance.iter_mut().zip(force).for_each(|(sum, force)| *sum -= force);
+            return balance;
+        }
+        let mut balance = vec![Twofold::default(); state.u.len()];
+        for (row, column, value) in self.stiffness.entries() {
+            balance[row].add_product(value, state.u[column]);
+            balance[row].add(value * state.u_rest[column]);
+        }
+        for (map, forces) in [(&self.c_n, &state.p_n), (&self.c_t, &state.p_t)] {
+            for (i, p) in forces.iter().enumerate() {
+                map.row(i).iter().for_each(|&(dof, c)| balance[dof].add_product(c, *p));
+            }
+        }
+        balance.iter_mut().zip(force).for_each(|(sum, force)| sum.add(-force));
+        balance.into_iter().map(Twofold::value).collect()
+    }
+
     /// The displacements that no contact row touches, the `r` of (33).
     pub fn interior(&self) -> Vec<usize> {
         let mut touched = vec![false; self.displacements()];
@@ -67,6 +94,15 @@ impl ContactProblem {
             self.c_n.row(i).iter().chain(self.c_t.row(i)).for_each(|&(dof, _)| touched[dof] = true);
         }
         (0..touched.len()).filter(|&dof| !touched[dof]).collect()
+    }
+
+    /// What stands against a force on a contact node alone, roughly: a quarter of its own stiffness
+    /// `(C_n diag(K) C_nᵀ)_ii`, n_c, N/m. In a uniform mesh that is close to `1/C_nn`, the inverse of the
+    /// compliance `C_n K⁻¹ C_nᵀ`; only its order of magnitude is relied on.
+    pub fn contact_stiffness(&self) -> Vec<f64> {
+        let diagonal = self.stiffness.diagonal();
+        let along_normal = |i: usize| self.c_n.row(i).iter().map(|&(dof, c)| c * c * diagonal[dof]).sum::<f64>();
+        (0..self.contacts()).map(|i| 0.25 * along_normal(i)).collect()
     }
 
     /// Units of order one for a run whose external nodal forces reach `largest_force` (N) and whose
@@ -87,6 +123,6 @@ impl State {
     /// The undeformed body without contact forces.
     pub fn zero(problem: &ContactProblem) -> Self {
         let n_c = problem.contacts();
-        State { u: vec![0.0; problem.displacements()], p_t: vec![0.0; n_c], p_n: vec![0.0; n_c] }
+        State { u: vec![0.0; problem.displacements()], u_rest: Vec::new(), p_t: vec![0.0; n_c], p_n: vec![0.0; n_c] }
     }
 }

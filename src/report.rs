@@ -14,6 +14,6 @@ pub use contact_line::{ContactLine, ContactPoint};
 pub use csv::table as csv_table;
 pub use folder::{ResultFolder, write_file};
 pub use plot::{contact_stresses, stress_chart};
-pub use run::{Final, Measured, Resultant, RunReport, Totals, Unknowns};
+pub use run::{Explanation, Final, Measured, Resultant, RunReport, Totals, Unknowns, WorstNode};
 pub use table::Table;
 pub use usage::{available_bytes, cpu_seconds, peak_rss_bytes};

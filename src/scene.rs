@@ -48,6 +48,8 @@ pub struct Scene {
     pub title: String,
     /// The body's mesh.
     pub mesh: Mesh,
+    /// The elements of the mesh.
+    pub element: Element,
     /// The body's material.
     pub material: Material,
     /// Where the body is held.
@@ -74,9 +76,24 @@ pub enum Mesh {
         size: [f64; 2],
         /// Elements along x and y.
         elements: [usize; 2],
+        /// Size of the last element over that of the first along x and y, in geometric progression.
+        grading: [f64; 2],
     },
     /// A rectangle that stands for a half-plane pressed at the left end of its top.
     HalfPlane(HalfPlane),
+}
+
+/// How the strain of an element follows from its corner displacements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Element {
+    /// As that of bilinear displacements; too stiff (it locks) when Poisson's ratio is close to 0.5 in
+    /// plane strain.
+    #[default]
+    Bilinear,
+    /// With the mean dilatation of the element in place of the local one: does not lock. Plane
+    /// strain only.
+    BBar,
 }
 
 /// A rectangle, fine under a contact zone at the left end of its top and coarser away from it:
@@ -97,7 +114,7 @@ pub struct HalfPlane {
 }
 
 /// An isotropic linear elastic material in the plane, of unit thickness.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Young's modulus, Pa.
     pub young: f64,
@@ -105,6 +122,22 @@ pub struct Material {
     pub poisson: f64,
     /// Plane strain or plane stress.
     pub plane: Plane,
+    /// Horizontal layers of other materials, from the bottom of the body up; above the last, the
+    /// material itself.
+    pub layers: Vec<Layer>,
+}
+
+/// A horizontal layer of the body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layer {
+    /// Height of its upper side over the bottom of the body, m.
+    pub top: f64,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio, in (-1, 0.5).
+    pub poisson: f64,
+    /// Where the scene says it.
+    pub span: Range<usize>,
 }
 
 /// The plane state of the body.
@@ -245,6 +278,13 @@ impl Mesh {
             Mesh::Block { elements: [nx, ny], .. } => (nx + 1) * (ny + 1),
             Mesh::HalfPlane(m) => (m.contact_elements + m.outer_elements + 1) * (m.layers + 1),
         }
+    }
+}
+
+impl Material {
+    /// The number of the layer at `height` (m) over the bottom; `None` in the base material.
+    pub fn layer(&self, height: f64) -> Option<usize> {
+        self.layers.iter().position(|layer| height < layer.top)
     }
 }
 

@@ -2,10 +2,12 @@
 //! ([`Csc`]) for what is factored, half of them ([`Symmetric`]) for the stiffness, compressed rows ([`Csr`]) for the short rows of the contact maps.
 
 mod symmetric;
+mod twofold;
 
 use std::sync::Arc;
 
 pub use symmetric::Symmetric;
+pub use twofold::{Twofold, sum};
 
 /// The positions of the stored entries of a matrix in compressed columns, sorted by row.
 ///

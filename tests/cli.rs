@@ -365,7 +365,7 @@ fn cells_of_table_ii() {
     let table = json(&output);
     let columns = table["columns"].as_array().unwrap();
     let names: Vec<_> = columns.iter().map(|column| column["method"].as_str().unwrap()).collect();
-    assert_eq!(names, ["bn", "ip-safe", "ip-prev", "ip"]);
+    assert_eq!(names, ["bn", "ip-safe", "ip-prev", "bn-default", "ip"]);
     for column in columns {
         for (cell, mu) in column["cells"].as_array().unwrap().iter().zip([0.1, 0.4, 0.8]) {
             assert_eq!((count(&cell["contact_nodes"]), count(&cell["increments"]), number(&cell["mu"])), (5, 1, mu));
@@ -398,4 +398,39 @@ fn foreign_files_are_left_alone() {
     assert_exit(&output, 2);
     assert_eq!(fs::read_to_string(folder.join("run.json")).unwrap(), "mine");
     assert_eq!(folder.names(""), ["run.json", "scene.toml"]);
+}
+
+/// Pulled away from the wall, the block is in some danger; pushed towards it, as the scene says, in none.
+#[test]
+fn the_uniqueness_is_told_where_it_is_asked_for() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let pull = ["load[1].traction=[50e6,0.0]", "time.end=1.0", "output.times=[1.0]"];
+    let set = pull.iter().flat_map(|text| ["--set", text]);
+    let args: Vec<&str> = ["run", &scene, "--uniqueness"].into_iter().chain(set).collect();
+    let output = stickslip(&args);
+    assert_exit(&output, 0);
+    let start = "uniqueness   rates are unique up to ";
+    let line = stdout(&output).lines().find(|line| line.starts_with(start)).unwrap();
+    assert!(line.contains(" times this friction along the present status (mu "), "{line}");
+
+    let out = folder.join("out");
+    for options in [&["--json"][..], &["--json", "--method", "ip", "--solver", "condensed", "--out", &out]] {
+        let output = stickslip(&[&args[..], options].concat());
+        assert_exit(&output, 0);
+        let critical = &json(&output)["critical_friction"];
+        assert!(count(&critical["slipping"]) > 0);
+        assert!((6.0..7.0).contains(&number(&critical["factor"])), "{critical}");
+        assert!(line.contains(&format!("{:.3}", number(&critical["factor"]))), "{line} {critical}");
+    }
+    let written: Value = serde_json::from_str(&fs::read_to_string(Path::new(&out).join("run.json")).unwrap()).unwrap();
+    assert!((6.0..7.0).contains(&number(&written["critical_friction"]["factor"])), "{written}");
+
+    let output = stickslip(&["run", &scene, "--json"]);
+    assert!(json(&output).get("critical_friction").is_none());
+    // Without friction an infinite factor, which JSON does not have; without an increment, nothing.
+    let output = stickslip(&["run", &scene, "--set", "contact.friction=0.0", "--json", "--uniqueness"]);
+    assert!(json(&output)["critical_friction"]["factor"].is_null());
+    let output = stickslip(&["run", &scene, "--set", "solver.max_iterations=1", "--json", "--uniqueness"]);
+    assert_exit(&output, 1);
+    assert!(json(&output).get("critical_friction").is_none());
 }

@@ -4,7 +4,7 @@
 mod common;
 
 use stickslip::formulation::Conventions;
-use stickslip::history::{self, HistorySettings, Method, Status};
+use stickslip::history::{self, FirstGuess, HistorySettings, Method, Status};
 use stickslip::linear::{Direct, Umfpack};
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::model::Model;
@@ -97,12 +97,14 @@ fn one_node() {
         let loading = Loading { cases: vec![case], gap: vec![0.0], ..Loading::default() };
         let settings = HistorySettings {
             method: Method::Bn {
-                settings: BnSettings { epsilon: 1e-24, ..BnSettings::paper(50) },
-                start_pressure: 0.0,
+                settings: BnSettings::until(1e-12, 50),
+                start: FirstGuess::Pressure(0.0),
+                rescue: None,
             },
-            conventions: Conventions { r: vec![1.0], row_unit: vec![1.0] },
+            conventions: Conventions::natural(&problem),
             scaling: Scaling::SI,
             tolerance: 1e-12,
+            halvings: 0,
         };
         let mut linear = Direct::new(Box::new(Umfpack::default()));
         let outcome = history::run(&problem, &loading, &[1.0], &settings, &mut linear, &mut ()).unwrap();

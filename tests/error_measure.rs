@@ -99,7 +99,8 @@ fn the_measure_is_unit_free() {
     problem.stiffness.scale(f / l);
     let (force, gap, w_t_last) = (times(increment.force, f), times(increment.gap, l), times(increment.w_t_last, l));
     let increment = stickslip::problem::Increment { force: &force, gap: &gap, w_t_last: &w_t_last };
-    let state = State { u: times(&state.u, l), p_t: times(&state.p_t, f), p_n: times(&state.p_n, f) };
+    let state =
+        State { u: times(&state.u, l), u_rest: Vec::new(), p_t: times(&state.p_t, f), p_n: times(&state.p_n, f) };
     let scales = KktScales::new(&increment, &state);
     assert_eq!(KktErrors::measure(&problem, &increment, &state, &scales), si);
     assert!(si.worst().1 > 1e-4);

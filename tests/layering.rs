@@ -20,7 +20,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("contact", &["fem", "mesh", "problem", "scene"]),
     ("formulation", &["contact", "null_space", "problem", "scene", "sparse", "units"]),
     ("linear", &["sparse"]),
-    ("nonlinear", &["formulation", "linear"]),
+    ("nonlinear", &["formulation", "linear", "sparse"]),
+    ("uniqueness", &["contact", "formulation", "linear", "problem", "units"]),
     (
         "history",
         &[
@@ -37,7 +38,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     ("model", &["contact", "fem", "linear", "loading", "mesh", "problem", "scene", "sparse", "units"]),
-    ("report", &["contact", "formulation", "history", "model", "problem", "scene"]),
+    ("report", &["contact", "formulation", "history", "model", "problem", "scene", "uniqueness"]),
     ("tables", &["history", "linear", "model", "scene"]),
     ("figures", &["history", "model", "nonlinear", "report", "tables"]),
 ];

@@ -53,6 +53,11 @@ const KEYS_AND_TYPES: &[Fault] = &[
     ("210e9", "1e999", "young =", &["overflowed"], MEND),
     ("\"block\"", "\"ball\"", "\"ball\"", &["unknown variant `ball`", "`block`"], LISTED),
     ("\"strain\"", "\"strian\"", "\"strian\"", &["unknown variant `strian`", "`strain` or `stress`"], LISTED),
+    ("elements =", "element = \"bbar\"\nelements =", "element =", &["unknown variant `bbar`", "`b-bar`"], LISTED),
+    ("elements =", "element = 4\nelements =", "element =", &["expected a word in quotes"], FORM),
+    ("elements =", "grading = [1, 2, 3]\nelements =", "grading =", &["invalid length 3", "2 values"], FORM),
+    ("poisson =", "layers = [[0.1, 1e9]]\npoisson =", "layers =", &["invalid length 2", "3 values"], FORM),
+    ("poisson =", "layers = [0.1, 1e9, 0.3]\npoisson =", "layers =", &["`0.1`", "a list"], FORM),
     ("\"y\"]", "\"z\"]", "\"z\"]", &["unknown variant `z`", "`x` or `y`"], LISTED),
     ("\"plane\"", "\"sphere\"", "\"sphere\"", &["unknown variant `sphere`", "`plane`"], LISTED),
     ("\"bn\"", "\"newton\"", "\"newton\"", &["unknown variant `newton`", "`bn`"], LISTED),
@@ -86,6 +91,44 @@ const VALUES: &[Fault] = &[
     ("\"block\"", "\"half-plane\"", "elements =", &["a half-plane has no mesh.elements"], "remove the key"),
     ("elements =", "layers = 3\nelements =", "layers =", &["a block has no mesh.layers"], "remove the key"),
     ("elements = [100, 100]\n", "", "kind = \"block\"", &["a block needs mesh.elements"], "add the key"),
+    (
+        "elements = [100, 100]\n\n[material]\nyoung = 210e9                   # Pa\npoisson = 0.3\nplane = \"strain\"",
+        "elements = [100, 100]\nelement = \"b-bar\"\n[material]\nyoung = 210e9\npoisson = 0.3\nplane = \"stress\"",
+        "element =",
+        &["mesh.element is \"b-bar\"", "material.plane is \"stress\""],
+        "use \"bilinear\"",
+    ),
+    ("elements =", "grading = [0, 1]\nelements =", "grading =", &["[0.0, 1.0]", "1e-6 to 1e6"], "size of the last"),
+    ("elements =", "grading = [1, -2]\nelements =", "grading =", &["[1.0, -2.0]", "1e-6 to 1e6"], "size of the last"),
+    ("elements =", "grading = [1, 1e7]\nelements =", "grading =", &["1e-6 to 1e6"], "size of the last"),
+    (
+        "\"block\"\nsize = [1.0, 1.0]               # m\nelements = [100, 100]",
+        "\"half-plane\"\nsize = [1.0, 1.0]\ngrading = [1, 2]",
+        "grading =",
+        &["a half-plane has no mesh.grading"],
+        "remove the key",
+    ),
+    (
+        "poisson =",
+        "layers = [[0.1, 1e9, 0.3],\n[0.0, 1e9, 0.3]]\npoisson =",
+        "[0.0, 1e9",
+        &["the thickness in material.layers[1] is 0.0", "positive"],
+        "thickness of the layer in m",
+    ),
+    (
+        "poisson =",
+        "layers = [[0.1, -1.0, 0.3]]\npoisson =",
+        "layers =",
+        &["Young's modulus in material.layers[0] is -1.0", "positive"],
+        "in Pa",
+    ),
+    (
+        "poisson =",
+        "layers = [[0.1, 1e9, 0.5]]\npoisson =",
+        "layers =",
+        &["Poisson's ratio in material.layers[0] is 0.5", "below 0.5"],
+        "0.49",
+    ),
     ("gap = 1e-5", "radius = 1.0", "radius", &["a plane has no radius"], "remove the key"),
     ("\"plane\", gap = 1e-5", "\"cylinder\"", "cylinder", &["a cylinder needs radius"], "add the key"),
     ("\"plane\", gap = 1e-5", "\"cylinder\", radius = -1.0", "cylinder", &["radius is -1.0", "positive"], "in m"),
@@ -110,6 +153,14 @@ const VALUES: &[Fault] = &[
 ];
 
 const AGAINST_THE_MESH: &[Fault] = &[
+    ("poisson =", "layers = [[0.1, 1e9, 0.3]]\npoisson =", "layers =", &["in material.layers[0]"], "more elements"),
+    (
+        "poisson =",
+        "layers = [[1.0, 1e9, 0.3],\n[10.0, 1e9, 0.2]]\npoisson =",
+        "[10.0, 1e9",
+        &["no element", "in material.layers[1]"],
+        "thicknesses are in m",
+    ),
     ("\"left\"", "\"lft\"", "\"lft\"", &["no boundary `lft`"], "bottom, right, top, left"),
     ("\"bottom\"", "\"Bottom\"", "\"Bottom\"", &["no boundary `Bottom`"], "bottom, right, top, left"),
     ("\"top\"", "\"roof\"", "\"roof\"", &["no boundary `roof`"], "bottom, right, top, left"),
@@ -131,6 +182,8 @@ const AGAINST_THE_MESH: &[Fault] = &[
 
 /// Every number of a scene that gives all there is to give.
 const FULL: &[(&str, &str)] = &[
+    ("elements =", "grading = [1, 2.0]\nelements ="),
+    ("poisson =", "layers = [[0.1, 1e9, 0.2]]\npoisson ="),
     ("gap = 1e-5", "gap = 1e-5, normal = [0.0, -1.0], tangent = [1.0, 0.0]"),
     ("\"umfpack\"", "\"umfpack\"\nmax_iterations = 200\ntolerance = 1e-10"),
 ];
@@ -243,8 +296,8 @@ fn no_number_may_be_nan_or_infinite() {
     let full = FULL.iter().fold(BLOCK.to_string(), |text, (from, to)| edit(&text, from, to));
     assert!(Scene::parse("block.toml", &full, &[]).is_ok());
     let places = numbers(&full);
-    // Mesh 4, material 2, friction and obstacle 6, loads 2 × (2 + 6), time 2, solver 2, output 2.
-    assert_eq!(places.len(), 34);
+    // Mesh 6, material 5, friction and obstacle 6, loads 2 × (2 + 6), time 2, solver 2, output 2.
+    assert_eq!(places.len(), 39);
     for place in places {
         for value in ["nan", "-nan", "inf", "+inf", "-inf"] {
             let text = [&full[..place.start], value, &full[place.end..]].concat();

@@ -67,7 +67,10 @@ fn what_is_not_key_equals_value_is_refused() {
 
 #[test]
 fn a_value_is_replaced() {
-    assert_eq!(scene(&["mesh.elements=[7, 8]"]).mesh, Mesh::Block { size: [1.0, 1.0], elements: [7, 8] });
+    assert_eq!(
+        scene(&["mesh.elements=[7, 8]"]).mesh,
+        Mesh::Block { size: [1.0, 1.0], elements: [7, 8], grading: [1.0; 2] }
+    );
     assert_eq!(scene(&[" material.poisson = 0.25 "]).material.poisson, 0.25);
     assert_eq!(scene(&["time.end=3", "time.end=4"]).time.end, 4.0);
     let changed = scene(&["time.increments=3"]);

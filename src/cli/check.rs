@@ -6,7 +6,7 @@ use clap::Args;
 use stickslip::fem::RigidMotion;
 use stickslip::formulation::Layout;
 use stickslip::model::Model;
-use stickslip::scene::{HalfPlane, Material, Mesh, Plane, Scene, Shape};
+use stickslip::scene::{Element, HalfPlane, Material, Mesh, Plane, Scene, Shape};
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 
 use super::{Failure, SceneArgs, discretise};
@@ -49,24 +49,40 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 
 fn body(scene: &Scene, model: &Model) {
     let kind = match scene.mesh {
-        Mesh::Block { size: [width, height], elements: [nx, ny] } => {
-            format!("block {width} m x {height} m, {nx} x {ny}")
+        Mesh::Block { size: [width, height], elements: [nx, ny], grading } => {
+            let graded = match grading {
+                [1.0, 1.0] => String::new(),
+                [x, y] => format!(" (graded 1 : {x} and 1 : {y})"),
+            };
+            format!("block {width} m x {height} m, {nx} x {ny}{graded}")
         }
         Mesh::HalfPlane(HalfPlane { size: [width, height], contact_elements, outer_elements, layers, .. }) => {
             format!("half-plane {width} m x {height} m, ({contact_elements} + {outer_elements}) x {layers}")
         }
     };
+    let element = match scene.element {
+        Element::Bilinear => "bilinear",
+        Element::BBar => "B-bar",
+    };
     say!(
-        "mesh         {kind} bilinear quadrilaterals, {} nodes, boundaries {}",
+        "mesh         {kind} {element} quadrilaterals, {} nodes, boundaries {}",
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
     );
-    let Material { young, poisson, plane } = scene.material;
+    let Material { young, poisson, plane, layers } = &scene.material;
     let state = match plane {
         Plane::Strain => "plane strain",
         Plane::Stress => "plane stress",
     };
-    say!("material     E = {} Pa, nu = {poisson}, {state}, unit thickness", number(young));
+    say!("material     E = {} Pa, nu = {poisson}, {state}, unit thickness", number(*young));
+    let mut bottom = 0.0;
+    for layer in layers {
+        // A height is a sum of thicknesses; fifteen digits hide its rounding.
+        let top: f64 = format!("{:.14e}", layer.top).parse().unwrap_or(layer.top);
+        let young = number(layer.young);
+        say!("layer        y = {bottom} to {top} m: E = {young} Pa, nu = {}", layer.poisson);
+        bottom = top;
+    }
     for support in &scene.supports {
         let held = ["x", "y"].into_iter().zip(support.fix).filter(|&(_, fix)| fix).map(|(name, _)| name);
         say!("support      {}: {} held", support.boundary, held.collect::<Vec<_>>().join(" and "));

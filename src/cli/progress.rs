@@ -12,7 +12,7 @@ pub(super) struct Progress {
 }
 
 /// The columns: head and width.
-const COLUMNS: [(&str, usize); 10] = [
+const COLUMNS: [(&str, usize); 11] = [
     ("inc", 5),
     ("time", 9),
     ("iter", 5),
@@ -23,6 +23,8 @@ const COLUMNS: [(&str, usize); 10] = [
     ("stick", 6),
     ("slip", 6),
     ("s", 8),
+    // What is out of the ordinary.
+    ("", 0),
 ];
 
 impl Progress {
@@ -43,6 +45,13 @@ impl Progress {
     pub(super) fn increment(&self, record: &IncrementRecord) {
         let r = record;
         let seconds = r.seconds.assembly + r.seconds.factorization + r.seconds.solve + r.seconds.rest;
+        let mut notes = Vec::new();
+        if r.parts > 1 {
+            notes.push(format!("{} parts", r.parts));
+        }
+        if r.rescued {
+            notes.push("solved by ip".to_string());
+        }
         self.row(&[
             r.index.to_string(),
             format!("{:.4}", r.time),
@@ -54,6 +63,7 @@ impl Progress {
             r.contact.stick.to_string(),
             r.contact.slip.to_string(),
             format!("{seconds:.3}"),
+            notes.join(", "),
         ]);
         self.bar.inc(1);
     }
@@ -68,7 +78,7 @@ impl Progress {
         }
         let fields = fields.iter().zip(COLUMNS).map(|(field, (_, width))| format!("{field:>width$}"));
         let line = fields.collect::<Vec<_>>().join(" ");
-        self.bar.suspend(|| say!("{line}"));
+        self.bar.suspend(|| say!("{}", line.trim_end()));
     }
 }
 

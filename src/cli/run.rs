@@ -6,9 +6,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
-use stickslip::fem::RigidMotion;
 use stickslip::formulation::Layout;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Observer, Start, Status, Step};
+use stickslip::history::{self, HistorySettings, Method, Observer, Start, Status, Step};
 use stickslip::linear;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IpSettings, IterationRecord, PredictorCorrectorSettings};
@@ -18,7 +17,8 @@ use stickslip::report::{
 use stickslip::scene::{self, NewtonSystem, Scene, Solver};
 
 use super::progress::Progress;
-use super::{Failure, SceneArgs, discretise};
+use super::uniqueness::LastIncrement;
+use super::{Failure, SceneArgs, discretise, interrupt, uniqueness, verdict};
 
 #[derive(Args)]
 pub(super) struct RunArgs {
@@ -30,10 +30,14 @@ pub(super) struct RunArgs {
     /// Print the report as one JSON object and nothing else
     #[arg(long)]
     json: bool,
+    /// Tell up to how much friction the rates at the end are unique along the statuses there
+    #[arg(long)]
+    uniqueness: bool,
 }
 
 pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let start = Instant::now();
+    interrupt::listen();
     let scene = args.scene.read()?;
     let model = discretise(&scene)?;
     let model_seconds = start.elapsed().as_secs_f64();
@@ -50,28 +54,28 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         folder,
         progress: Progress::new(times.len(), !args.json),
         failed_write: None,
+        last: args.uniqueness.then(LastIncrement::default),
     };
     let settings = settings(&scene, &model);
     let mut linear = model.linear(scene.solver.linear);
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut watcher);
     watcher.progress.finish();
-    let Watcher { folder, failed_write, .. } = watcher;
+    let Watcher { folder, failed_write, last, .. } = watcher;
     let outcome = outcome.map_err(|error| Failure::linear(&error))?;
+    let critical_friction = match last {
+        Some(last) => last.critical_friction(&model, &outcome, &mut linear).map_err(|error| Failure::linear(&error))?,
+        None => None,
+    };
     let measured = Measured {
         cpu_seconds: cpu_seconds(),
         wall_seconds: start.elapsed().as_secs_f64(),
         model_seconds,
         peak_rss_bytes: peak_rss_bytes(),
     };
-    let reason = reason(&scene, &model, &outcome);
-    let report = RunReport::new(
-        &args.scene.scene.display().to_string(),
-        &scene,
-        &model.contact_boundaries,
-        &outcome,
-        reason,
-        measured,
-    );
+    let explanation = verdict::explain(&scene, &model, &outcome);
+    let name = args.scene.scene.display().to_string();
+    let mut report = RunReport::new(&name, &scene, &model.contact_boundaries, &outcome, explanation, measured);
+    report.critical_friction = critical_friction;
     let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     if let Some(folder) = &folder
         && let Err(error) = failed_write.map_or_else(|| folder.write("run.json", &json), Err)
@@ -82,11 +86,18 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         say!("{json}");
     } else {
         print_verdict(&report, times.len());
+        if let Some(critical) = &report.critical_friction {
+            say!("uniqueness   {}", uniqueness::explain(critical, &model.problem.mu));
+        }
         if let Some(folder) = &folder {
             say!("results      {}", folder.path().display());
         }
     }
-    Ok(if outcome.status == Status::Converged { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(match outcome.status {
+        Status::Converged => ExitCode::SUCCESS,
+        Status::OutOfMemory => ExitCode::from(3),
+        _ => ExitCode::from(1),
+    })
 }
 
 /// Feeds the display and the folder of results.
@@ -98,6 +109,8 @@ struct Watcher<'a> {
     folder: Option<ResultFolder>,
     progress: Progress,
     failed_write: Option<io::Error>,
+    /// Kept where the uniqueness is asked for.
+    last: Option<LastIncrement>,
 }
 
 impl Observer for Watcher<'_> {
@@ -108,11 +121,14 @@ impl Observer for Watcher<'_> {
 
     fn iteration(&mut self, _index: usize, record: &IterationRecord) -> Flow {
         self.progress.iteration(record.iteration, record.theta);
-        Flow::Continue
+        if interrupt::requested() { Flow::Stop } else { Flow::Continue }
     }
 
     fn increment(&mut self, step: &Step<'_>) -> Flow {
         self.progress.increment(step.record);
+        if let Some(last) = &mut self.last {
+            last.keep(step);
+        }
         let Some(folder) = &mut self.folder else { return Flow::Continue };
         let mut written = folder.add_increment(step.record);
         // What a failed increment reached is worth a look, too.
@@ -135,6 +151,11 @@ fn settings(scene: &Scene, model: &Model) -> HistorySettings {
     let Solver { method, max_iterations, tolerance, .. } = scene.solver;
     let problem = &model.problem;
     match method {
+        scene::Method::Bn { r_factor } => {
+            let mut settings = HistorySettings::bn(problem, model.scaling(), max_iterations, tolerance);
+            settings.conventions.r.iter_mut().for_each(|r| *r *= r_factor);
+            settings
+        }
         scene::Method::PaperBn => HistorySettings::paper_bn(problem, model.scaling(), max_iterations, tolerance),
         scene::Method::PaperIp { start, partition, newton } => {
             let start = match start {
@@ -181,69 +202,6 @@ fn disk_failure(path: &Path, error: &io::Error) -> Failure {
     Failure::Machine(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
 }
 
-/// Why the run did not converge, in words; empty if it did.
-fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
-    let Some(record) = outcome.records.iter().find(|record| record.status != Status::Converged) else {
-        return match outcome.status {
-            Status::Singular => unheld(model, outcome),
-            Status::Interrupted => "stopped on request".to_string(),
-            _ => String::new(),
-        };
-    };
-    let (law, error) = record.kkt.worst();
-    let violated = format!("{law} is violated by {error:.1e} (tolerance {:.0e})", scene.solver.tolerance);
-    let tried = scene.solver.max_iterations;
-    let why = match outcome.status {
-        Status::Singular => unheld(model, outcome),
-        Status::NoEquilibrium => no_equilibrium(model, outcome),
-        Status::MaxIterations => {
-            format!("no convergence within max_iterations = {tried}: {violated}; {}", advice(scene))
-        }
-        Status::Inaccurate if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
-            "{violated}, which is what rounding the displacements of so slender a body makes; \
-             if that is enough, set solver.tolerance above it"
-        ),
-        Status::Inaccurate => {
-            format!("the method stopped with Theta = {:.1e}, but {violated}; {}", record.theta, advice(scene))
-        }
-        _ => violated,
-    };
-    format!("increment {} (t = {} s): {why}", record.index, record.time)
-}
-
-/// What to try when the iteration stops too late or too early.
-fn advice(scene: &Scene) -> &'static str {
-    if let scene::Method::Ip { .. } = scene.solver.method {
-        return "try more increments (time.increments); `stickslip check` tells what holds the body";
-    }
-    // The setting's r is ten times the modulus of steel; the window that works is two decades wide.
-    if (1e10..1e13).contains(&scene.material.young) {
-        "the setting paper stops at an absolute Theta, made for loads of MN; \
-         try --method ip, loads of that size or more increments (time.increments)"
-    } else {
-        "the setting paper has constants made for moduli near 2e11 Pa: \
-         try --method ip, or scale modulus and loads alike"
-    }
-}
-
-fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
-    match motion(model, outcome) {
-        Some(motion) => format!("nothing holds the body against {motion}; add a support"),
-        None => "the linearised problem is singular".to_string(),
-    }
-}
-
-fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
-    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.to_string());
-    format!(
-        "no equilibrium exists: the loads drive {motion}, and no contact force within its friction resists; change the loads or add a support"
-    )
-}
-
-fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
-    RigidMotion::combination(&model.rigid_motions, outcome.free_motion.as_ref()?)
-}
-
 fn print_head(scene: &Scene, model: &Model) {
     let method = scene.solver.method;
     let Unknowns { u, p_t, p_n, v_n, s, lambda } = Unknowns::new(&Layout::new(&model.problem), method.name());
@@ -270,8 +228,8 @@ fn print_verdict(report: &RunReport, increments: usize) {
         .map(|record| record.kkt.worst())
         .fold(("none", 0.0), |a, b| if b.1.is_nan() || b.1 > a.1 { b } else { a });
     say!("\nverdict      {}, {done} of {increments} increments", report.status);
-    if !report.reason.is_empty() {
-        say!("             {}", report.reason);
+    if !report.explanation.reason.is_empty() {
+        say!("             {}", report.explanation.reason);
     }
     if report.increments.is_empty() {
         return;

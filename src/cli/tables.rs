@@ -70,6 +70,7 @@ enum MethodArg {
     IpSafe,
     IpPrev,
     Ip,
+    BnDefault,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -137,6 +138,7 @@ fn methods(wanted: &[MethodArg]) -> Vec<PaperMethod> {
         MethodArg::IpSafe => PaperMethod::IpSafe,
         MethodArg::IpPrev => PaperMethod::IpPrev,
         MethodArg::Ip => PaperMethod::Ip,
+        MethodArg::BnDefault => PaperMethod::BnDefault,
     };
     let wanted: Vec<PaperMethod> = wanted.iter().map(of).collect();
     PaperMethod::ALL.into_iter().filter(|method| wanted.is_empty() || wanted.contains(method)).collect()

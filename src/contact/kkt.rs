@@ -68,45 +68,130 @@ pub struct KktErrors {
     pub dissipation: f64,
 }
 
+/// A law that a state can violate, a component of [`KktErrors`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Law {
+    /// Equilibrium (15).
+    Equilibrium,
+    /// No penetration (4).
+    Penetration,
+    /// No tension (4).
+    Tension,
+    /// No pressure across a gap (4).
+    Complementarity,
+    /// Coulomb's cone (8).
+    Cone,
+    /// Slip against full friction (8).
+    Dissipation,
+}
+
+/// The violation of one law in one place.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Violation {
+    /// The law.
+    pub law: Law,
+    /// The displacement, for equilibrium; the contact node, for the other laws.
+    pub place: usize,
+    /// The error, as in [`KktErrors`].
+    pub error: f64,
+}
+
+impl Law {
+    const ALL: [Law; 6] =
+        [Law::Equilibrium, Law::Penetration, Law::Tension, Law::Complementarity, Law::Cone, Law::Dissipation];
+
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Law::Equilibrium => "equilibrium",
+            Law::Penetration => "penetration",
+            Law::Tension => "tension",
+            Law::Complementarity => "complementarity",
+            Law::Cone => "cone",
+            Law::Dissipation => "dissipation",
+        }
+    }
+}
+
+impl Violation {
+    /// The largest violation in `state`.
+    pub fn worst(problem: &ContactProblem, increment: &Increment<'_>, state: &State, scales: &KktScales) -> Self {
+        let mut worst = Violation { law: Law::Equilibrium, place: 0, error: 0.0 };
+        violations(problem, increment, state, scales, |law, place, error| {
+            if exceeds(error, worst.error) {
+                worst = Violation { law, place, error };
+            }
+        });
+        worst
+    }
+}
+
+/// Visits the violation of every law in every place.
+fn violations(
+    problem: &ContactProblem,
+    increment: &Increment<'_>,
+    state: &State,
+    scales: &KktScales,
+    mut visit: impl FnMut(Law, usize, f64),
+) {
+    for (dof, imbalance) in problem.imbalance(increment.force, state).into_iter().enumerate() {
+        visit(Law::Equilibrium, dof, scales.force(imbalance));
+    }
+    for i in 0..problem.contacts() {
+        let (p_n, p_t, radius) = (state.p_n[i], state.p_t[i], problem.mu[i] * positive(state.p_n[i]));
+        let distance = increment.gap[i] - problem.c_n.dot(i, &state.u);
+        visit(Law::Penetration, i, scales.length(positive(-distance)));
+        visit(Law::Tension, i, scales.force(positive(-p_n)));
+        let (pressed, apart) = (scales.force(positive(p_n)), scales.length(positive(distance)));
+        visit(Law::Complementarity, i, smaller(pressed, apart));
+        visit(Law::Cone, i, scales.force(positive(p_t.abs() - radius)));
+        if !problem.c_t.row(i).is_empty() {
+            let slip = problem.c_t.dot(i, &state.u) - increment.w_t_last[i];
+            // Judged from the nearest admissible force, so that the cone counts only once.
+            let lacking = radius - project(p_t, radius) * slip.signum();
+            visit(Law::Dissipation, i, smaller(scales.force(lacking), scales.length(slip)));
+        }
+    }
+}
+
 impl KktErrors {
     /// Measures `state` against the law of one increment, relative to `scales`.
     pub fn measure(problem: &ContactProblem, increment: &Increment<'_>, state: &State, scales: &KktScales) -> Self {
-        let mut balance = vec![0.0; state.u.len()];
-        problem.stiffness.mul(&state.u, &mut balance);
-        problem.c_n.add_transposed(&state.p_n, &mut balance);
-        problem.c_t.add_transposed(&state.p_t, &mut balance);
         let mut errors = KktErrors::default();
-        for (sum, force) in balance.iter().zip(increment.force) {
-            raise(&mut errors.equilibrium, scales.force(sum - force));
-        }
-        for i in 0..problem.contacts() {
-            let (p_n, p_t, radius) = (state.p_n[i], state.p_t[i], problem.mu[i] * positive(state.p_n[i]));
-            let distance = increment.gap[i] - problem.c_n.dot(i, &state.u);
-            raise(&mut errors.penetration, scales.length(positive(-distance)));
-            raise(&mut errors.tension, scales.force(positive(-p_n)));
-            let (pressed, apart) = (scales.force(positive(p_n)), scales.length(positive(distance)));
-            raise(&mut errors.complementarity, smaller(pressed, apart));
-            raise(&mut errors.cone, scales.force(positive(p_t.abs() - radius)));
-            if !problem.c_t.row(i).is_empty() {
-                let slip = problem.c_t.dot(i, &state.u) - increment.w_t_last[i];
-                // Judged from the nearest admissible force, so that the cone counts only once.
-                let lacking = radius - project(p_t, radius) * slip.signum();
-                raise(&mut errors.dissipation, smaller(scales.force(lacking), scales.length(slip)));
-            }
-        }
+        violations(problem, increment, state, scales, |law, _, error| raise(errors.of_mut(law), error));
         errors
+    }
+
+    /// The larger of both in every component.
+    #[must_use]
+    pub fn max(mut self, other: &KktErrors) -> Self {
+        for law in Law::ALL {
+            raise(self.of_mut(law), other.of(law));
+        }
+        self
+    }
+
+    /// The component of a law.
+    pub fn of(&self, law: Law) -> f64 {
+        let mut errors = *self;
+        *errors.of_mut(law)
+    }
+
+    fn of_mut(&mut self, law: Law) -> &mut f64 {
+        match law {
+            Law::Equilibrium => &mut self.equilibrium,
+            Law::Penetration => &mut self.penetration,
+            Law::Tension => &mut self.tension,
+            Law::Complementarity => &mut self.complementarity,
+            Law::Cone => &mut self.cone,
+            Law::Dissipation => &mut self.dissipation,
+        }
     }
 
     /// Every component with its name.
     pub fn components(&self) -> [(&'static str, f64); 6] {
-        [
-            ("equilibrium", self.equilibrium),
-            ("penetration", self.penetration),
-            ("tension", self.tension),
-            ("complementarity", self.complementarity),
-            ("cone", self.cone),
-            ("dissipation", self.dissipation),
-        ]
+        Law::ALL.map(|law| (law.name(), self.of(law)))
     }
 
     /// The name and value of the largest component; NaN is larger than anything.

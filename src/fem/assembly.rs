@@ -1,7 +1,9 @@
 //! The stiffness matrix of a mesh.
 
 use super::dofs::Dofs;
-use super::elastic::{Elasticity, element_stiffness};
+use super::elastic::Elasticity;
+use super::stiffness::element_stiffness;
+use super::strain::Element;
 use crate::mesh::Mesh;
 use crate::sparse::Symmetric;
 
@@ -15,14 +17,15 @@ pub struct InvertedElement {
     pub centre: [f64; 2],
 }
 
-/// `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m per unit depth; `material` is
-/// that of each element.
+/// `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m per unit depth; every
+/// element is an `element`, and `material` is that of each.
 ///
 /// # Errors
 /// [`InvertedElement`] for the first element that is not sound.
 pub fn assemble(
     mesh: &Mesh,
     dofs: &Dofs,
+    element: Element,
     material: impl Fn(usize) -> Elasticity,
 ) -> Result<Symmetric, InvertedElement> {
     let mut k = Symmetric::from_entries(dofs.free(), |take| {
@@ -37,15 +40,13 @@ pub fn assemble(
     });
     for (e, quad) in mesh.quads.iter().enumerate() {
         let corners = mesh.corners(e);
-        let element = element_stiffness(&corners, &material(e)).ok_or_else(|| InvertedElement {
-            element: e,
-            centre: [0, 1].map(|c| corners.iter().map(|x| x[c]).sum::<f64>() / 4.0),
-        })?;
+        let stiffness = element_stiffness(&corners, element, &material(e))
+            .ok_or_else(|| InvertedElement { element: e, centre: mesh.centre(e) })?;
         let dofs = dofs.element(quad);
         for (i, row) in dofs.iter().enumerate() {
             for (j, column) in dofs.iter().enumerate() {
                 if let (Some(row), Some(column)) = (*row, *column) {
-                    k.add(row, column, element[i][j]);
+                    k.add(row, column, stiffness[i][j]);
                 }
             }
         }

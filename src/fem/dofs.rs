@@ -34,6 +34,11 @@ impl Dofs {
         self.of_node[node]
     }
 
+    /// The node of an unknown.
+    pub fn node_of(&self, dof: usize) -> Option<usize> {
+        self.of_node.iter().position(|dofs| dofs.contains(&Some(dof)))
+    }
+
     /// The eight unknowns of an element, corner by corner.
     pub fn element(&self, quad: &[usize; 4]) -> [Option<usize>; 8] {
         let mut dofs = [None; 8];

@@ -169,7 +169,7 @@ fn block_stresses(all: &[Stresses]) -> Chart {
 /// A curve of a method: BN and the paper's IP with the lines of the paper's figure.
 fn curve(method: PaperMethod, dash: Dash, points: Vec<[f64; 2]>) -> Curve {
     let (marker, colour) = match method {
-        PaperMethod::Bn => (Marker::Disc, BLACK),
+        PaperMethod::Bn | PaperMethod::BnDefault => (Marker::Disc, BLACK),
         PaperMethod::IpSafe => (Marker::Square, BLUE),
         PaperMethod::IpPrev | PaperMethod::Ip => (Marker::Triangle, RED),
     };
@@ -198,7 +198,7 @@ fn single(mut curves: Vec<Curve>, level: Curve) -> Vec<Panel> {
 fn punch_theta(all: &[Descent]) -> Chart {
     let of = |descent: &Descent| {
         let dash = match descent.method {
-            PaperMethod::Bn => Dash::Dotted,
+            PaperMethod::Bn | PaperMethod::BnDefault => Dash::Dotted,
             PaperMethod::IpSafe | PaperMethod::IpPrev => Dash::Solid,
             PaperMethod::Ip => Dash::DashDotted,
         };
@@ -222,7 +222,7 @@ fn punch_theta(all: &[Descent]) -> Chart {
 fn block_iterations(all: &[Effort]) -> Chart {
     let of = |effort: &Effort| {
         let dash = match effort.method {
-            PaperMethod::Bn => Dash::Solid,
+            PaperMethod::Bn | PaperMethod::BnDefault => Dash::Solid,
             PaperMethod::IpSafe => Dash::DashDotted,
             PaperMethod::IpPrev | PaperMethod::Ip => Dash::Dotted,
         };

@@ -1,13 +1,16 @@
 //! The B-differentiable formulation: `H_N` (19) and its linearisation (21) on `z = (u, p_t, p_n)`.
 
 use super::mixed::MixedMatrix;
+use super::natural::Pressure;
 use super::natural::{NaturalRows, half_square};
 use super::scaled::Scaled;
 use super::{Conventions, Formulation, Layout};
-use crate::contact::coulomb::{NormalCase, TangentialCase, normal_case, tangential_case};
+use crate::contact::coulomb::{
+    Germ, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case, tangential_case_ahead,
+};
 use crate::null_space::null_space;
 use crate::problem::{ContactProblem, Increment};
-use crate::sparse::{Csc, Csr};
+use crate::sparse::{Csc, Csr, Twofold};
 use crate::units::Scaling;
 
 /// `H_N` of a problem, in the units of its scaling, with its Jacobian on one fixed pattern.
@@ -15,8 +18,11 @@ pub struct Bdiff {
     data: Scaled,
     rows: NaturalRows,
     matrix: MixedMatrix,
-    cases: Vec<Option<(NormalCase, Option<TangentialCase>)>>,
+    cases: Vec<Option<Case>>,
 }
+
+/// The normal case of a contact node, and the tangential one where it has a `p_t`.
+type Case = (NormalCase, Option<TangentialCase>);
 
 impl Bdiff {
     /// Sets up `H_N` of `problem`.
@@ -40,8 +46,56 @@ impl Bdiff {
         &self.data.scaling
     }
 
+    /// The cases of node `i` at `z`.
+    fn case(&self, i: usize, z: &[f64]) -> Case {
+        let (data, r) = (&self.data, self.rows.r[i]);
+        let (p_n, w_n) = (z[data.layout.p_n(i)], data.w_n(i, z));
+        let tangential = data.layout.p_t(i).map(|k| {
+            let slip = data.w_t(i, z) - data.w_t_last[i];
+            tangential_case(z[k], self.rows.pressure(data, i, p_n, w_n), slip, data.mu[i], r)
+        });
+        (normal_case(p_n, w_n, data.gap[i], r), tangential)
+    }
+
+    /// The cases of node `i` just ahead of `z` along `dz`.
+    fn case_ahead(&self, i: usize, z: &[f64], dz: &[f64]) -> Case {
+        let (data, r) = (&self.data, self.rows.r[i]);
+        let n = data.layout.p_n(i);
+        let trial = Germ::new(z[n], r * (data.w_n(i, z) - data.gap[i]), dz[n] + r * data.w_n(i, dz));
+        let tangential = data.layout.p_t(i).map(|k| {
+            let pressure = match self.rows.kind {
+                Pressure::Unknown => Germ::new(z[n], 0.0, dz[n]),
+                Pressure::Trial => trial,
+            };
+            let slip = data.w_t(i, z) - data.w_t_last[i];
+            tangential_case_ahead(pressure, Germ::new(z[k], r * slip, dz[k] + r * data.w_t(i, dz)), data.mu[i])
+        });
+        (normal_case_ahead(trial), tangential)
+    }
+
+    /// The contact rows of (19).
+    fn contact_rows(&self, z: &[f64], h: &mut [f64]) {
+        let Bdiff { data, rows, .. } = self;
+        for i in 0..data.layout.contacts() {
+            let n = data.layout.p_n(i);
+            h[n] = rows.normal(data, i, z[n], data.w_n(i, z));
+            if let Some(k) = data.layout.p_t(i) {
+                let pressure = rows.pressure(data, i, z[n], data.w_n(i, z));
+                h[k] = rows.tangential(data, i, z[k], pressure, data.w_t(i, z));
+            }
+        }
+    }
+
+    /// Linearises for given cases of (21), one for each contact node, instead of those of a `z`. The
+    /// tangential case counts where there is a `p_t`.
+    pub fn set_cases(&mut self, cases: impl IntoIterator<Item = (NormalCase, TangentialCase)>) {
+        for (i, (normal, tangential)) in (0..self.layout().contacts()).zip(cases) {
+            self.write_rows(i, (normal, self.layout().p_t(i).map(|_| tangential)));
+        }
+    }
+
     /// Writes the rows of node `i` for its cases in (21); tells whether they changed.
-    fn write_rows(&mut self, i: usize, normal: NormalCase, tangential: Option<TangentialCase>) -> bool {
+    fn write_rows(&mut self, i: usize, (normal, tangential): Case) -> bool {
         if self.cases[i] == Some((normal, tangential)) {
             return false;
         }
@@ -72,19 +126,24 @@ impl Formulation for Bdiff {
 
     /// (19).
     fn residual(&self, z: &[f64], h: &mut [f64]) {
-        let Bdiff { data, rows, .. } = self;
+        let data = &self.data;
         // The equilibrium rows of the Jacobian are constant: K u + C_nᵀ p_n + C_tᵀ p_t - f.
         self.matrix.matrix().mul(z, h);
         for (row, force) in h.iter_mut().zip(&data.force) {
             *row -= force;
         }
-        for i in 0..data.layout.contacts() {
-            let n = data.layout.p_n(i);
-            h[n] = rows.normal(data, i, z[n], data.w_n(i, z));
-            if let Some(k) = data.layout.p_t(i) {
-                h[k] = rows.tangential(data, i, z[k], z[n], data.w_t(i, z));
-            }
+        self.contact_rows(z, h);
+    }
+
+    fn residual_beyond(&self, z: &[f64], rest: &[f64], h: &mut [f64]) {
+        let mut sums = vec![Twofold::default(); h.len()];
+        for (row, column, value) in self.matrix.matrix().entries() {
+            sums[row].add_product(value, z[column]);
+            sums[row].add(value * rest[column]);
         }
+        sums.iter_mut().zip(&self.data.force).for_each(|(sum, force)| sum.add(-force));
+        h.iter_mut().zip(sums).for_each(|(row, sum)| *row = sum.value());
+        self.contact_rows(z, h);
     }
 
     /// (10), `½ Hᵀ H` with every row in its unit of [`Conventions`], SI.
@@ -103,22 +162,47 @@ impl Formulation for Bdiff {
     fn linearize(&mut self, z: &[f64]) -> bool {
         let mut changed = false;
         for i in 0..self.layout().contacts() {
-            let (data, r) = (&self.data, self.rows.r[i]);
-            let p_n = z[data.layout.p_n(i)];
-            let normal = normal_case(p_n, data.w_n(i, z), data.gap[i], r);
-            let tangential = data.layout.p_t(i).map(|k| {
-                let slip = data.w_t(i, z) - data.w_t_last[i];
-                tangential_case(z[k], p_n, slip, data.mu[i], r)
-            });
-            changed |= self.write_rows(i, normal, tangential);
+            changed |= self.write_rows(i, self.case(i, z));
         }
         changed
     }
 
-    fn hold_contacts(&mut self) {
+    /// (20), branch by branch.
+    fn linearize_towards(&mut self, z: &[f64], dz: &[f64]) -> bool {
+        let mut changed = false;
         for i in 0..self.layout().contacts() {
-            self.write_rows(i, NormalCase::Closed, self.layout().p_t(i).map(|_| TangentialCase::Stick));
+            changed |= self.write_rows(i, self.case_ahead(i, z, dz));
         }
+        changed
+    }
+
+    /// The slip row of (21) has no `C_n du`. With the trial pressure the derivative has, `μ sign r C_n du`,
+    /// and the normal row of the closed node, taken away `μ sign` times, removes it.
+    fn right_hand_side(&self, h: &mut [f64]) {
+        if self.rows.kind == Pressure::Unknown {
+            return;
+        }
+        for i in 0..self.layout().contacts() {
+            if let (Some(k), Some((_, Some(TangentialCase::Slip { sign })))) = (self.layout().p_t(i), self.cases[i]) {
+                h[k] -= self.data.mu[i] * sign * h[self.layout().p_n(i)];
+            }
+        }
+    }
+
+    fn cases(&self) -> Vec<u8> {
+        let tangential = |case: &Option<TangentialCase>| match case {
+            None => 0,
+            Some(TangentialCase::NoPressure) => 1,
+            Some(TangentialCase::Stick) => 2,
+            Some(TangentialCase::Slip { sign }) if *sign > 0.0 => 3,
+            Some(TangentialCase::Slip { .. }) => 4,
+        };
+        let cases = self.cases.iter().flatten();
+        cases.flat_map(|(normal, case)| [u8::from(*normal == NormalCase::Closed), tangential(case)]).collect()
+    }
+
+    fn hold_contacts(&mut self) {
+        self.set_cases(vec![(NormalCase::Closed, TangentialCase::Stick); self.layout().contacts()]);
     }
 
     fn jacobian(&self) -> &Csc {

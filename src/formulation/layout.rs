@@ -74,10 +74,20 @@ impl Layout {
         z
     }
 
+    /// The state of `z + rest`, where `rest` is below the rounding of `z`, or 0 throughout.
+    pub fn unpack_with(&self, z: &[f64], rest: &[f64], scaling: &Scaling) -> State {
+        let mut state = self.unpack(z, scaling);
+        if rest.iter().any(|rest| *rest != 0.0) {
+            state.u_rest = rest[..self.displacements].iter().map(|x| x * scaling.length).collect();
+        }
+        state
+    }
+
     /// The state of a `z` that begins with this layout; the inverse of [`Layout::pack`].
     pub fn unpack(&self, z: &[f64], scaling: &Scaling) -> State {
         State {
             u: z[..self.displacements].iter().map(|x| x * scaling.length).collect(),
+            u_rest: Vec::new(),
             p_t: self.tangential.iter().map(|k| k.map_or(0.0, |k| z[k] * scaling.force)).collect(),
             p_n: z[self.first_normal..self.unknowns()].iter().map(|x| x * scaling.force).collect(),
         }

@@ -1,36 +1,61 @@
 //! BN along a history: every increment starts from the last solution.
 
 use super::method::{IncrementSolver, Task};
-use super::settings::HistorySettings;
+use super::predictor_corrector::PredictorCorrectorMethod;
+use super::settings::{FirstGuess, HistorySettings};
 use crate::formulation::{Bdiff, Formulation};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
-use crate::nonlinear::{Bn, BnSettings, Flow, IterationRecord, Outcome};
+use crate::nonlinear::{Bn, BnSettings, Flow, IterationRecord, Outcome, PredictorCorrectorSettings, Stop};
 use crate::problem::{ContactProblem, State};
+use crate::scene::NewtonSystem;
 use crate::sparse::Csc;
 
-pub(super) struct BnMethod {
+pub(super) struct BnMethod<'a> {
+    problem: &'a ContactProblem,
     formulation: Bdiff,
     bn: Bn,
+    start: FirstGuess,
+    rescue: Option<Rescue<'a>>,
     z: Vec<f64>,
+    /// What rounding leaves off `z`.
+    rest: Vec<f64>,
 }
 
-impl BnMethod {
+/// The interior point method that solves what BN does not.
+struct Rescue<'a> {
+    settings: PredictorCorrectorSettings,
+    history: HistorySettings,
+    /// Made when it is first needed.
+    method: Option<PredictorCorrectorMethod<'a>>,
+}
+
+impl<'a> BnMethod<'a> {
     pub(super) fn new(
-        problem: &ContactProblem,
+        problem: &'a ContactProblem,
         loading: &Loading,
-        settings: &HistorySettings,
-        bn: BnSettings,
-        start_pressure: f64,
+        history: &HistorySettings,
+        settings: BnSettings,
+        start: FirstGuess,
+        rescue: Option<PredictorCorrectorSettings>,
     ) -> Self {
-        let formulation = Bdiff::new(problem, settings.scaling, &settings.conventions);
-        let p_n = start_forces(problem, loading, settings, start_pressure);
-        let z = formulation.layout().pack(&State { p_n, ..State::zero(problem) }, &settings.scaling);
-        BnMethod { bn: Bn::new(bn, formulation.unknowns()), formulation, z }
+        let formulation = Bdiff::new(problem, history.scaling, &history.conventions);
+        let p_n = start_forces(problem, loading, history, start);
+        let z = formulation.layout().pack(&State { p_n, ..State::zero(problem) }, &history.scaling);
+        let rescue = rescue.map(|settings| Rescue { settings, history: history.clone(), method: None });
+        BnMethod {
+            bn: Bn::new(settings, formulation.unknowns()),
+            problem,
+            formulation,
+            start,
+            rescue,
+            rest: vec![0.0; z.len()],
+            z,
+        }
     }
 }
 
-impl IncrementSolver for BnMethod {
+impl IncrementSolver for BnMethod<'_> {
     fn matrix(&self) -> &Csc {
         self.formulation.jacobian()
     }
@@ -46,13 +71,42 @@ impl IncrementSolver for BnMethod {
         linear: &mut Direct,
         observe: &mut dyn FnMut(&IterationRecord) -> Flow,
     ) -> Result<Outcome, LinearError> {
-        self.formulation.begin(task.increment);
-        task.response.add_to(&mut self.z);
-        self.bn.solve(&mut self.formulation, linear, &mut self.z, observe)
+        let BnMethod { problem, formulation, bn, start, rescue, z, rest } = self;
+        let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
+        let last = layout.unpack(z, &scaling);
+        formulation.begin(task.increment);
+        task.response.add_to(z);
+        if task.first && *start == FirstGuess::Held {
+            task.response.add_forces_to(z);
+        }
+        let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpack_with(z, rest, &scaling));
+        let mut outcome = bn.solve(formulation, linear, z, &mut error, observe)?;
+        if let Some(rescue) = rescue.as_mut().filter(|_| !matches!(outcome.stop, Stop::Met | Stop::Interrupted)) {
+            let method = rescue.method.get_or_insert_with(|| {
+                PredictorCorrectorMethod::new(problem, &rescue.history, rescue.settings, NewtonSystem::Reduced)
+            });
+            method.go_on_from(&last);
+            let interior = method.solve(task, linear, observe)?;
+            // However that has ended, BN may find the rest of the way.
+            z.copy_from_slice(&layout.pack(&method.state(), &scaling));
+            let mut end = bn.solve(formulation, linear, z, &mut error, observe)?;
+            end.rescued = end.stop == Stop::Met;
+            if !matches!(end.stop, Stop::Met | Stop::Interrupted) {
+                // How the first attempt ended tells more.
+                end.stop.clone_from(&outcome.stop);
+            }
+            outcome = outcome.then(interior).then(end);
+        }
+        rest.copy_from_slice(bn.rest());
+        Ok(outcome)
     }
 
     fn state(&self) -> State {
-        self.formulation.layout().unpack(&self.z, self.formulation.scaling())
+        self.formulation.layout().unpack_with(&self.z, &self.rest, self.formulation.scaling())
+    }
+
+    fn unknowns(&mut self) -> &mut Vec<f64> {
+        &mut self.z
     }
 }
 
@@ -63,13 +117,17 @@ fn start_forces(
     problem: &ContactProblem,
     loading: &Loading,
     settings: &HistorySettings,
-    start_pressure: f64,
+    start: FirstGuess,
 ) -> Vec<f64> {
     if loading.largest_force() == 0.0 && loading.largest_interference() == 0.0 {
         return vec![0.0; problem.contacts()];
     }
     let held = problem.free_motions.is_empty();
     let closing = |i: usize| if held { 0.0 } else { 2.0 * settings.conventions.r[i] * loading.gap[i] };
-    let guess = problem.weight.iter().map(|l| l * start_pressure);
+    let pressure = match start {
+        FirstGuess::Pressure(pressure) => pressure,
+        FirstGuess::Held => 0.0,
+    };
+    let guess = problem.weight.iter().map(|l| l * pressure);
     guess.enumerate().map(|(i, p_n)| p_n.max(closing(i))).collect()
 }

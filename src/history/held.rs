@@ -17,9 +17,6 @@ use crate::units::Scaling;
 pub(super) struct HeldBody {
     /// `∂(u, p_t, p_n)/∂factor` per case, scaled.
     answers: Vec<Vec<f64>>,
-    /// The factors and gaps (m) of the last increment.
-    factors: Vec<f64>,
-    gap: Vec<f64>,
     displacements: usize,
     scaling: Scaling,
 }
@@ -27,6 +24,8 @@ pub(super) struct HeldBody {
 /// What the change of the load from one increment to the next does to the held body, scaled.
 pub(super) struct Response {
     u: Vec<f64>,
+    /// The changes of the contact forces that hold the nodes, `(p_t, p_n)`.
+    forces: Vec<f64>,
     /// The largest change of a contact force that holds a node.
     pub contact_force: f64,
     /// The largest change of a gap.
@@ -37,6 +36,11 @@ impl Response {
     /// Moves the displacements at the beginning of `z`.
     pub(super) fn add_to(&self, z: &mut [f64]) {
         z.iter_mut().zip(&self.u).for_each(|(u, du)| *u += du);
+    }
+
+    /// Adds the contact forces, which follow the displacements in `z`.
+    pub(super) fn add_forces_to(&self, z: &mut [f64]) {
+        z[self.u.len()..].iter_mut().zip(&self.forces).for_each(|(p, dp)| *p += dp);
     }
 }
 
@@ -76,28 +80,30 @@ impl HeldBody {
                 answers.push(z[..unknowns].to_vec());
             }
         }
-        let (factors, gap) = (vec![0.0; answers.len()], loading.gap.clone());
-        Ok(Ok(HeldBody { answers, factors, gap, displacements, scaling: *scaling }))
+        Ok(Ok(HeldBody { answers, displacements, scaling: *scaling }))
     }
 
-    /// Goes on to the load at `time`.
-    pub(super) fn advance(&mut self, loading: &Loading, time: f64) -> Response {
+    /// What the change of the load from one time to another does; `None` stands for the unloaded body.
+    pub(super) fn response(&self, loading: &Loading, from: Option<f64>, to: f64) -> Response {
         let largest = |changes: &mut dyn Iterator<Item = f64>| changes.fold(0.0_f64, |m, change| m.max(change.abs()));
         let mut u = vec![0.0; self.answers.first().map_or(0, Vec::len)];
-        for ((case, answer), last) in loading.cases.iter().zip(&self.answers).zip(&mut self.factors) {
-            let factor = case.factor(time);
+        for (case, answer) in loading.cases.iter().zip(&self.answers) {
+            let change = case.factor(to) - from.map_or(0.0, |from| case.factor(from));
             for (u, a) in u.iter_mut().zip(answer) {
-                *u += (factor - *last) * a;
+                *u += change * a;
             }
-            *last = factor;
         }
-        let contact_forces = u.split_off(self.displacements.min(u.len()));
-        let before = self.gap.clone();
-        loading.gap_at(time, &mut self.gap);
-        let gap_changes = &mut self.gap.iter().zip(&before).map(|(now, before)| now - before);
+        let forces = u.split_off(self.displacements.min(u.len()));
+        let (mut before, mut after) = (loading.gap.clone(), loading.gap.clone());
+        if let Some(from) = from {
+            loading.gap_at(from, &mut before);
+        }
+        loading.gap_at(to, &mut after);
+        let gap_changes = &mut after.iter().zip(&before).map(|(now, before)| now - before);
         Response {
             u,
-            contact_force: largest(&mut contact_forces.into_iter()),
+            contact_force: largest(&mut forces.iter().copied()),
+            forces,
             gap_change: largest(gap_changes) / self.scaling.length,
         }
     }

@@ -97,6 +97,10 @@ impl IncrementSolver for IpMethod {
     fn state(&self) -> State {
         self.formulation.layout().forces().unpack(&self.z, self.formulation.scaling())
     }
+
+    fn unknowns(&mut self) -> &mut Vec<f64> {
+        &mut self.z
+    }
 }
 
 /// `p_n = l`, everything else that is positive 1, the rest 0; in MN, m and 10⁻⁵ m.

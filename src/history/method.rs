@@ -5,7 +5,7 @@ use super::held::Response;
 use super::ip::IpMethod;
 use super::predictor_corrector::PredictorCorrectorMethod;
 use super::settings::{HistorySettings, Method};
-use crate::contact::KktScales;
+use crate::contact::{KktErrors, KktScales};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Flow, IterationRecord, Outcome};
@@ -22,6 +22,14 @@ pub(super) struct Task<'a> {
     pub response: &'a Response,
     /// The scales of the error measure, from the increments before.
     pub scales: &'a KktScales,
+}
+
+impl Task<'_> {
+    /// The error of a state at the end of the increment.
+    pub(super) fn error(&self, problem: &ContactProblem, state: &State) -> f64 {
+        let scales = KktScales::after(self.scales, self.increment, state);
+        KktErrors::measure(problem, self.increment, state, &scales).worst().1
+    }
 }
 
 /// A method with the state it has reached, in its own units.
@@ -43,6 +51,9 @@ pub(super) trait IncrementSolver {
 
     /// The state it has reached.
     fn state(&self) -> State;
+
+    /// Its unknowns, to be kept and put back if an increment fails.
+    fn unknowns(&mut self) -> &mut Vec<f64>;
 }
 
 /// The method that `settings` name.
@@ -52,8 +63,8 @@ pub(super) fn new<'a>(
     settings: &HistorySettings,
 ) -> Box<dyn IncrementSolver + 'a> {
     match settings.method {
-        Method::Bn { settings: bn, start_pressure } => {
-            Box::new(BnMethod::new(problem, loading, settings, bn, start_pressure))
+        Method::Bn { settings: bn, start, rescue } => {
+            Box::new(BnMethod::new(problem, loading, settings, bn, start, rescue))
         }
         Method::PredictorCorrector { settings: pc, newton } => {
             Box::new(PredictorCorrectorMethod::new(problem, settings, pc, newton))

@@ -3,7 +3,6 @@
 use super::held::Response;
 use super::method::{IncrementSolver, Task};
 use super::settings::HistorySettings;
-use crate::contact::{KktErrors, KktScales};
 use crate::formulation::Constrained;
 use crate::linear::{Direct, LinearError};
 use crate::nonlinear::{Flow, IterationRecord, Outcome, PredictorCorrector, PredictorCorrectorSettings, Stop};
@@ -39,13 +38,20 @@ impl<'a> PredictorCorrectorMethod<'a> {
         let HistorySettings { scaling, conventions, .. } = history;
         let formulation = Constrained::new(problem, *scaling, conventions, Partition::Products, newton);
         PredictorCorrectorMethod {
-            stiffness: contact_stiffness(problem) / scaling.stiffness(),
+            stiffness: median_stiffness(problem) / scaling.stiffness(),
             z: vec![0.0; formulation.layout().unknowns()],
             method: PredictorCorrector::default(),
             problem,
             formulation,
             settings,
         }
+    }
+
+    /// Takes over the last state of another method.
+    pub(super) fn go_on_from(&mut self, state: &State) {
+        let forces = self.formulation.layout().forces();
+        let z = forces.pack(state, self.formulation.scaling());
+        self.z[..forces.unknowns()].copy_from_slice(&z);
     }
 
     /// Moves the pairs into the interior: as far from the last solution as the change of the load
@@ -90,12 +96,9 @@ fn central_pair(x: f64, force: f64, y: f64, length: f64) -> (f64, f64) {
     (force * a, length / a)
 }
 
-/// The median over the contact nodes of a quarter of `diag(C_n K C_nᵀ)`: what stands against a force
-/// on a single node of a uniform mesh, N/m. Only its order of magnitude matters.
-fn contact_stiffness(problem: &ContactProblem) -> f64 {
-    let diagonal = problem.stiffness.diagonal();
-    let along_normal = |i: usize| problem.c_n.row(i).iter().map(|&(dof, c)| c * c * diagonal[dof]).sum::<f64>();
-    let mut stiffness: Vec<f64> = (0..problem.contacts()).map(|i| 0.25 * along_normal(i)).collect();
+/// The median stiffness of a contact node, N/m. Only its order of magnitude matters.
+fn median_stiffness(problem: &ContactProblem) -> f64 {
+    let mut stiffness = problem.contact_stiffness();
     let middle = stiffness.len() / 2;
     if stiffness.is_empty() { 1.0 } else { *stiffness.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
@@ -120,11 +123,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         task.response.add_to(&mut self.z);
         let (problem, scaling) = (self.problem, *self.formulation.scaling());
         let forces = self.formulation.layout().forces().clone();
-        let mut error = |z: &[f64]| {
-            let state = forces.unpack(z, &scaling);
-            let scales = KktScales::after(task.scales, task.increment, &state);
-            KktErrors::measure(problem, task.increment, &state, &scales).worst().1
-        };
+        let mut error = |z: &[f64]| task.error(problem, &forces.unpack(z, &scaling));
         // An increment in which nothing happens that the held body does not do by itself is solved.
         if error(&self.z) <= self.settings.tolerance {
             return Ok(Outcome { stop: Stop::Met, ..Outcome::new(0.0) });
@@ -151,6 +150,10 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
 
     fn state(&self) -> State {
         self.formulation.layout().forces().unpack(&self.z, self.formulation.scaling())
+    }
+
+    fn unknowns(&mut self) -> &mut Vec<f64> {
+        &mut self.z
     }
 }
 

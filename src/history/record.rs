@@ -5,6 +5,8 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::contact::{ContactStatus, KktErrors};
+use crate::linear::LinearError;
+use crate::nonlinear::{Outcome, Stop};
 
 /// The verdict on an increment and on a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -16,6 +18,8 @@ pub enum Status {
     Inaccurate,
     /// The limit of iterations was reached.
     MaxIterations,
+    /// The limit of iterations was reached, going through the same sets of contact cases again and again.
+    Cycling,
     /// The iteration left the range of numbers.
     Diverged,
     /// The iteration came to a halt away from the solution.
@@ -24,6 +28,10 @@ pub enum Status {
     Singular,
     /// No equilibrium exists: no admissible contact forces balance the loads on the rigid body.
     NoEquilibrium,
+    /// The linear algebra gave numbers that are not finite.
+    NotFinite,
+    /// There was not enough memory to go on.
+    OutOfMemory,
     /// Stopped on request.
     Interrupted,
 }
@@ -34,10 +42,13 @@ impl fmt::Display for Status {
             Status::Converged => "converged",
             Status::Inaccurate => "inaccurate",
             Status::MaxIterations => "max-iterations",
+            Status::Cycling => "cycling",
             Status::Diverged => "diverged",
             Status::Stalled => "stalled",
             Status::Singular => "singular",
             Status::NoEquilibrium => "no-equilibrium",
+            Status::NotFinite => "not-finite",
+            Status::OutOfMemory => "out-of-memory",
             Status::Interrupted => "interrupted",
         })
     }
@@ -76,7 +87,11 @@ pub struct IncrementRecord {
     pub time: f64,
     /// The verdict.
     pub status: Status,
-    /// Linear systems solved (nle).
+    /// How many parts of it converged: 1 if it did not have to be halved.
+    pub parts: usize,
+    /// Whether another method solved it, or a part of it, in place of the one asked for.
+    pub rescued: bool,
+    /// Linear systems solved (nle), in failed attempts, too.
     pub iterations: usize,
     /// Steps shortened.
     pub backtracks: usize,
@@ -90,6 +105,23 @@ pub struct IncrementRecord {
     pub contact: ContactCounts,
     /// Wall time.
     pub seconds: Seconds,
+}
+
+/// Converged is what the error measure says, whatever the solver thinks; how the solver ended only
+/// tells why it did not. An increment that was interrupted is not judged.
+pub(super) fn verdict(solved: &Outcome, kkt: &KktErrors, tolerance: f64) -> Status {
+    match solved.stop {
+        Stop::Interrupted => Status::Interrupted,
+        _ if kkt.worst().1 <= tolerance => Status::Converged,
+        Stop::Met => Status::Inaccurate,
+        Stop::MaxIterations => Status::MaxIterations,
+        Stop::Cycling => Status::Cycling,
+        Stop::Diverged => Status::Diverged,
+        Stop::Stalled => Status::Stalled,
+        Stop::Singular(LinearError::NotFinite) => Status::NotFinite,
+        Stop::Unheld(_) | Stop::Singular(_) => Status::Singular,
+        Stop::NoEquilibrium(_) => Status::NoEquilibrium,
+    }
 }
 
 impl ContactCounts {

@@ -17,6 +17,8 @@ pub struct HistorySettings {
     pub scaling: Scaling,
     /// An increment has converged when every component of its error measure is at most this.
     pub tolerance: f64,
+    /// How many times an increment that fails may be halved. The parts are increments of their own.
+    pub halvings: u32,
 }
 
 /// The algorithm of the increments.
@@ -26,9 +28,12 @@ pub enum Method {
     Bn {
         /// Its constants.
         settings: BnSettings,
-        /// The normal stress every contact node has before the first increment, Pa. A guess that
-        /// the iteration starts from; it has no part in the solution.
-        start_pressure: f64,
+        /// The contact forces from which the first increment starts. A guess: it has no part in the
+        /// solution.
+        start: FirstGuess,
+        /// If given, the increments that BN does not solve within [`BN_PATIENCE`] iterations are
+        /// solved by the predictor–corrector interior point method.
+        rescue: Option<PredictorCorrectorSettings>,
     },
     /// The potential reduction interior point method, with the paper's starting points.
     Ip {
@@ -49,6 +54,27 @@ pub enum Method {
         newton: NewtonSystem,
     },
 }
+
+/// The contact forces from which BN starts its first increment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FirstGuess {
+    /// The same normal stress (Pa) in every contact node.
+    Pressure(f64),
+    /// Those that would hold the contact nodes where they are.
+    Held,
+}
+
+/// After so many iterations BN leaves an increment to the interior point method: more than any
+/// increment of the tests takes that it solves at all.
+pub const BN_PATIENCE: usize = 40;
+
+/// The error at which the interior point method hands an increment back to BN, which ends it: near
+/// enough for the contact statuses, and within what rounding leaves in slender bodies.
+const HANDED_BACK: f64 = 1e-8;
+
+/// An increment may become 64 parts: an order of magnitude and a half, after which a history that
+/// cannot go on is told from one that was too coarse.
+const HALVINGS: u32 = 6;
 
 /// Where the paper's interior point method starts the increments after the first.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,11 +113,28 @@ impl HistorySettings {
         HistorySettings {
             method: Method::Bn {
                 settings: BnSettings::paper(max_iterations),
-                start_pressure: if problem.contacts() < 100 { 1e6 } else { 1e7 },
+                start: FirstGuess::Pressure(if problem.contacts() < 100 { 1e6 } else { 1e7 }),
+                rescue: None,
             },
             conventions: Conventions::paper(problem),
             scaling,
             tolerance,
+            halvings: 0,
+        }
+    }
+
+    /// BN without a number to guess.
+    pub fn bn(problem: &ContactProblem, scaling: Scaling, max_iterations: usize, tolerance: f64) -> Self {
+        HistorySettings {
+            method: Method::Bn {
+                settings: BnSettings::until(tolerance, max_iterations.min(BN_PATIENCE)),
+                start: FirstGuess::Held,
+                rescue: Some(PredictorCorrectorSettings { tolerance: tolerance.max(HANDED_BACK), max_iterations }),
+            },
+            conventions: Conventions::natural(problem),
+            scaling,
+            tolerance,
+            halvings: HALVINGS,
         }
     }
 
@@ -105,6 +148,7 @@ impl HistorySettings {
             conventions: Conventions::paper(problem),
             scaling,
             tolerance,
+            halvings: HALVINGS,
         }
     }
 
@@ -120,6 +164,7 @@ impl HistorySettings {
             conventions: Conventions::paper(problem),
             scaling: Scaling { force: 1e6, length: 1e-5 },
             tolerance,
+            halvings: 0,
         }
     }
 }

@@ -5,9 +5,26 @@ use super::{Boundary, Mesh};
 /// A rectangle `size` (m) with its lower left corner in the origin, divided into `elements` equal
 /// quadrilaterals along x and y; boundaries `bottom`, `right`, `top` and `left`.
 pub fn block(size: [f64; 2], elements: [usize; 2]) -> Mesh {
-    // i / n is exact at both ends, so the sides are exactly straight.
-    let along = |c: usize| (0..=elements[c]).map(|i| size[c] * i as f64 / elements[c] as f64).collect::<Vec<f64>>();
+    graded_block(size, elements, [1.0; 2])
+}
+
+/// As [`block`], with elements in geometric progression along x and y: the last is `grading` times the
+/// size of the first.
+pub fn graded_block(size: [f64; 2], elements: [usize; 2], grading: [f64; 2]) -> Mesh {
+    let along = |c: usize| progression(size[c], elements[c], grading[c]);
     rectangle(&along(0), &along(1))
+}
+
+/// The ends of `n` lengths that fill `length` in geometric progression, the last `ratio` times the
+/// first: `x_i = length (q^i - 1) / (q^n - 1)` with `q = ratio^(1 / (n - 1))`.
+fn progression(length: f64, n: usize, ratio: f64) -> Vec<f64> {
+    // Both fractions are exact at both ends, so the sides are exactly straight.
+    if ratio == 1.0 || n == 1 {
+        return (0..=n).map(|i| length * i as f64 / n as f64).collect();
+    }
+    let log = ratio.ln() / (n - 1) as f64;
+    // exp_m1 keeps the digits of q^i - 1 for q close to 1.
+    (0..=n).map(|i| length * ((log * i as f64).exp_m1() / (log * n as f64).exp_m1())).collect()
 }
 
 /// The mesh of the products of the coordinates `xs` and `ys`, both ascending.
@@ -43,5 +60,19 @@ mod tests {
             .map(|&[a, b]| mesh.nodes[a][0] * mesh.nodes[b][1] - mesh.nodes[b][0] * mesh.nodes[a][1])
             .sum();
         assert!((area - 4.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn sizes_are_in_geometric_progression() {
+        for ratio in [1e-6, 0.25, 1.0 + 1e-9, 8.0, 1e6] {
+            let xs = progression(3.0, 10, ratio);
+            let sizes: Vec<f64> = xs.windows(2).map(|x| x[1] - x[0]).collect();
+            assert_eq!((xs.len(), xs[0], xs[10]), (11, 0.0, 3.0));
+            assert!((sizes[9] / sizes[0] / ratio - 1.0).abs() < 1e-9, "{sizes:?}");
+            let q = ratio.powf(1.0 / 9.0);
+            assert!(sizes.windows(2).all(|h| (h[1] / h[0] / q - 1.0).abs() < 1e-9), "{sizes:?}");
+        }
+        assert_eq!(graded_block([2.0, 1.0], [3, 2], [1.0; 2]), block([2.0, 1.0], [3, 2]));
+        assert_eq!(progression(3.0, 1, 8.0), [0.0, 3.0]);
     }
 }

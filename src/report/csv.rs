@@ -21,6 +21,7 @@ pub(super) fn increment_header() -> String {
         &kkt,
         &["backward_error", "open", "stick", "slip"],
         &["seconds_assembly", "seconds_factorization", "seconds_solve", "seconds_rest"],
+        &["parts", "rescued"],
     ];
     fields.concat().join(",") + "\n"
 }
@@ -41,5 +42,6 @@ pub(super) fn increment(record: &IncrementRecord) -> String {
     fields.extend([r.contact.open, r.contact.stick, r.contact.slip].map(|count| count.to_string()));
     let s = r.seconds;
     fields.extend([s.assembly, s.factorization, s.solve, s.rest].map(|seconds| format!("{seconds:.6}")));
+    fields.extend([r.parts.to_string(), r.rescued.to_string()]);
     fields.join(",") + "\n"
 }

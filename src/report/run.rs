@@ -4,11 +4,12 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use crate::contact::ContactBoundary;
+use crate::contact::{ContactBoundary, Law};
 use crate::formulation::Layout;
 use crate::history::{HistoryOutcome, IncrementRecord, Status};
 use crate::problem::State;
 use crate::scene::{LinearBackend, MethodName, Scene, Setting};
+use crate::uniqueness::CriticalFriction;
 
 /// Everything about a run but the fields; SI units throughout.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -25,8 +26,9 @@ pub struct RunReport {
     pub solver: LinearBackend,
     /// The verdict.
     pub status: Status,
-    /// Why the run ended early, in words; empty if it did not.
-    pub reason: String,
+    /// Why the run ended early.
+    #[serde(flatten)]
+    pub explanation: Explanation,
     /// How many unknowns of each kind there were.
     pub unknowns: Unknowns,
     /// One record per increment.
@@ -38,6 +40,32 @@ pub struct RunReport {
     pub end: Final,
     /// The same for each boundary with contact.
     pub boundaries: Vec<Resultant>,
+    /// The critical friction at the end of the last converged increment, where it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub critical_friction: Option<CriticalFriction>,
+}
+
+/// Why a run ended early.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Explanation {
+    /// In words; empty if it did not.
+    pub reason: String,
+    /// Where the increment that failed violates the law most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst: Option<WorstNode>,
+}
+
+/// A node where a law is violated.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct WorstNode {
+    /// The law.
+    pub law: Law,
+    /// The error, relative as everywhere.
+    pub error: f64,
+    /// Its number in the mesh, from 0.
+    pub node: usize,
+    /// Its position, m.
+    pub position: [f64; 2],
 }
 
 /// The numbers of unknowns.
@@ -130,7 +158,7 @@ impl RunReport {
         scene: &Scene,
         boundaries: &[ContactBoundary],
         outcome: &HistoryOutcome,
-        reason: String,
+        explanation: Explanation,
         measured: Measured,
     ) -> Self {
         RunReport {
@@ -140,7 +168,7 @@ impl RunReport {
             setting: scene.solver.method.setting(),
             solver: scene.solver.linear,
             status: outcome.status,
-            reason,
+            explanation,
             unknowns: Unknowns::new(&outcome.layout, scene.solver.method.name()),
             increments: outcome.records.clone(),
             totals: Totals {
@@ -161,6 +189,7 @@ impl RunReport {
                     sums: Final::of(&outcome.state, boundary.nodes.clone()),
                 })
                 .collect(),
+            critical_friction: None,
         }
     }
 

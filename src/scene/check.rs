@@ -1,5 +1,6 @@
 //! From the file as it stands to a scene that can be solved.
 
+mod material;
 mod mesh;
 mod obstacle;
 mod solver;
@@ -9,9 +10,9 @@ use std::path::Path;
 
 use toml::Spanned;
 
-use super::document::{self, Direction, Document, Pair};
+use super::document::{self, Direction, Document, Tuple};
 use super::error::Source;
-use super::{Contact, Load, Material, Name, Output, Scene, SceneError, Support, Time};
+use super::{Contact, Load, Name, Output, Scene, SceneError, Support, Time};
 
 /// Checks every value of `document`, which was read from `source`.
 pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneError> {
@@ -19,6 +20,7 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     let time = check.time(&document.time)?;
     let mesh = check.mesh(&document.mesh)?;
     let material = check.material(&document.material)?;
+    let element = check.element(&document.mesh, &material)?;
     let supports = document.support.into_iter().map(|support| check.support(support)).collect::<Result<_, _>>()?;
     let contacts = check.contacts(document.contact)?;
     let loads = document.load.into_iter().map(|load| check.load(load, &time)).collect::<Result<_, _>>()?;
@@ -26,7 +28,7 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     let output = check.output(document.output, &time)?;
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let title = document.title.unwrap_or_else(stem);
-    Ok(Scene { title, mesh, material, supports, contacts, loads, time, solver, output, source })
+    Ok(Scene { title, mesh, element, material, supports, contacts, loads, time, solver, output, source })
 }
 
 struct Check<'a> {
@@ -80,8 +82,8 @@ impl Check<'_> {
         Ok(*value.get_ref())
     }
 
-    fn finite_pair(&self, name: &str, value: &Spanned<Pair<f64>>) -> Result<[f64; 2], SceneError> {
-        let Pair(pair) = *value.get_ref();
+    fn finite_pair(&self, name: &str, value: &Spanned<Tuple<f64>>) -> Result<[f64; 2], SceneError> {
+        let Tuple(pair) = *value.get_ref();
         let sound = pair.iter().all(|x| x.is_finite());
         self.demand(sound, name, value, "two finite numbers", "give numbers other than nan or inf")?;
         Ok(pair)
@@ -95,16 +97,6 @@ impl Check<'_> {
         let sound = (1..=10_000_000).contains(&increments);
         self.demand(sound, "time.increments", &time.increments, "at least 1 and at most 10 million", help)?;
         Ok(Time { end, increments: increments as usize })
-    }
-
-    fn material(&self, material: &document::Material) -> Result<Material, SceneError> {
-        let young = self.finite("material.young", &material.young)?;
-        self.demand(young > 0.0, "material.young", &material.young, "positive", "give Young's modulus in Pa")?;
-        let poisson = self.finite("material.poisson", &material.poisson)?;
-        let help = "thermodynamics sets the lower limit; an incompressible material is beyond displacements alone, use e.g. 0.49";
-        let sound = poisson > -1.0 && poisson < 0.5;
-        self.demand(sound, "material.poisson", &material.poisson, "above -1 and below 0.5", help)?;
-        Ok(Material { young, poisson, plane: material.plane })
     }
 
     fn support(&self, support: document::Support) -> Result<Support, SceneError> {
@@ -144,9 +136,9 @@ impl Check<'_> {
     }
 
     /// The points `[time, value]` of a history.
-    fn history(&self, name: &str, value: &str, given: &Spanned<Vec<Pair<f64>>>) -> Result<Vec<[f64; 2]>, SceneError> {
+    fn history(&self, name: &str, value: &str, given: &Spanned<Vec<Tuple<f64>>>) -> Result<Vec<[f64; 2]>, SceneError> {
         let span = given.span();
-        let points: Vec<[f64; 2]> = given.get_ref().iter().map(|&Pair(point)| point).collect();
+        let points: Vec<[f64; 2]> = given.get_ref().iter().map(|&Tuple(point)| point).collect();
         if points.is_empty() {
             let help = format!("give points [time, {value}], e.g. [[0, 0], [1, 1]]");
             return self.fail(span, format!("{name} is empty"), &help);

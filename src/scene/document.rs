@@ -6,25 +6,25 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::Source;
-use super::{LinearBackend, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start};
+use super::{Element, LinearBackend, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start};
 
-/// Two values. An array type would do but for that the TOML reader passes over what is too many.
+/// `N` values, two unless it says otherwise. An array type would do but for that the TOML reader passes over what is too many.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "Vec<T>")]
-pub(super) struct Pair<T>(pub [T; 2]);
+pub(super) struct Tuple<T, const N: usize = 2>(pub [T; N]);
 
-impl<T: fmt::Debug> fmt::Debug for Pair<T> {
+impl<T: fmt::Debug, const N: usize> fmt::Debug for Tuple<T, N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.fmt(f)
     }
 }
 
-impl<T> TryFrom<Vec<T>> for Pair<T> {
+impl<T, const N: usize> TryFrom<Vec<T>> for Tuple<T, N> {
     type Error = String;
 
     fn try_from(values: Vec<T>) -> Result<Self, String> {
         let count = values.len();
-        values.try_into().map(Pair).map_err(|_| format!("invalid length {count}, expected 2 values"))
+        values.try_into().map(Tuple).map_err(|_| format!("invalid length {count}, expected {N} values"))
     }
 }
 
@@ -58,8 +58,10 @@ pub(super) enum MeshKind {
 #[serde(deny_unknown_fields)]
 pub(super) struct Mesh {
     pub kind: Spanned<MeshKind>,
-    pub size: Spanned<Pair<f64>>,
-    pub elements: Option<Spanned<Pair<i64>>>,
+    pub size: Spanned<Tuple<f64>>,
+    pub element: Option<Spanned<Element>>,
+    pub elements: Option<Spanned<Tuple<i64>>>,
+    pub grading: Option<Spanned<Tuple<f64>>>,
     pub contact_width: Option<Spanned<f64>>,
     pub contact_elements: Option<Spanned<i64>>,
     pub outer_elements: Option<Spanned<i64>>,
@@ -73,6 +75,8 @@ pub(super) struct Material {
     pub poisson: Spanned<f64>,
     #[serde(default)]
     pub plane: Plane,
+    #[serde(default)]
+    pub layers: Vec<Spanned<Tuple<Spanned<f64>, 3>>>,
 }
 
 #[derive(Deserialize, PartialEq)]
@@ -110,18 +114,18 @@ pub(super) struct Obstacle {
     pub kind: Spanned<ObstacleKind>,
     pub gap: Option<Spanned<f64>>,
     pub radius: Option<Spanned<f64>>,
-    pub apex: Option<Spanned<Pair<f64>>>,
-    pub approach: Option<Spanned<Vec<Pair<f64>>>>,
-    pub normal: Option<Spanned<Pair<f64>>>,
-    pub tangent: Option<Spanned<Pair<f64>>>,
+    pub apex: Option<Spanned<Tuple<f64>>>,
+    pub approach: Option<Spanned<Vec<Tuple<f64>>>>,
+    pub normal: Option<Spanned<Tuple<f64>>>,
+    pub tangent: Option<Spanned<Tuple<f64>>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Load {
     pub boundary: Spanned<String>,
-    pub traction: Spanned<Pair<f64>>,
-    pub history: Option<Spanned<Vec<Pair<f64>>>>,
+    pub traction: Spanned<Tuple<f64>>,
+    pub history: Option<Spanned<Vec<Tuple<f64>>>>,
 }
 
 #[derive(Deserialize)]
@@ -142,6 +146,7 @@ pub(super) struct Solver {
     pub start: Option<Spanned<Start>>,
     pub partition: Option<Spanned<Partition>>,
     pub newton: Option<Spanned<NewtonSystem>>,
+    pub r_factor: Option<Spanned<f64>>,
     pub max_iterations: Option<Spanned<i64>>,
     pub tolerance: Option<Spanned<f64>>,
 }
@@ -153,7 +158,8 @@ pub(super) struct Output {
 }
 
 /// What the TOML reader calls its types, and what the author of a scene does.
-const JARGON: [(&str, &str); 6] = [
+const JARGON: [(&str, &str); 7] = [
+    ("wanted string or table", "invalid type: expected a word in quotes"),
     ("type: map", "type: table"),
     ("type: sequence", "type: list"),
     ("expected a sequence", "expected a list"),

@@ -19,8 +19,13 @@ pub struct Solver {
 
 /// The algorithm for one increment, with a named set of constants and conventions. The setting
 /// `paper` has those behind the tables of Christensen, Klarbring, Pang and Strömberg (1998).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
+    /// `bn`, setting `default`: the B-differentiable Newton method without a number to guess.
+    Bn {
+        /// What `r`, which comes from the problem, is multiplied by: 1 but for studies of it.
+        r_factor: f64,
+    },
     /// `bn`, setting `paper`: the B-differentiable Newton method.
     PaperBn,
     /// `ip`, setting `paper`: the potential reduction interior point method.
@@ -97,7 +102,7 @@ impl Method {
     /// The name of the algorithm.
     pub fn name(self) -> MethodName {
         match self {
-            Method::PaperBn => MethodName::Bn,
+            Method::Bn { .. } | Method::PaperBn => MethodName::Bn,
             Method::PaperIp { .. } | Method::Ip { .. } => MethodName::Ip,
         }
     }
@@ -106,7 +111,7 @@ impl Method {
     pub fn setting(self) -> Setting {
         match self {
             Method::PaperBn | Method::PaperIp { .. } => Setting::Paper,
-            Method::Ip { .. } => Setting::Default,
+            Method::Bn { .. } | Method::Ip { .. } => Setting::Default,
         }
     }
 }

@@ -3,8 +3,8 @@
 use toml::Spanned;
 
 use super::Check;
-use crate::scene::document::{self, MeshKind, Pair};
-use crate::scene::{HalfPlane, Mesh, SceneError};
+use crate::scene::document::{self, MeshKind, Tuple};
+use crate::scene::{Element, HalfPlane, Material, Mesh, Plane, SceneError};
 
 /// Beyond this a mesh is a slip of the pen, not a model: no matrix of it would fit into memory.
 const MOST_ELEMENTS: i64 = 50_000_000;
@@ -26,20 +26,43 @@ impl Check<'_> {
                     self.foreign(name, value.as_ref(), kind)?;
                 }
                 let elements = self.needed("mesh.elements", mesh.elements.as_ref(), &mesh.kind.span(), kind)?;
-                let Pair([nx, ny]) = *elements.get_ref();
+                let Tuple([nx, ny]) = *elements.get_ref();
                 let help = "give the numbers of elements along x and y";
                 self.demand(nx > 0 && ny > 0, "mesh.elements", elements, "two numbers of at least 1", help)?;
                 let few = nx.checked_mul(ny).is_some_and(|n| n <= MOST_ELEMENTS);
                 self.demand(few, "mesh.elements", elements, "at most 50 million in all", "use a coarser mesh")?;
-                Ok(Mesh::Block { size, elements: [nx as usize, ny as usize] })
+                let grading = self.grading(mesh)?;
+                Ok(Mesh::Block { size, elements: [nx as usize, ny as usize], grading })
             }
             MeshKind::HalfPlane => self.half_plane(mesh, size),
         }
     }
 
+    fn grading(&self, mesh: &document::Mesh) -> Result<[f64; 2], SceneError> {
+        let Some(given) = &mesh.grading else { return Ok([1.0; 2]) };
+        let grading = self.finite_pair("mesh.grading", given)?;
+        let sound = grading.iter().all(|ratio| (1e-6..=1e6).contains(ratio));
+        let help = "give the size of the last element over that of the first, along x and y";
+        self.demand(sound, "mesh.grading", given, "two ratios from 1e-6 to 1e6", help)?;
+        Ok(grading)
+    }
+
+    /// The elements of the mesh, for a body of `material`.
+    pub(super) fn element(&self, mesh: &document::Mesh, material: &Material) -> Result<Element, SceneError> {
+        let Some(given) = &mesh.element else { return Ok(Element::default()) };
+        let element = *given.get_ref();
+        if element == Element::BBar && material.plane == Plane::Stress {
+            let message = "mesh.element is \"b-bar\", but material.plane is \"stress\"";
+            let help = "plane stress does not constrain the volume, so nothing locks: use \"bilinear\"";
+            return self.fail(given.span(), message, help);
+        }
+        Ok(element)
+    }
+
     fn half_plane(&self, mesh: &document::Mesh, size: [f64; 2]) -> Result<Mesh, SceneError> {
         let kind = "a half-plane";
         self.foreign("mesh.elements", mesh.elements.as_ref(), kind)?;
+        self.foreign("mesh.grading", mesh.grading.as_ref(), kind)?;
         let name = "mesh.contact_width";
         let given = self.needed(name, mesh.contact_width.as_ref(), &mesh.kind.span(), kind)?;
         let contact_width = self.finite(name, given)?;

@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use super::Check;
-use crate::scene::document::{self, ObstacleKind, Pair};
+use crate::scene::document::{self, ObstacleKind, Tuple};
 use crate::scene::{Obstacle, SceneError, Shape};
 
 impl Check<'_> {
@@ -45,7 +45,7 @@ impl Check<'_> {
     }
 
     /// A direction of any length, as a unit vector.
-    fn direction(&self, name: &str, value: &Spanned<Pair<f64>>) -> Result<[f64; 2], SceneError> {
+    fn direction(&self, name: &str, value: &Spanned<Tuple<f64>>) -> Result<[f64; 2], SceneError> {
         let [x, y] = self.finite_pair(name, value)?;
         let length = x.hypot(y);
         self.demand(length > 0.0, name, value, "a vector with a direction", "give e.g. [0, -1]")?;

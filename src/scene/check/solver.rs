@@ -32,31 +32,44 @@ impl Check<'_> {
     }
 
     fn method(&self, solver: &document::Solver) -> Result<Method, SceneError> {
-        let document::Solver { method, setting, start, partition, newton, .. } = solver;
-        let paper = setting.as_ref().map(|setting| *setting.get_ref() == Setting::Paper);
+        let document::Solver { method, setting, start, partition, newton, r_factor, .. } = solver;
+        let setting = setting.as_ref().map_or(Setting::Default, |setting| *setting.get_ref());
         let chosen = |newton: &Option<Spanned<_>>| newton.as_ref().map(|value| *value.get_ref()).unwrap_or_default();
-        match (method, paper) {
-            (MethodName::Ip, Some(true)) => Ok(Method::PaperIp {
+        let whose = match (method, setting) {
+            (MethodName::Ip, Setting::Paper) => "the method ip",
+            (MethodName::Ip, Setting::Default) => {
+                "the method ip has a start and a partition in the setting paper only; here it"
+            }
+            (MethodName::Bn, Setting::Paper) => "the method bn in the setting paper",
+            (MethodName::Bn, Setting::Default) => "the method bn",
+        };
+        if (*method, setting) != (MethodName::Ip, Setting::Paper) {
+            self.foreign("start", start.as_ref(), whose)?;
+            self.foreign("partition", partition.as_ref(), whose)?;
+        }
+        if *method == MethodName::Bn {
+            self.foreign("newton", newton.as_ref(), whose)?;
+        }
+        if (*method, setting) != (MethodName::Bn, Setting::Default) {
+            self.foreign("r_factor", r_factor.as_ref(), whose)?;
+        }
+        Ok(match (method, setting) {
+            (MethodName::Ip, Setting::Paper) => Method::PaperIp {
                 start: start.as_ref().map(|value| *value.get_ref()).unwrap_or_default(),
                 partition: partition.as_ref().map(|value| *value.get_ref()).unwrap_or_default(),
                 newton: chosen(newton),
-            }),
-            (MethodName::Ip, None | Some(false)) => {
-                let whose = "the method ip has a start and a partition in the setting paper only; here it";
-                self.foreign("start", start.as_ref(), whose)?;
-                self.foreign("partition", partition.as_ref(), whose)?;
-                Ok(Method::Ip { newton: chosen(newton) })
-            }
-            (MethodName::Bn, paper) => {
-                if let (Some(false), Some(setting)) = (paper, setting) {
-                    let help = "use setting = \"paper\", or method = \"ip\"";
-                    return self.fail(setting.span(), "the method bn has no setting default", help);
-                }
-                self.foreign("start", start.as_ref(), "the method bn")?;
-                self.foreign("partition", partition.as_ref(), "the method bn")?;
-                self.foreign("newton", newton.as_ref(), "the method bn")?;
-                Ok(Method::PaperBn)
-            }
-        }
+            },
+            (MethodName::Ip, Setting::Default) => Method::Ip { newton: chosen(newton) },
+            (MethodName::Bn, Setting::Paper) => Method::PaperBn,
+            (MethodName::Bn, Setting::Default) => Method::Bn { r_factor: self.r_factor(r_factor.as_ref())? },
+        })
+    }
+
+    fn r_factor(&self, given: Option<&Spanned<f64>>) -> Result<f64, SceneError> {
+        let Some(given) = given else { return Ok(1.0) };
+        let factor = self.finite("solver.r_factor", given)?;
+        let help = "r comes from the problem; this multiplies it, for studies of r alone";
+        self.demand(factor > 0.0, "solver.r_factor", given, "positive", help)?;
+        Ok(factor)
     }
 }

@@ -1,10 +1,10 @@
-//! The default interior point method on scenes far from the paper's: it converges wherever there is
-//! an equilibrium, and says so where there is none.
+//! The default settings of BN and IP on scenes far from the paper's: they converge wherever there is an
+//! equilibrium, and say so where there is none.
 #![allow(clippy::unwrap_used)]
 
 mod common;
 
-use stickslip::fem::{Elasticity, RigidMotion, assemble};
+use stickslip::fem::{Elasticity, Element, RigidMotion, assemble};
 use stickslip::formulation::{Layout, SlackLayout};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
 use stickslip::linear::{Direct, Umfpack};
@@ -13,20 +13,39 @@ use stickslip::scene::Scene;
 
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
 
-fn ip(model: &Model, times: &[f64]) -> HistoryOutcome {
-    let settings = HistorySettings::ip(&model.problem, model.scaling(), 100, 1e-10);
+/// The default settings of both methods.
+const METHODS: [&str; 2] = ["bn", "ip"];
+
+fn solve(method: &str, model: &Model, times: &[f64]) -> HistoryOutcome {
+    let (problem, scaling) = (&model.problem, model.scaling());
+    let settings = match method {
+        "bn" => HistorySettings::bn(problem, scaling, 100, 1e-10),
+        _ => HistorySettings::ip(problem, scaling, 100, 1e-10),
+    };
     let mut linear = Direct::new(Box::new(Umfpack::default()));
-    history::run(&model.problem, &model.loading, times, &settings, &mut linear, &mut ()).unwrap()
+    history::run(problem, &model.loading, times, &settings, &mut linear, &mut ()).unwrap()
 }
 
-/// Fails unless every increment converged, in 40 iterations and 20 on average at most.
-fn assert_solved(name: &str, outcome: &HistoryOutcome) {
-    let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
-    assert_eq!(outcome.status, Status::Converged, "{name}: {iterations:?} {:?}", outcome.records.last());
-    let most = *iterations.iter().max().unwrap();
-    let mean = iterations.iter().sum::<usize>() as f64 / iterations.len() as f64;
-    assert!(most <= 40 && mean <= 20.0, "{name}: {iterations:?}");
-    assert!(outcome.records.iter().all(|record| record.kkt.worst().1 <= 1e-10), "{name}");
+/// Fails unless both methods get through whole increments, in 40 iterations each and 20 on average at
+/// most, with the same forces.
+fn assert_solved(name: &str, model: &Model, times: &[f64]) {
+    let [bn, ip] = METHODS.map(|method| {
+        let outcome = solve(method, model, times);
+        let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
+        assert_eq!(outcome.status, Status::Converged, "{name}, {method}: {iterations:?} {:?}", outcome.violation);
+        let most = *iterations.iter().max().unwrap();
+        let mean = iterations.iter().sum::<usize>() as f64 / iterations.len() as f64;
+        assert!(most <= 40 && mean <= 20.0, "{name}, {method}: {iterations:?}");
+        for record in &outcome.records {
+            assert!(record.kkt.worst().1 <= 1e-10, "{name}, {method}");
+            assert!(record.parts == 1 && !record.rescued, "{name}, {method}");
+        }
+        outcome
+    });
+    let largest = bn.scales.force.max(f64::MIN_POSITIVE);
+    for (bn, ip) in bn.state.p_n.iter().chain(&bn.state.p_t).zip(ip.state.p_n.iter().chain(&ip.state.p_t)) {
+        assert!((bn - ip).abs() <= 1e-7 * largest, "{name}: {bn} {ip}");
+    }
 }
 
 fn block(text: &str, n: usize, overrides: &[&str]) -> (Model, Vec<f64>) {
@@ -77,7 +96,7 @@ fn gaps_loads_shapes_materials_and_friction() {
             ("held by a roller and contact", vec![roller]),
         ] {
             let (model, times) = block(base(), n, &overrides);
-            assert_solved(&format!("{name}, n = {n}"), &ip(&model, &times));
+            assert_solved(&format!("{name}, n = {n}"), &model, &times);
         }
     }
 }
@@ -89,7 +108,7 @@ fn held_by_contact_only() {
     for gap in ["contact.obstacle.gap=1e-5", "contact.obstacle.gap=0"] {
         let (model, times) = block(&text, 10, &[gap, "load[1].traction=[-1e6,0]"]);
         assert_eq!(model.problem.free_motions.len(), 3);
-        assert_solved(gap, &ip(&model, &times));
+        assert_solved(gap, &model, &times);
     }
 }
 
@@ -110,7 +129,7 @@ fn randomise_stiffness(model: &mut Model, decades: f64, random: &mut Random) {
     let young: Vec<f64> =
         model.mesh.quads.iter().map(|_| 210e9 * 10_f64.powf(decades * (random.next() - 0.5))).collect();
     let material = |element| Elasticity::plane_strain(young[element], 0.3);
-    model.problem.stiffness = assemble(&model.mesh, &model.dofs, material).unwrap();
+    model.problem.stiffness = assemble(&model.mesh, &model.dofs, Element::Bilinear, material).unwrap();
 }
 
 /// Stiffness that jumps by up to eight decades from element to element.
@@ -120,7 +139,7 @@ fn random_stiffness() {
     for sample in 0..8 {
         let (mut model, times) = block(base(), 12, &[]);
         randomise_stiffness(&mut model, 8.0, &mut random);
-        assert_solved(&format!("sample {sample}"), &ip(&model, &times));
+        assert_solved(&format!("sample {sample}"), &model, &times);
     }
 }
 
@@ -128,8 +147,9 @@ fn random_stiffness() {
 /// friction by node, stiffness in some.
 #[test]
 fn random_histories() {
-    // The last four stall, or crawl, from the first start.
-    for seed in (0..60).chain([614, 1088, 1122, 1290_u64]) {
+    // The last four are hard for the interior point method, the three before for BN, which leaves
+    // increments of them to it.
+    for seed in (0..60).chain([241, 364, 407]).chain([614, 1088, 1122, 1290_u64]) {
         let mut random = Random(seed * 7919 + 13);
         let mut r = || random.next();
         let (nx, ny) = (1 + (r() * 14.0) as usize, 1 + (r() * 10.0) as usize);
@@ -169,10 +189,18 @@ fn random_histories() {
             let decades = 6.0 * r();
             randomise_stiffness(&mut model, decades, &mut random);
         }
-        let outcome = ip(&model, &scene.time.all());
-        let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
-        assert_eq!(outcome.status, Status::Converged, "seed {seed}: {iterations:?} {:?}", outcome.records.last());
-        assert!(iterations.iter().all(|&count| count <= 40), "seed {seed}: {iterations:?}");
+        for method in METHODS {
+            let outcome = solve(method, &model, &scene.time.all());
+            let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
+            assert_eq!(
+                outcome.status,
+                Status::Converged,
+                "{method}, seed {seed}: {iterations:?} {:?}",
+                outcome.violation
+            );
+            let whole = outcome.records.iter().all(|record| record.parts == 1);
+            assert!(whole && iterations.iter().all(|&count| count <= 60), "{method}, seed {seed}: {iterations:?}");
+        }
     }
 }
 
@@ -181,7 +209,7 @@ fn friction_that_differs_by_node() {
     let (mut model, times) = block(base(), 20, &[]);
     let mu = [0.0, 0.1, 2.0, 0.4, 1e-6];
     model.problem.mu.iter_mut().enumerate().for_each(|(i, value)| *value = mu[i % mu.len()]);
-    assert_solved("mixed", &ip(&model, &times));
+    assert_solved("mixed", &model, &times);
 }
 
 #[test]
@@ -202,13 +230,16 @@ fn no_equilibrium() {
         let paper = HistorySettings::paper_bn(&model.problem, model.scaling(), 100, 1e-10);
         let mut linear = Direct::new(Box::new(Umfpack::default()));
         let bn = history::run(&model.problem, &model.loading, &times, &paper, &mut linear, &mut ()).unwrap();
-        (bn, ip(&model, &times), model)
+        let [default, ip] = METHODS.map(|method| solve(method, &model, &times));
+        (model, [bn, default, ip])
     };
-    let (bn, ip, model) = run("load[1].traction=[-6e6,0]");
-    for outcome in [bn, ip] {
+    let (model, outcomes) = run("load[1].traction=[-6e6,0]");
+    for outcome in outcomes {
         assert_eq!(outcome.status, Status::NoEquilibrium);
         let motion = RigidMotion::combination(&model.rigid_motions, &outcome.free_motion.unwrap()).unwrap();
         assert!(motion.to_string().contains("translation"), "{motion}");
     }
-    assert_solved("below the limit", &run("load[1].traction=[-3.0e6,0]").1);
+    let (model, times) =
+        block(&text, 8, &["contact.obstacle.gap=0", "load[0].history=[[0,1]]", "load[1].traction=[-3.0e6,0]"]);
+    assert_solved("below the limit", &model, &times);
 }

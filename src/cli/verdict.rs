@@ -1,0 +1,116 @@
+//! Why a run did not converge, in words: the law that is violated, where, and what to try.
+
+use stickslip::contact::Law;
+use stickslip::fem::RigidMotion;
+use stickslip::history::{HistoryOutcome, Status};
+use stickslip::model::Model;
+use stickslip::report::{Explanation, WorstNode};
+use stickslip::scene::{self, Scene};
+
+/// The explanation of `outcome`; empty if it converged.
+pub(super) fn explain(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> Explanation {
+    Explanation { reason: reason(scene, model, outcome), worst: worst_node(model, outcome) }
+}
+
+fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
+    let Some(record) = outcome.records.iter().find(|record| record.status != Status::Converged) else {
+        return match outcome.status {
+            Status::Singular => unheld(model, outcome),
+            Status::Interrupted => "stopped on request".to_string(),
+            Status::OutOfMemory => {
+                "memory ran out; the increments before are complete: use a coarser mesh or a machine with more memory"
+                    .to_string()
+            }
+            _ => String::new(),
+        };
+    };
+    let (law, error) = record.kkt.worst();
+    let place = worst_node(model, outcome).map_or(String::new(), |worst| {
+        let [x, y] = worst.position;
+        format!(" at the node ({x}, {y}) m")
+    });
+    let violated = format!("{law} is violated by {error:.1e} (tolerance {:.0e}){place}", scene.solver.tolerance);
+    let why = match outcome.status {
+        Status::Singular => unheld(model, outcome),
+        Status::NoEquilibrium => no_equilibrium(model, outcome),
+        Status::Interrupted => "stopped on request".to_string(),
+        Status::Inaccurate if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
+            "{violated}, which is what rounding the displacements of so slender a body makes; \
+             if that is enough, set solver.tolerance above it"
+        ),
+        Status::Inaccurate => {
+            format!("the method stopped with Theta = {:.1e}, but {violated}; {}", record.theta, advice(scene))
+        }
+        Status::MaxIterations => format!(
+            "no convergence within max_iterations = {}: {violated}; {}",
+            scene.solver.max_iterations,
+            advice(scene)
+        ),
+        Status::Cycling => format!("the iteration goes round in a circle: {violated}; {}", advice(scene)),
+        Status::Stalled => format!("no step leads on: {violated}; {}", advice(scene)),
+        Status::Diverged | Status::NotFinite => {
+            format!("the numbers left the range of double precision: {violated}; {}", advice(scene))
+        }
+        Status::Converged | Status::OutOfMemory => violated,
+    };
+    let before = record.index.checked_sub(2).map_or(0.0, |k| outcome.records[k].time);
+    let reached = match outcome.reached {
+        t if t > before => format!("; smaller parts of it converged until t = {t} s"),
+        _ => String::new(),
+    };
+    format!("increment {} (t = {} s): {why}{reached}", record.index, record.time)
+}
+
+/// What to try when the iteration stops too late or too early.
+fn advice(scene: &Scene) -> &'static str {
+    match scene.solver.method {
+        scene::Method::Bn { r_factor } if r_factor != 1.0 => {
+            "r is not that of the problem: take solver.r_factor out of the scene"
+        }
+        scene::Method::Bn { .. } => {
+            "there may be no equilibrium beyond this load, or several: try --method ip, more increments \
+             (time.increments) or less friction; `stickslip check` tells what holds the body"
+        }
+        scene::Method::Ip { .. } => {
+            "try --method bn or more increments (time.increments); `stickslip check` tells what holds the body"
+        }
+        // The setting's r is ten times the modulus of steel; the window that works is two decades wide.
+        scene::Method::PaperBn | scene::Method::PaperIp { .. } if (1e10..1e13).contains(&scene.material.young) => {
+            "the setting paper stops at an absolute Theta, made for loads of MN; \
+             try --setting default, loads of that size or more increments (time.increments)"
+        }
+        scene::Method::PaperBn | scene::Method::PaperIp { .. } => {
+            "the setting paper has constants made for moduli near 2e11 Pa: \
+             try --setting default, or scale modulus and loads alike"
+        }
+    }
+}
+
+fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
+    match motion(model, outcome) {
+        Some(motion) => format!("nothing holds the body against {motion}; add a support"),
+        None => "the linearised problem is singular".to_string(),
+    }
+}
+
+fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
+    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.to_string());
+    format!(
+        "no equilibrium exists: the loads drive {motion}, and no contact force within its friction resists; change the loads or add a support"
+    )
+}
+
+fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
+    RigidMotion::combination(&model.rigid_motions, outcome.free_motion.as_ref()?)
+}
+
+/// Where the law is violated most. A body that comes free violates nothing in particular.
+fn worst_node(model: &Model, outcome: &HistoryOutcome) -> Option<WorstNode> {
+    let violation = outcome.violation.filter(|violation| violation.error > 0.0 || violation.error.is_nan())?;
+    let node = match violation.law {
+        Law::Equilibrium => model.dofs.node_of(violation.place)?,
+        _ => model.contacts.get(violation.place)?.node,
+    };
+    let position = model.mesh.nodes[node];
+    Some(WorstNode { law: violation.law, error: violation.error, node, position })
+}

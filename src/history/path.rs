@@ -1,0 +1,167 @@
+//! From one time to the next: an increment, halved where it fails.
+//!
+//! A part is an increment of its own: friction sees the slip of each. Nothing of a part that fails
+//! stays, and after a part that converges the rest of the increment is tried whole, so that the size
+//! grows back.
+
+use super::held::HeldBody;
+use super::method::{IncrementSolver, Task};
+use super::settings::HistorySettings;
+use super::{Status, record};
+use crate::contact::{KktErrors, KktScales, rounding_level};
+use crate::linear::{Direct, LinearError};
+use crate::loading::Loading;
+use crate::nonlinear::{Flow, IterationRecord, Outcome, Stop};
+use crate::problem::{ContactProblem, Increment, State};
+use crate::solvability::rigid_equilibrium;
+
+/// The way through a history as far as it has converged, and the data of the part tried last.
+pub(super) struct Path<'a> {
+    problem: &'a ContactProblem,
+    loading: &'a Loading,
+    settings: &'a HistorySettings,
+    method: Box<dyn IncrementSolver + 'a>,
+    held: HeldBody,
+    /// The time reached; `None` stands for the unloaded body.
+    pub reached: Option<f64>,
+    scales: KktScales,
+    force: Vec<f64>,
+    gap: Vec<f64>,
+    w_t_last: Vec<f64>,
+    /// `w̄_t` of the next part.
+    w_t: Vec<f64>,
+}
+
+/// What became of one part.
+pub(super) struct Attempt {
+    pub state: State,
+    pub scales: KktScales,
+    outcome: Outcome,
+    kkt: KktErrors,
+    status: Status,
+}
+
+/// What became of an increment.
+pub(super) struct Walked {
+    /// What the method did in all its parts, the failed ones included.
+    pub solved: Outcome,
+    /// The last part.
+    pub attempt: Attempt,
+    /// The largest errors of the parts that count: all that converged, or the one that failed.
+    pub kkt: KktErrors,
+    pub status: Status,
+    /// How many parts converged.
+    pub parts: usize,
+}
+
+impl<'a> Path<'a> {
+    pub(super) fn new(
+        problem: &'a ContactProblem,
+        loading: &'a Loading,
+        settings: &'a HistorySettings,
+        method: Box<dyn IncrementSolver + 'a>,
+        held: HeldBody,
+    ) -> Self {
+        let n_c = problem.contacts();
+        Path {
+            problem,
+            loading,
+            settings,
+            method,
+            held,
+            reached: None,
+            scales: KktScales::default(),
+            force: vec![0.0; problem.displacements()],
+            gap: vec![0.0; n_c],
+            w_t_last: vec![0.0; n_c],
+            w_t: vec![0.0; n_c],
+        }
+    }
+
+    /// What drove the part tried last.
+    pub(super) fn data(&self) -> Increment<'_> {
+        Increment { force: &self.force, gap: &self.gap, w_t_last: &self.w_t_last }
+    }
+
+    /// Goes on to `time`, in parts if need be.
+    pub(super) fn increment(
+        &mut self,
+        time: f64,
+        linear: &mut Direct,
+        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+    ) -> Result<Walked, LinearError> {
+        let start = self.reached.unwrap_or(0.0);
+        let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
+        // The ends of the parts to come, the nearest last.
+        let mut ends = vec![time];
+        let mut solved: Option<Outcome> = None;
+        let (mut kkt, mut parts) = (KktErrors::default(), 0);
+        loop {
+            let end = ends.last().copied().unwrap_or(time);
+            let from = self.reached.unwrap_or(0.0);
+            let unknowns = self.method.unknowns().clone();
+            let attempt = self.attempt(end, linear, observe)?;
+            let outcome = attempt.outcome.clone();
+            let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
+            if attempt.status == Status::Converged {
+                self.accept(end, &attempt);
+                parts += 1;
+                kkt = kkt.max(&attempt.kkt);
+                ends.pop();
+                if ends.is_empty() {
+                    return Ok(Walked { solved: so_far, attempt, kkt, status: Status::Converged, parts });
+                }
+            } else {
+                let half = 0.5 * (end - from);
+                if half < smallest || !self.smaller_may_do(&attempt) {
+                    let (kkt, status) = (attempt.kkt, attempt.status);
+                    return Ok(Walked { solved: so_far, attempt, kkt, status, parts });
+                }
+                self.method.unknowns().copy_from_slice(&unknowns);
+                ends.push(from + half);
+            }
+            solved = Some(so_far);
+        }
+    }
+
+    /// Solves the part that ends at `time`.
+    fn attempt(
+        &mut self,
+        time: f64,
+        linear: &mut Direct,
+        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+    ) -> Result<Attempt, LinearError> {
+        let Path { problem, loading, .. } = *self;
+        loading.force(time, &mut self.force);
+        loading.gap_at(time, &mut self.gap);
+        self.w_t_last.copy_from_slice(&self.w_t);
+        let increment = Increment { force: &self.force, gap: &self.gap, w_t_last: &self.w_t_last };
+        let response = self.held.response(loading, self.reached, time);
+        let first = self.reached.is_none();
+        let task = Task { first, increment: &increment, response: &response, scales: &self.scales };
+        let outcome = match rigid_equilibrium(problem, &self.force) {
+            Ok(()) => self.method.solve(&task, linear, observe)?,
+            Err(motion) => Outcome { stop: Stop::NoEquilibrium(motion), ..Outcome::new(f64::NAN) },
+        };
+        let state = self.method.state();
+        let scales = KktScales::after(&self.scales, &increment, &state);
+        let kkt = KktErrors::measure(problem, &increment, &state, &scales);
+        let status = record::verdict(&outcome, &kkt, self.settings.tolerance);
+        Ok(Attempt { state, scales, outcome, kkt, status })
+    }
+
+    fn accept(&mut self, time: f64, attempt: &Attempt) {
+        self.reached = Some(time);
+        self.scales = attempt.scales;
+        self.w_t = self.problem.c_t.mul(&attempt.state.u);
+    }
+
+    /// Whether a smaller load could make the difference.
+    fn smaller_may_do(&self, attempt: &Attempt) -> bool {
+        match attempt.status {
+            Status::Converged | Status::Interrupted | Status::NoEquilibrium | Status::OutOfMemory => false,
+            // Where rounding sets the limit, it does so at any load.
+            _ => attempt.kkt.worst().1 > 10.0 * rounding_level(self.problem, &attempt.state, &attempt.scales),
+        }
+    }
+}
