@@ -126,7 +126,7 @@ impl Model {
     pub fn linear(&self, backend: LinearBackend) -> Direct {
         Direct::new(match backend {
             LinearBackend::Umfpack => Box::new(Umfpack::default()),
-            LinearBackend::Condensed => Box::new(Condensed::new(self.problem.interior())),
+            LinearBackend::Condensed => Box::new(Condensed::new(self.problem.displacements())),
         })
     }
 

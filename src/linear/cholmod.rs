@@ -51,7 +51,7 @@ impl Cholmod {
         if factor.permutation() != permutation {
             return Err(LinearError::Backend { backend: "cholmod", step: "keeping the given order", status: 0 });
         }
-        let pivot_ratio = pivot_ratio(&factor)?;
+        let pivot_ratio = pivot_ratio(&factor, permutation.len())?;
         let (entries, flops, peak_bytes) = factor.statistics();
         let info = FactorInfo { entries: entries as usize, flops, pivot_ratio, peak_bytes };
         Ok(Cholmod { factor, border: last.len(), info })
@@ -61,6 +61,11 @@ impl Cholmod {
     /// that supernodes store, the peak leaves out what METIS takes while it orders.
     pub fn info(&self) -> FactorInfo {
         self.info
+    }
+
+    /// The smallest over the largest pivot of the interior.
+    pub(super) fn interior_pivot_ratio(&self) -> Result<f64, LinearError> {
+        pivot_ratio(&self.factor, self.interior())
     }
 
     /// The order of the matrix.
@@ -177,10 +182,10 @@ fn order(session: &mut Session, pattern: &Pattern, last: &[usize]) -> Result<Vec
     Ok(permutation)
 }
 
-/// The smallest over the largest pivot, the squares on the diagonal of `L`.
-fn pivot_ratio(factor: &Factor) -> Result<f64, LinearError> {
+/// The smallest over the largest of the first `n` pivots, the squares on the diagonal of `L`.
+fn pivot_ratio(factor: &Factor, n: usize) -> Result<f64, LinearError> {
     let (mut smallest, mut largest) = (f64::INFINITY, 0.0_f64);
-    for (.., values) in factor.columns() {
+    for (.., values) in factor.columns().take(n) {
         let pivot = values[0] * values[0];
         // The kernels of some BLAS let NaN pass for positive.
         if !pivot.is_finite() {

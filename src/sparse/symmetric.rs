@@ -24,6 +24,12 @@ impl Symmetric {
         Symmetric { lower: Csc::zeros(Arc::new(pattern)) }
     }
 
+    /// The matrix with this lower triangle; entries above the diagonal have no place in it.
+    pub fn from_lower(lower: Csc) -> Self {
+        debug_assert!(lower.entries().all(|(row, column, _)| row >= column));
+        Symmetric { lower }
+    }
+
     /// The order.
     pub fn order(&self) -> usize {
         self.lower.pattern.columns()
