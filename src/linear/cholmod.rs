@@ -12,11 +12,12 @@
 //! in (35).
 
 mod raw;
+mod sweep;
 
 use super::error::expect_length;
 use super::{FactorInfo, LinearError};
 use crate::sparse::{Pattern, Symmetric};
-use raw::{Factor, Session, System};
+use raw::{Factor, Session};
 
 /// The Cholesky factors of a symmetric positive definite matrix.
 pub struct Cholmod {
@@ -93,7 +94,7 @@ impl Cholmod {
     pub fn solve(&self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         expect_length("right-hand side", self.order(), b.len())?;
         expect_length("solution", self.order(), x.len())?;
-        self.factor.solve(System::Whole, b, x)
+        self.factor.solve(b, x)
     }
 
     /// The right-hand side of the Schur complement, `b_c - K_cr K_rr⁻¹ b_r`, and what
@@ -102,17 +103,13 @@ impl Cholmod {
     /// # Errors
     /// When `b` has the wrong length, or memory is short.
     pub fn reduce(&self, b: &[f64]) -> Result<Reduced, LinearError> {
-        let n = self.order();
-        expect_length("right-hand side", n, b.len())?;
-        let (inside, last) = self.factor.permutation().split_at(self.interior());
-        let ordered: Vec<f64> = self.factor.permutation().iter().map(|&unknown| b[unknown as usize]).collect();
-        let mut interior = vec![0.0; n];
-        self.factor.solve(System::Lower, &ordered, &mut interior)?;
-        interior.truncate(inside.len());
-        // From b_c and L_cr y_r, not from the rest y_c of the solution by L_cc y_c: that would carry
-        // in the condition of L_cc.
-        let mut border: Vec<f64> = last.iter().map(|&unknown| b[unknown as usize]).collect();
-        self.coupling(|column, row, value| border[row] -= value * interior[column]);
+        expect_length("right-hand side", self.order(), b.len())?;
+        let permutation = self.factor.permutation();
+        let mut interior: Vec<f64> = permutation.iter().map(|&unknown| b[unknown as usize]).collect();
+        sweep::forward(&self.factor, self.interior(), &mut interior);
+        // b_c - L_cr y_r as it stands. By way of the rest y_c of the solution, as L_cc y_c, it would
+        // carry in the condition of L_cc.
+        let border = interior.split_off(self.interior());
         Ok(Reduced { border, interior })
     }
 
@@ -126,13 +123,9 @@ impl Cholmod {
         expect_length("reduced right-hand side", self.interior(), reduced.interior.len())?;
         expect_length("border of the solution", self.border, x_c.len())?;
         expect_length("solution", n, x.len())?;
-        // L_rrᵀ x_r = y_r - L_crᵀ x_c; zeros below keep the border out of the solve.
-        let mut right = reduced.interior.clone();
-        self.coupling(|column, row, value| right[column] -= value * x_c[row]);
-        right.resize(n, 0.0);
-        let mut ordered = vec![0.0; n];
-        self.factor.solve(System::LowerTransposed, &right, &mut ordered)?;
-        for (&unknown, &value) in self.factor.permutation().iter().zip(ordered[..self.interior()].iter().chain(x_c)) {
+        let mut ordered = [&reduced.interior[..], x_c].concat();
+        sweep::backward(&self.factor, self.interior(), &mut ordered);
+        for (&unknown, &value) in self.factor.permutation().iter().zip(&ordered) {
             x[unknown as usize] = value;
         }
         Ok(())
@@ -141,17 +134,6 @@ impl Cholmod {
     /// How many unknowns are interior.
     fn interior(&self) -> usize {
         self.order() - self.border
-    }
-
-    /// All entries of `L_cr` as (column, row from its top, value).
-    fn coupling(&self, mut visit: impl FnMut(usize, usize, f64)) {
-        let interior = self.interior();
-        for (column, rows, values) in self.factor.columns().take_while(|&(column, ..)| column < interior) {
-            // Rows ascend, so those of the border are at the end.
-            for (&row, &value) in rows.iter().zip(values).rev().take_while(|&(&row, _)| row as usize >= interior) {
-                visit(column, row as usize - interior, value);
-            }
-        }
     }
 }
 

@@ -16,17 +16,6 @@ const _: () = assert!(size_of::<std::ffi::c_long>() == size_of::<i64>(), "CHOLMO
 const TRUE: c_int = 1;
 const FALSE: c_int = 0;
 
-/// Which system with the factors of `P K Pᵀ = L Lᵀ` is solved.
-#[derive(Clone, Copy)]
-pub(super) enum System {
-    /// `K x = b`.
-    Whole,
-    /// `L x = b`.
-    Lower,
-    /// `Lᵀ x = b`.
-    LowerTransposed,
-}
-
 /// CHOLMOD's settings, statistics and workspace, which every call takes.
 pub(super) struct Session {
     /// From a box: CHOLMOD keeps pointers into it, so it must not move.
@@ -157,6 +146,18 @@ impl Drop for Session {
     }
 }
 
+/// Consecutive columns of `L` that share their rows: a dense block.
+pub(super) struct Supernode<'a> {
+    /// Its first column.
+    pub first: usize,
+    /// How many columns it has.
+    pub columns: usize,
+    /// Its rows, ascending; the first are those of its columns.
+    pub rows: &'a [i64],
+    /// Column after column, all rows of each; what is above the diagonal has no meaning.
+    pub values: &'a [f64],
+}
+
 /// Numeric supernodal factors, the only owner of everything CHOLMOD allocated for them.
 pub(super) struct Factor {
     session: Session,
@@ -182,9 +183,8 @@ impl Factor {
         unsafe { slice(self.get().Perm, self.get().n) }
     }
 
-    /// The entries of `L`, column after column: its number, the rows from the diagonal downwards in
-    /// ascending order, and as many values.
-    pub(super) fn columns(&self) -> impl Iterator<Item = (usize, &[i64], &[f64])> {
+    /// The supernodes of `L`, from its first column to its last.
+    pub(super) fn supernodes(&self) -> impl DoubleEndedIterator<Item = Supernode<'_>> {
         let raw = self.get();
         let starts = raw.nsuper + 1;
         // SAFETY: the lengths and types are those CHOLMOD documents for a numeric supernodal factor,
@@ -198,13 +198,21 @@ impl Factor {
                 slice::<f64>(raw.x, raw.xsize),
             )
         };
-        (0..raw.nsuper).flat_map(move |k| {
-            // A supernode is a dense block, its first rows those of its columns.
+        (0..raw.nsuper).map(move |k| {
             let rows = &rows[row_starts[k] as usize..row_starts[k + 1] as usize];
-            (0..(first[k + 1] - first[k]) as usize).map(move |column| {
-                let start = value_starts[k] as usize + column * rows.len();
-                (first[k] as usize + column, &rows[column..], &values[start + column..start + rows.len()])
-            })
+            let (first, columns) = (first[k] as usize, (first[k + 1] - first[k]) as usize);
+            let start = value_starts[k] as usize;
+            Supernode { first, columns, rows, values: &values[start..start + columns * rows.len()] }
+        })
+    }
+
+    /// The entries of `L`, column after column: its number, the rows from the diagonal downwards in
+    /// ascending order, and as many values.
+    pub(super) fn columns(&self) -> impl Iterator<Item = (usize, &[i64], &[f64])> {
+        self.supernodes().flat_map(|node| {
+            let rows = node.rows;
+            let columns = node.values.chunks_exact(rows.len().max(1)).enumerate();
+            columns.map(move |(k, values)| (node.first + k, &rows[k..], &values[k..]))
         })
     }
 
@@ -214,14 +222,9 @@ impl Factor {
         (common.lnz, common.fl, common.memory_usage as f64)
     }
 
-    /// Solves `system`; `b` and `x` must have the order of the matrix.
-    pub(super) fn solve(&self, system: System, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+    /// Solves `K x = b`; `b` and `x` must have the order of the matrix.
+    pub(super) fn solve(&self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         const STEP: &str = "the solve";
-        let system = match system {
-            System::Whole => sys::CHOLMOD_A,
-            System::Lower => sys::CHOLMOD_L,
-            System::LowerTransposed => sys::CHOLMOD_Lt,
-        };
         let mut right_hand_side = sys::cholmod_dense {
             nrow: b.len(),
             ncol: 1,
@@ -238,7 +241,7 @@ impl Factor {
         // session, and no other thread uses it, because `Factor` is not `Sync`.
         let solved = unsafe {
             sys::cholmod_l_solve2(
-                system as c_int,
+                sys::CHOLMOD_A as c_int,
                 self.l.as_ptr(),
                 &raw mut right_hand_side,
                 ptr::null_mut(),
