@@ -12,9 +12,9 @@ pub struct SolveInfo {
     pub refinements: usize,
 }
 
-/// Refinement halts here: the sum of a row of a dozen or two entries has as much rounding of its own,
-/// and an error that is above it falls to one or two units in a step.
-const TARGET: f64 = 8.0 * f64::EPSILON;
+/// Refinement halts here, within 1e-15: the sum of a row of a dozen or two entries has as much rounding
+/// of its own, and the step costs as much as the solve.
+const TARGET: f64 = 4.0 * f64::EPSILON;
 /// With sound factors one or two steps reach the target; more would only hide bad ones.
 const MAX_STEPS: usize = 4;
 

@@ -2,15 +2,9 @@
 //!
 //! Written out rather than left to CHOLMOD, whose solves know no border: they would take `L_cc` along
 //! and leave `L_cr` to a second pass over the factors, and the blocks are so small that a call of the
-//! BLAS for each costs more than its work. Here one pass is bound by memory alone.
-
-use std::array::from_fn;
+//! BLAS for each costs more than its work.
 
 use super::raw::{Factor, Supernode};
-
-/// Columns that the backward pass takes at a time: each value of the vector is then loaded once for
-/// so many of the matrix, and these are read in the direction that memory likes.
-const PANEL: usize = 4;
 
 /// `[b_r; b_c] → [L_rr⁻¹ b_r; b_c - L_cr L_rr⁻¹ b_r]`, in the order of the factors.
 pub(super) fn forward(factor: &Factor, interior: usize, x: &mut [f64]) {
@@ -18,7 +12,7 @@ pub(super) fn forward(factor: &Factor, interior: usize, x: &mut [f64]) {
     for node in factor.supernodes().take_while(|node| node.first < interior) {
         gather(&node, x, &mut work);
         for k in 0..node.columns.min(interior - node.first) {
-            let [column] = panel(&node, k);
+            let column = column(&node, k);
             let (top, below) = work[k..].split_at_mut(1);
             top[0] /= column[0];
             let value = top[0];
@@ -36,12 +30,15 @@ pub(super) fn backward(factor: &Factor, interior: usize, x: &mut [f64]) {
     for node in factor.supernodes().rev().filter(|node| node.first < interior) {
         gather(&node, x, &mut work);
         let columns = node.columns.min(interior - node.first);
-        let whole = columns - columns % PANEL;
-        for k in (whole..columns).rev() {
-            substitute::<1>(&node, k, &mut work);
+        // First all columns with the rows below the block, in the order of memory; then the block.
+        let (top, below) = work.split_at_mut(columns);
+        for (k, x) in top.iter_mut().enumerate() {
+            let column = column(&node, k);
+            *x -= dot(&column[columns - k..], below);
         }
-        for k in (0..whole).step_by(PANEL).rev() {
-            substitute::<PANEL>(&node, k, &mut work);
+        for k in (0..columns).rev() {
+            let column = column(&node, k);
+            top[k] = (top[k] - dot(&column[1..columns - k], &top[k + 1..])) / column[0];
         }
         x[node.first..node.first + columns].copy_from_slice(&work[..columns]);
     }
@@ -53,39 +50,21 @@ fn gather(node: &Supernode<'_>, x: &[f64], work: &mut Vec<f64>) {
     work.extend(node.rows.iter().map(|&row| x[row as usize]));
 }
 
-/// `W` columns of a supernode from the diagonal of the first, `k`, downwards.
-fn panel<'a, const W: usize>(node: &Supernode<'a>, k: usize) -> [&'a [f64]; W] {
+/// Column `k` of a supernode from its diagonal downwards.
+fn column<'a>(node: &Supernode<'a>, k: usize) -> &'a [f64] {
     let rows = node.rows.len();
-    from_fn(|j| &node.values[(k + j) * rows + k..(k + j + 1) * rows])
+    &node.values[k * rows + k..(k + 1) * rows]
 }
 
-/// Takes the products of `W` columns with the rows below off and divides by the pivots.
-fn substitute<const W: usize>(node: &Supernode<'_>, k: usize, work: &mut [f64]) {
-    let columns: [&[f64]; W] = panel(node, k);
-    let (top, below) = work[k..].split_at_mut(W);
-    let products = products(columns.map(|column| &column[W..]), below);
-    for j in (0..W).rev() {
-        let within: f64 = (j + 1..W).map(|i| columns[j][i] * top[i]).sum();
-        top[j] = (top[j] - products[j] - within) / columns[j][j];
-    }
-}
-
-/// The scalar products of `x` with each of the columns, in four sums each that the processor adds side
-/// by side.
-fn products<const W: usize>(columns: [&[f64]; W], x: &[f64]) -> [f64; W] {
-    let (parts, rest) = x.as_chunks::<4>();
-    let split = columns.map(|column| column[..x.len()].as_chunks::<4>());
-    let column_parts = split.map(|(column_parts, _)| &column_parts[..parts.len()]);
-    let mut sums = [[0.0; 4]; W];
-    for (i, x) in parts.iter().enumerate() {
-        for j in 0..W {
-            for lane in 0..4 {
-                sums[j][lane] += column_parts[j][i][lane] * x[lane];
-            }
+/// The scalar product in eight sums, which the processor adds side by side.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        for k in 0..8 {
+            sums[k] += a[k] * b[k];
         }
     }
-    from_fn(|j| {
-        let end: f64 = split[j].1.iter().zip(rest).map(|(l, x)| l * x).sum();
-        sums[j].iter().sum::<f64>() + end
-    })
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    sums.into_iter().sum::<f64>() + rest
 }
