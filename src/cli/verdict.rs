@@ -34,7 +34,7 @@ fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
         Status::Singular => unheld(model, outcome),
         Status::NoEquilibrium => no_equilibrium(model, outcome),
         Status::Interrupted => "stopped on request".to_string(),
-        Status::Inaccurate if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
+        Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
             "{violated}, which is what rounding the displacements of so slender a body makes; \
              if that is enough, set solver.tolerance above it"
         ),

@@ -68,10 +68,6 @@ pub enum FirstGuess {
 /// increment of the tests takes that it solves at all.
 pub const BN_PATIENCE: usize = 40;
 
-/// The error at which the interior point method hands an increment back to BN, which ends it: near
-/// enough for the contact statuses, and within what rounding leaves in slender bodies.
-const HANDED_BACK: f64 = 1e-8;
-
 /// An increment may become 64 parts: an order of magnitude and a half, after which a history that
 /// cannot go on is told from one that was too coarse.
 const HALVINGS: u32 = 6;
@@ -129,7 +125,7 @@ impl HistorySettings {
             method: Method::Bn {
                 settings: BnSettings::until(tolerance, max_iterations.min(BN_PATIENCE)),
                 start: FirstGuess::Held,
-                rescue: Some(PredictorCorrectorSettings { tolerance: tolerance.max(HANDED_BACK), max_iterations }),
+                rescue: Some(PredictorCorrectorSettings { tolerance, max_iterations }),
             },
             conventions: Conventions::natural(problem),
             scaling,
