@@ -42,7 +42,7 @@ fn chart(sweep: &str, subtitle: &str, y: Axis, rows: &[&Row], curves: Vec<Curve>
     let wide = xs().all(|x| x > 0.0) && xs().fold(0.0, f64::max) > 50.0 * xs().fold(f64::INFINITY, f64::min);
     let mut label = sweep.to_string();
     if sweep.starts_with("Poisson") {
-        label = format!("1/2 - {}", sweep.to_lowercase());
+        label = format!("1/2 - {sweep}");
     }
     Chart {
         title: sweep.to_string(),

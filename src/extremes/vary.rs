@@ -74,7 +74,9 @@ pub(super) fn condition(model: &Model) -> Result<f64, LinearError> {
     let start: Vec<f64> = (0..n_u).map(|_| random.next() - 0.5).collect();
     let normalise = |x: &mut [f64]| {
         let norm = x.iter().map(|x| x * x).sum::<f64>().sqrt();
-        x.iter_mut().for_each(|x| *x /= norm);
+        for x in x.iter_mut() {
+            *x /= norm;
+        }
         norm
     };
     let (mut x, mut largest, mut y) = (start.clone(), 0.0, vec![0.0; n_u]);
