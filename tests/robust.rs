@@ -119,6 +119,29 @@ fn held_by_contact_only() {
     }
 }
 
+/// r is no part of the problem: wrong by as much as this, it costs iterations, or BN leaves the increment
+/// to the interior point method, but the solution is the same.
+#[test]
+fn r_does_not_matter() {
+    let (model, times) = block(base(), 20, &[]);
+    let with = |factor: f64| {
+        let mut settings = HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
+        settings.conventions.r.iter_mut().for_each(|r| *r *= factor);
+        let mut linear = Direct::new(Box::new(Umfpack::default()));
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ()).unwrap();
+        assert_eq!(outcome.status, Status::Converged, "{factor:e}: {:?}", outcome.violation);
+        outcome.state
+    };
+    let expected = with(1.0);
+    let largest = expected.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+    for factor in [1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 0.1, 10.0, 1e2, 1e3, 1e4, 1e6, 1e8] {
+        let found = with(factor);
+        for (a, b) in found.p_n.iter().chain(&found.p_t).zip(expected.p_n.iter().chain(&expected.p_t)) {
+            assert!((a - b).abs() <= 1e-9 * largest, "{factor:e}: {a} {b}");
+        }
+    }
+}
+
 /// Splitmix64, in [0, 1).
 struct Random(u64);
 
