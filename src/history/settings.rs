@@ -31,7 +31,7 @@ pub enum Method {
         /// The contact forces from which the first increment starts. A guess: it has no part in the
         /// solution.
         start: FirstGuess,
-        /// If given, the increments that BN does not solve within [`BN_PATIENCE`] iterations are
+        /// If given, the increments that BN does not solve within the settings' iterations are
         /// solved by the predictor–corrector interior point method.
         rescue: Option<PredictorCorrectorSettings>,
     },
@@ -66,7 +66,7 @@ pub enum FirstGuess {
 
 /// After so many iterations BN leaves an increment to the interior point method: more than any
 /// increment of the tests takes that it solves at all.
-pub const BN_PATIENCE: usize = 40;
+const BN_PATIENCE: usize = 40;
 
 /// An increment may become 64 parts: an order of magnitude and a half, after which a history that
 /// cannot go on is told from one that was too coarse.
