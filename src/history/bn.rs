@@ -82,11 +82,14 @@ impl IncrementSolver for BnMethod<'_> {
         let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpack_with(z, rest, &scaling));
         let mut outcome = bn.solve(formulation, linear, z, &mut error, observe)?;
         rest.copy_from_slice(bn.rest());
-        if let Some(rescue) = rescue.as_mut().filter(|_| !matches!(outcome.stop, Stop::Met | Stop::Interrupted)) {
+        let unsolved = !matches!(outcome.stop, Stop::Met | Stop::Interrupted);
+        let left = |rescue: &Rescue| rescue.settings.max_iterations.saturating_sub(outcome.iterations);
+        if let Some(rescue) = rescue.as_mut().filter(|rescue| unsolved && left(rescue) > 0) {
+            let left = left(rescue);
             let method = rescue.method.get_or_insert_with(|| {
                 PredictorCorrectorMethod::new(problem, &rescue.history, rescue.settings, NewtonSystem::Reduced)
             });
-            method.go_on_from(&last);
+            method.go_on_from(&last, left);
             let mut rescued = method.solve(task, linear, observe)?;
             if rescued.stop == Stop::Met {
                 rescued.rescued = true;

@@ -31,17 +31,19 @@ impl NewtonEnd {
         }
     }
 
-    /// BN from a `z` that begins with `(u, p_t, p_n)`.
+    /// BN from a `z` that begins with `(u, p_t, p_n)`, in at most `left` iterations.
     pub(super) fn solve(
         &mut self,
         problem: &ContactProblem,
         task: &Task<'_>,
         linear: &mut Direct,
         z: &[f64],
+        left: usize,
         observe: &mut dyn FnMut(&IterationRecord) -> Flow,
     ) -> Result<Outcome, LinearError> {
         let NewtonEnd { formulation, bn, z: own } = self;
         formulation.begin(task.increment);
+        bn.limit(left.min(ITERATIONS));
         own.copy_from_slice(&z[..formulation.unknowns()]);
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpack_with(z, rest, &scaling));

@@ -58,8 +58,9 @@ impl<'a> PredictorCorrectorMethod<'a> {
         }
     }
 
-    /// Takes over the last state of another method.
-    pub(super) fn go_on_from(&mut self, state: &State) {
+    /// Takes over the last state of another method, with so many iterations left.
+    pub(super) fn go_on_from(&mut self, state: &State, left: usize) {
+        self.settings.max_iterations = left;
         let forces = self.formulation.layout().forces();
         let z = forces.pack(state, self.formulation.scaling());
         self.z[..forces.unknowns()].copy_from_slice(&z);
@@ -146,16 +147,17 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         for times in ATTEMPTS {
             self.z.copy_from_slice(&last);
             self.move_inside(task.response, times);
-            let left = self.settings.max_iterations - outcome.iterations;
+            let left = self.settings.max_iterations.saturating_sub(outcome.iterations);
             let last_attempt = times == ATTEMPTS[ATTEMPTS.len() - 1];
             let max_iterations = if last_attempt { left } else { left.min(PATIENCE) };
             let settings = PredictorCorrectorSettings { max_iterations, tolerance: tolerance.max(NEAR) };
             let attempt =
                 self.method.solve(&settings, &mut self.formulation, linear, &mut self.z, &mut error, observe)?;
             outcome = outcome.then(attempt);
-            if outcome.stop != Stop::Interrupted && error(&self.z) > tolerance {
+            let left = self.settings.max_iterations.saturating_sub(outcome.iterations);
+            if left > 0 && outcome.stop != Stop::Interrupted && error(&self.z) > tolerance {
                 let end = self.end.get_or_insert_with(|| NewtonEnd::new(problem, scaling, tolerance));
-                let mut ended = end.solve(problem, task, linear, &self.z, observe)?;
+                let mut ended = end.solve(problem, task, linear, &self.z, left, observe)?;
                 if ended.stop == Stop::Met {
                     let (z, rest) = end.reached();
                     self.z[..z.len()].copy_from_slice(z);

@@ -242,6 +242,11 @@ impl Bn {
         Ok(best)
     }
 
+    /// Sets another limit of iterations.
+    pub fn limit(&mut self, max_iterations: usize) {
+        self.settings.max_iterations = max_iterations;
+    }
+
     /// What rounding leaves off the last `z`: the solution is their sum. 0 where that does not matter.
     pub fn rest(&self) -> &[f64] {
         &self.rest
