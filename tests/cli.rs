@@ -228,7 +228,8 @@ fn no_convergence_is_status_1_and_what_was_reached_is_written() {
     assert_eq!(report["status"], "max-iterations");
     let reason = report["reason"].as_str().unwrap();
     assert!(
-        reason.contains("no convergence within max_iterations = 1") && reason.contains("time.increments"),
+        reason.contains("no convergence within max_iterations = 1")
+            && reason.contains("a larger solver.max_iterations"),
         "{reason}"
     );
     let records = report["increments"].as_array().unwrap();
