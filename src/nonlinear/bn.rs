@@ -289,7 +289,9 @@ mod tests {
     fn a_cycle_is_closed_when_half_of_the_visits_bring_nothing_new() {
         let closed = |visits: &[u8]| {
             let mut cycle = Cycle::default();
-            visits.iter().for_each(|&case| cycle.visit(vec![case]));
+            for &case in visits {
+                cycle.visit(vec![case]);
+            }
             cycle.closed()
         };
         assert!(closed(&[1, 2, 1, 2]));
