@@ -2,13 +2,14 @@
 # make test   all tests
 # make bench  the benchmarks (minutes)
 # make tables the paper's Tables I and II, complete (minutes)
+# make extremes the suite of extreme scenes, into doc/stability (minutes)
 # make report the paper's Figures 4 to 7, into doc/figures, and both tables (minutes)
 # Each installs what is missing first.
 
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test bench tables report deps
+.PHONY: demo test bench tables report extremes deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -24,6 +25,9 @@ bench: deps
 tables: deps
 	cargo run --release -- tables punch
 	cargo run --release -- tables block
+
+extremes: deps
+	cargo run --release -- extremes --long --out doc/stability
 
 report: deps
 	cargo run --release -- figures --out doc/figures

@@ -12,8 +12,10 @@ macro_rules! say {
 }
 
 mod check;
+mod extremes;
 mod figures;
 mod interrupt;
+mod jobs;
 mod progress;
 mod run;
 mod tables;
@@ -51,6 +53,8 @@ enum Command {
     Tables(tables::TablesArgs),
     /// Draw the figures of the paper
     Figures(figures::FiguresArgs),
+    /// Run the suite of extreme scenes, data/extremes.toml
+    Extremes(extremes::ExtremesArgs),
 }
 
 /// A scene and what to change in it.
@@ -159,6 +163,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
         Command::Tables(args) => tables::tables(args),
         Command::Figures(args) => figures::figures(args),
+        Command::Extremes(args) => extremes::extremes(args),
     };
     match result {
         Ok(code) => code,

@@ -4,6 +4,7 @@ mod bn;
 mod held;
 mod ip;
 mod method;
+mod newton_end;
 mod observer;
 mod path;
 mod predictor_corrector;
@@ -40,7 +41,7 @@ pub struct HistoryOutcome {
     pub scales: KktScales,
     /// Where the increment that failed violates the law most.
     pub violation: Option<Violation>,
-    /// The equilibrium error that rounding alone makes in the increment that failed.
+    /// The equilibrium error that rounding the displacements makes in the last increment.
     pub rounding: f64,
     /// If a rigid motion is to blame, one that nothing stops or that the loads drive against all
     /// contact forces: the weights of the problem's `free_motions` in it.
@@ -136,10 +137,12 @@ pub fn run(
             observer.increment(&Step { record: &record, increment: &data, state: &attempt.state, statuses: &statuses });
         outcome.records.push(record);
         outcome.linear = after;
+        if status != Status::Converged || index == times.len() {
+            outcome.rounding = rounding_level(problem, &attempt.state, &attempt.scales);
+        }
         outcome.status = status;
         outcome.reached = path.reached.unwrap_or(0.0);
         if status != Status::Converged {
-            outcome.rounding = rounding_level(problem, &attempt.state, &attempt.scales);
             outcome.violation = Some(Violation::worst(problem, &data, &attempt.state, &attempt.scales));
             if let Stop::Unheld(motion) | Stop::NoEquilibrium(motion) = solved.stop {
                 outcome.free_motion = Some(motion);

@@ -33,6 +33,7 @@
 //! ```
 
 pub mod contact;
+pub mod extremes;
 pub mod fem;
 pub mod figures;
 pub mod formulation;

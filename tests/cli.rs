@@ -228,7 +228,8 @@ fn no_convergence_is_status_1_and_what_was_reached_is_written() {
     assert_eq!(report["status"], "max-iterations");
     let reason = report["reason"].as_str().unwrap();
     assert!(
-        reason.contains("no convergence within max_iterations = 1") && reason.contains("time.increments"),
+        reason.contains("no convergence within max_iterations = 1")
+            && reason.contains("a larger solver.max_iterations"),
         "{reason}"
     );
     let records = report["increments"].as_array().unwrap();
@@ -433,4 +434,49 @@ fn the_uniqueness_is_told_where_it_is_asked_for() {
     let output = stickslip(&["run", &scene, "--set", "solver.max_iterations=1", "--json", "--uniqueness"]);
     assert_exit(&output, 1);
     assert!(json(&output).get("critical_friction").is_none());
+}
+
+/// Ctrl-C ends the run after the iteration at hand, with what was reached on disk.
+#[test]
+fn an_interrupted_run_keeps_its_increments() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let results = folder.join("results");
+    let child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .args(["run", &scene, "--out", &results, "--setting", "default"])
+        .args(["--set", "mesh.elements=[60,60]", "--set", "time.increments=4000"])
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let lines = || fs::read_to_string(folder.join("results/increments.csv")).map_or(0, |text| text.lines().count());
+    while lines() < 4 {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 1);
+    assert!(stdout(&output).contains("verdict      interrupted"), "{}", stdout(&output));
+    let report: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.join("results/run.json")).unwrap()).unwrap();
+    assert_eq!(report["status"], "interrupted");
+    // Every increment before the last line is a good one.
+    let text = fs::read_to_string(folder.join("results/increments.csv")).unwrap();
+    let verdicts: Vec<&str> = text.lines().skip(1).map(|line| line.split(',').nth(2).unwrap()).collect();
+    let (last, before) = verdicts.split_last().unwrap();
+    assert!(before.iter().all(|verdict| *verdict == "converged"), "{verdicts:?}");
+    assert!(["converged", "interrupted"].contains(last));
+}
+
+/// A verdict that is not "converged" names the law, the node and what to try.
+#[test]
+fn a_failure_names_the_law_and_the_place() {
+    let (_folder, scene) = Folder::with_scene(&small());
+    let output = stickslip(&["run", &scene, "--set", "solver.max_iterations=1", "--json"]);
+    assert_exit(&output, 1);
+    let report = json(&output);
+    let worst = &report["worst"];
+    assert!(number(&worst["error"]) > 1e-10 && worst["law"].is_string() && worst["position"].is_array(), "{worst}");
+    let reason = report["reason"].as_str().unwrap();
+    for words in [worst["law"].as_str().unwrap(), "is violated by", "at the node (", "try"] {
+        assert!(reason.contains(words), "`{words}` is not in: {reason}");
+    }
 }

@@ -40,6 +40,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("model", &["contact", "fem", "linear", "loading", "mesh", "problem", "scene", "sparse", "units"]),
     ("report", &["contact", "formulation", "history", "model", "problem", "scene", "uniqueness"]),
     ("tables", &["history", "linear", "model", "scene"]),
+    ("extremes", &["contact", "fem", "formulation", "history", "linear", "model", "report", "scene"]),
     ("figures", &["history", "model", "nonlinear", "report", "tables"]),
 ];
 

@@ -66,6 +66,37 @@ const KEYS_AND_TYPES: &[Fault] = &[
 ];
 
 const VALUES: &[Fault] = &[
+    (
+        "\"bn\"",
+        "\"bn\"\nr_factor = 2",
+        "r_factor",
+        &["the method bn in the setting paper has no r_factor"],
+        "remove the key",
+    ),
+    (
+        "\"bn\"",
+        "\"bn\"\nstart = \"safe\"",
+        "start",
+        &["the method bn in the setting paper has no start"],
+        "remove the key",
+    ),
+    ("\"bn\"", "\"ip\"\nr_factor = 2", "r_factor", &["the method ip has no r_factor"], "remove the key"),
+    (
+        "\"bn\"\nsetting = \"paper\"",
+        "\"bn\"\nnewton = \"reduced\"",
+        "newton",
+        &["the method bn has no newton"],
+        "remove the key",
+    ),
+    ("setting = \"paper\"", "r_factor = 0", "r_factor", &["solver.r_factor is 0.0", "positive"], "studies of r"),
+    ("setting = \"paper\"", "r_factor = -1.0", "r_factor", &["solver.r_factor is -1.0", "positive"], "studies of r"),
+    (
+        "method = \"bn\"\nsetting = \"paper\"",
+        "method = \"ip\"\npartition = \"cone\"",
+        "partition",
+        &["the method ip has a start and a partition in the setting paper only"],
+        "remove the key",
+    ),
     ("friction = 0.4", "friction = -0.1", "friction =", &["friction is -0.1", "0 or more"], "0 for a frictionless"),
     ("0.3", "0.5", "poisson =", &["material.poisson is 0.5", "below 0.5"], "incompressible"),
     ("0.3", "0.7", "poisson =", &["material.poisson is 0.7", "below 0.5"], "0.49"),

@@ -124,7 +124,11 @@ fn loads(scene: &Scene, model: &Model) {
             x += dx.map_or(0.0, |dof| case.force[dof]);
             y += dy.map_or(0.0, |dof| case.force[dof]);
         }
-        let history: Vec<String> = load.history.iter().map(|[t, factor]| format!("{factor} at {t} s")).collect();
+        let mut history: Vec<String> = load.history.iter().map(|[t, factor]| format!("{factor} at {t} s")).collect();
+        if history.len() > 8 {
+            let left_out = format!("({} more)", history.len() - 7);
+            history.splice(6..history.len() - 1, [left_out]);
+        }
         say!(
             "load         {}: ({}, {}) N/m2, in all ({}, {}) N on what is free; factor {}",
             load.boundary,

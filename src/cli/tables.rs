@@ -1,9 +1,6 @@
 //! `stickslip tables`.
 
 use std::process::ExitCode;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
@@ -13,8 +10,7 @@ use stickslip::report::Table;
 use stickslip::scene::LinearBackend;
 use stickslip::tables::{Agreement, Case, Cell, Counts, PaperError, PaperMethod, PaperTable};
 
-use super::Failure;
-use super::progress::bar;
+use super::{Failure, jobs};
 
 #[derive(Args)]
 pub(super) struct TablesArgs {
@@ -107,7 +103,7 @@ pub(super) fn tables(args: &TablesArgs) -> Result<ExitCode, Failure> {
     let cases = select(table, contact_nodes, selection)?;
     let methods = methods(&selection.methods);
     linear::process::keep_freed_memory();
-    let jobs = selection.jobs.map_or_else(|| thread::available_parallelism().map_or(1, Into::into), usize::from);
+    let jobs = jobs::count(selection.jobs);
     let linear = match selection.solver {
         SolverArg::Umfpack => LinearBackend::Umfpack,
         SolverArg::Condensed => LinearBackend::Condensed,
@@ -156,42 +152,17 @@ fn compute(
     let mut tasks: Vec<_> = pairs.enumerate().map(|(place, (case, method))| (place, case, method)).collect();
     // The long ones first, so that no processor is left with one at the end.
     tasks.sort_by_key(|(_, case, _)| std::cmp::Reverse(case.contact_nodes.pow(3) * case.increments));
-    let bar = bar(tasks.len(), "cells");
-    let next = AtomicUsize::new(0);
-    let done: Mutex<Vec<Option<Cell>>> = Mutex::new(vec![None; tasks.len()]);
-    let failure: Mutex<Option<PaperError>> = Mutex::new(None);
-    thread::scope(|scope| {
-        for _ in 0..jobs.min(tasks.len()) {
-            scope.spawn(|| {
-                while let Some((place, case, method)) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let Case { contact_nodes, mu, increments, .. } = case;
-                    bar.set_message(format!(
-                        "{}, n_c = {contact_nodes}, mu = {mu}, {increments} increments",
-                        method.title()
-                    ));
-                    match table.cell(case, *method, linear) {
-                        Ok(cell) => lock(&done)[*place] = Some(cell),
-                        Err(error) => {
-                            lock(&failure).get_or_insert(error);
-                            next.store(tasks.len(), Ordering::Relaxed);
-                        }
-                    }
-                    bar.inc(1);
-                }
-            });
-        }
-    });
-    bar.finish_and_clear();
-    let failure = lock(&failure).take();
-    match failure {
-        Some(PaperError::Model(error)) => Err(Failure::from(error)),
-        Some(PaperError::Linear(error)) => Err(Failure::linear(&error)),
-        None => Ok(lock(&done).iter().flatten().copied().collect()),
-    }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    let describe = |(_, case, method): &(usize, Case, PaperMethod)| {
+        let Case { contact_nodes, mu, increments, .. } = case;
+        format!("{}, n_c = {contact_nodes}, mu = {mu}, {increments} increments", method.title())
+    };
+    let work = |(place, case, method): &(usize, Case, PaperMethod)| Ok((*place, table.cell(case, *method, linear)?));
+    let mut cells = jobs::run(&tasks, jobs, "cells", describe, work).map_err(|error| match error {
+        PaperError::Model(error) => Failure::from(error),
+        PaperError::Linear(error) => Failure::linear(&error),
+    })?;
+    cells.sort_by_key(|(place, _)| *place);
+    Ok(cells.into_iter().map(|(_, cell)| cell).collect())
 }
 
 /// The published cases that the options leave.

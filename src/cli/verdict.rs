@@ -34,18 +34,19 @@ fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
         Status::Singular => unheld(model, outcome),
         Status::NoEquilibrium => no_equilibrium(model, outcome),
         Status::Interrupted => "stopped on request".to_string(),
-        Status::Inaccurate if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
+        Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
             "{violated}, which is what rounding the displacements of so slender a body makes; \
              if that is enough, set solver.tolerance above it"
         ),
         Status::Inaccurate => {
             format!("the method stopped with Theta = {:.1e}, but {violated}; {}", record.theta, advice(scene))
         }
-        Status::MaxIterations => format!(
-            "no convergence within max_iterations = {}: {violated}; {}",
-            scene.solver.max_iterations,
-            advice(scene)
-        ),
+        Status::MaxIterations => {
+            let limit = scene.solver.max_iterations;
+            // Fewer than any increment of the suite of extremes is known to need.
+            let advice = if limit < 100 { "try a larger solver.max_iterations" } else { advice(scene) };
+            format!("no convergence within max_iterations = {limit}: {violated}; {advice}")
+        }
         Status::Cycling => format!("the iteration goes round in a circle: {violated}; {}", advice(scene)),
         Status::Stalled => format!("no step leads on: {violated}; {}", advice(scene)),
         Status::Diverged | Status::NotFinite => {

@@ -81,23 +81,28 @@ impl IncrementSolver for BnMethod<'_> {
         }
         let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpack_with(z, rest, &scaling));
         let mut outcome = bn.solve(formulation, linear, z, &mut error, observe)?;
-        if let Some(rescue) = rescue.as_mut().filter(|_| !matches!(outcome.stop, Stop::Met | Stop::Interrupted)) {
+        rest.copy_from_slice(bn.rest());
+        let unsolved = !matches!(outcome.stop, Stop::Met | Stop::Interrupted);
+        let left = |rescue: &Rescue| rescue.settings.max_iterations.saturating_sub(outcome.iterations);
+        if let Some(rescue) = rescue.as_mut().filter(|rescue| unsolved && left(rescue) > 0) {
+            let left = left(rescue);
             let method = rescue.method.get_or_insert_with(|| {
                 PredictorCorrectorMethod::new(problem, &rescue.history, rescue.settings, NewtonSystem::Reduced)
             });
-            method.go_on_from(&last);
-            let interior = method.solve(task, linear, observe)?;
-            // However that has ended, BN may find the rest of the way.
-            z.copy_from_slice(&layout.pack(&method.state(), &scaling));
-            let mut end = bn.solve(formulation, linear, z, &mut error, observe)?;
-            end.rescued = end.stop == Stop::Met;
-            if !matches!(end.stop, Stop::Met | Stop::Interrupted) {
+            method.go_on_from(&last, left);
+            let mut rescued = method.solve(task, linear, observe)?;
+            if rescued.stop == Stop::Met {
+                rescued.rescued = true;
+                let state = method.state();
+                z.copy_from_slice(&layout.pack(&state, &scaling));
+                rest.fill(0.0);
+                rest.iter_mut().zip(&state.u_rest).for_each(|(rest, u_rest)| *rest = u_rest / scaling.length);
+            } else if rescued.stop != Stop::Interrupted {
                 // How the first attempt ended tells more.
-                end.stop.clone_from(&outcome.stop);
+                rescued.stop.clone_from(&outcome.stop);
             }
-            outcome = outcome.then(interior).then(end);
+            outcome = outcome.then(rescued);
         }
-        rest.copy_from_slice(bn.rest());
         Ok(outcome)
     }
 

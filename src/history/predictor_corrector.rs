@@ -2,6 +2,7 @@
 
 use super::held::Response;
 use super::method::{IncrementSolver, Task};
+use super::newton_end::NewtonEnd;
 use super::settings::HistorySettings;
 use crate::formulation::Constrained;
 use crate::linear::{Direct, LinearError};
@@ -18,6 +19,10 @@ const ATTEMPTS: [f64; 3] = [1.0, 10.0, 100.0];
 /// tests takes.
 const PATIENCE: usize = 30;
 
+/// The error at which BN takes over, unless the tolerance is larger: near enough for the contact
+/// statuses, and within what rounding leaves in slender bodies.
+const NEAR: f64 = 1e-8;
+
 pub(super) struct PredictorCorrectorMethod<'a> {
     problem: &'a ContactProblem,
     formulation: Constrained,
@@ -26,6 +31,10 @@ pub(super) struct PredictorCorrectorMethod<'a> {
     /// The stiffness of a contact node along its normal, scaled.
     stiffness: f64,
     z: Vec<f64>,
+    /// What rounding leaves off `(u, p_t, p_n)`.
+    rest: Vec<f64>,
+    /// Made when it is first needed.
+    end: Option<NewtonEnd>,
 }
 
 impl<'a> PredictorCorrectorMethod<'a> {
@@ -40,6 +49,8 @@ impl<'a> PredictorCorrectorMethod<'a> {
         PredictorCorrectorMethod {
             stiffness: median_stiffness(problem) / scaling.stiffness(),
             z: vec![0.0; formulation.layout().unknowns()],
+            rest: vec![0.0; formulation.layout().forces().unknowns()],
+            end: None,
             method: PredictorCorrector::default(),
             problem,
             formulation,
@@ -47,8 +58,9 @@ impl<'a> PredictorCorrectorMethod<'a> {
         }
     }
 
-    /// Takes over the last state of another method.
-    pub(super) fn go_on_from(&mut self, state: &State) {
+    /// Takes over the last state of another method, with so many iterations left.
+    pub(super) fn go_on_from(&mut self, state: &State, left: usize) {
+        self.settings.max_iterations = left;
         let forces = self.formulation.layout().forces();
         let z = forces.pack(state, self.formulation.scaling());
         self.z[..forces.unknowns()].copy_from_slice(&z);
@@ -124,8 +136,10 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         let (problem, scaling) = (self.problem, *self.formulation.scaling());
         let forces = self.formulation.layout().forces().clone();
         let mut error = |z: &[f64]| task.error(problem, &forces.unpack(z, &scaling));
+        let tolerance = self.settings.tolerance;
+        self.rest.fill(0.0);
         // An increment in which nothing happens that the held body does not do by itself is solved.
-        if error(&self.z) <= self.settings.tolerance {
+        if error(&self.z) <= tolerance {
             return Ok(Outcome { stop: Stop::Met, ..Outcome::new(0.0) });
         }
         let last = self.z.clone();
@@ -133,15 +147,30 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         for times in ATTEMPTS {
             self.z.copy_from_slice(&last);
             self.move_inside(task.response, times);
-            let left = self.settings.max_iterations - outcome.iterations;
+            let left = self.settings.max_iterations.saturating_sub(outcome.iterations);
             let last_attempt = times == ATTEMPTS[ATTEMPTS.len() - 1];
             let max_iterations = if last_attempt { left } else { left.min(PATIENCE) };
-            let settings = PredictorCorrectorSettings { max_iterations, ..self.settings };
+            let settings = PredictorCorrectorSettings { max_iterations, tolerance: tolerance.max(NEAR) };
             let attempt =
                 self.method.solve(&settings, &mut self.formulation, linear, &mut self.z, &mut error, observe)?;
-            let ended = matches!(attempt.stop, Stop::Met | Stop::Interrupted);
             outcome = outcome.then(attempt);
-            if ended || outcome.iterations >= self.settings.max_iterations {
+            let left = self.settings.max_iterations.saturating_sub(outcome.iterations);
+            if left > 0 && outcome.stop != Stop::Interrupted && error(&self.z) > tolerance {
+                let end = self.end.get_or_insert_with(|| NewtonEnd::new(problem, scaling, tolerance));
+                let mut ended = end.solve(problem, task, linear, &self.z, left, observe)?;
+                if ended.stop == Stop::Met {
+                    let (z, rest) = end.reached();
+                    self.z[..z.len()].copy_from_slice(z);
+                    self.rest.copy_from_slice(rest);
+                } else if ended.stop != Stop::Interrupted {
+                    // Near the solution perhaps, but not within the tolerance.
+                    ended.stop = if outcome.stop == Stop::Met { Stop::Stalled } else { outcome.stop.clone() };
+                }
+                outcome = outcome.then(ended);
+            }
+            if matches!(outcome.stop, Stop::Met | Stop::Interrupted)
+                || outcome.iterations >= self.settings.max_iterations
+            {
                 break;
             }
         }
@@ -149,7 +178,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
     }
 
     fn state(&self) -> State {
-        self.formulation.layout().forces().unpack(&self.z, self.formulation.scaling())
+        self.formulation.layout().forces().unpack_with(&self.z, &self.rest, self.formulation.scaling())
     }
 
     fn unknowns(&mut self) -> &mut Vec<f64> {

@@ -31,7 +31,7 @@ pub enum Method {
         /// The contact forces from which the first increment starts. A guess: it has no part in the
         /// solution.
         start: FirstGuess,
-        /// If given, the increments that BN does not solve within [`BN_PATIENCE`] iterations are
+        /// If given, the increments that BN does not solve within the settings' iterations are
         /// solved by the predictor–corrector interior point method.
         rescue: Option<PredictorCorrectorSettings>,
     },
@@ -66,11 +66,7 @@ pub enum FirstGuess {
 
 /// After so many iterations BN leaves an increment to the interior point method: more than any
 /// increment of the tests takes that it solves at all.
-pub const BN_PATIENCE: usize = 40;
-
-/// The error at which the interior point method hands an increment back to BN, which ends it: near
-/// enough for the contact statuses, and within what rounding leaves in slender bodies.
-const HANDED_BACK: f64 = 1e-8;
+const BN_PATIENCE: usize = 40;
 
 /// An increment may become 64 parts: an order of magnitude and a half, after which a history that
 /// cannot go on is told from one that was too coarse.
@@ -129,7 +125,7 @@ impl HistorySettings {
             method: Method::Bn {
                 settings: BnSettings::until(tolerance, max_iterations.min(BN_PATIENCE)),
                 start: FirstGuess::Held,
-                rescue: Some(PredictorCorrectorSettings { tolerance: tolerance.max(HANDED_BACK), max_iterations }),
+                rescue: Some(PredictorCorrectorSettings { tolerance, max_iterations }),
             },
             conventions: Conventions::natural(problem),
             scaling,

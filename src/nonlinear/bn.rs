@@ -24,8 +24,8 @@ pub struct BnSettings {
 pub enum End {
     /// `Theta ≤ ε` after a step, in the unit of the formulation's `Theta`: the paper's test.
     Merit(f64),
-    /// The caller's error measure is at most this, be it before the first step; or nothing is left to
-    /// gain, because a full step has been repeated with the same matrix. And where the step size rule
+    /// The caller's error measure is at most this, be it before the first step. It has stalled
+    /// when a full step has been repeated with the same matrix, and refinement does not help. Where the step size rule
     /// finds no step along (21), the exact derivative (20) is tried.
     Error(f64),
 }
@@ -154,16 +154,22 @@ impl Bn {
             // Step 4: termination.
             let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored: fresh };
             let flow = observe(&record);
+            let mut stalled = false;
             let met = match self.settings.end {
                 End::Merit(epsilon) => theta <= epsilon,
                 End::Error(tolerance) if error(z, &self.rest) <= tolerance => true,
                 End::Error(tolerance) if refines => {
-                    self.refine(formulation, linear, z, tolerance, error)?;
-                    true
+                    // Nothing is left to gain but by refinement.
+                    stalled = self.refine(formulation, linear, z, tolerance, error)? > tolerance;
+                    !stalled
                 }
                 End::Error(_) => false,
             };
             if outcome.ends(met || formulation.is_affine(), flow) {
+                break;
+            }
+            if stalled {
+                outcome.stop = Stop::Stalled;
                 break;
             }
         }
@@ -204,7 +210,8 @@ impl Bn {
     }
 
     /// Newton steps with the last factors from residuals in twice the working precision, as long as they
-    /// gain: `z + rest` then solves the equations where the rounding of `z` alone is too coarse.
+    /// gain: `z + rest` then solves the equations where the rounding of `z` alone is too coarse. Returns
+    /// the error reached.
     fn refine<F: Formulation>(
         &mut self,
         formulation: &F,
@@ -212,7 +219,7 @@ impl Bn {
         z: &mut [f64],
         tolerance: f64,
         error: &mut dyn FnMut(&[f64], &[f64]) -> f64,
-    ) -> Result<(), LinearError> {
+    ) -> Result<f64, LinearError> {
         let mut best = error(z, &self.rest);
         for _ in 0..REFINEMENTS {
             formulation.residual_beyond(z, &self.rest, &mut self.h);
@@ -232,7 +239,12 @@ impl Bn {
                 break;
             }
         }
-        Ok(())
+        Ok(best)
+    }
+
+    /// Sets another limit of iterations.
+    pub fn limit(&mut self, max_iterations: usize) {
+        self.settings.max_iterations = max_iterations;
     }
 
     /// What rounding leaves off the last `z`: the solution is their sum. 0 where that does not matter.
@@ -266,5 +278,25 @@ impl Cycle {
     /// Whether the second half of the visits brought nothing new.
     fn closed(&self) -> bool {
         2 * self.last_new <= self.visits
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Cycle;
+
+    #[test]
+    fn a_cycle_is_closed_when_half_of_the_visits_bring_nothing_new() {
+        let closed = |visits: &[u8]| {
+            let mut cycle = Cycle::default();
+            for &case in visits {
+                cycle.visit(vec![case]);
+            }
+            cycle.closed()
+        };
+        assert!(closed(&[1, 2, 1, 2]));
+        assert!(closed(&[1, 2, 3, 2, 3, 2]));
+        assert!(!closed(&[1, 2, 3, 2, 3]));
+        assert!(!closed(&[1, 2, 3, 4]));
     }
 }

@@ -1,0 +1,57 @@
+//! The end of the interior point method: BN from where it is.
+//!
+//! Near the solution the interior point has small members in all its pairs, and what rounding does to
+//! them is at times more than the tolerance allows. BN knows no such limit, and from there it needs a
+//! step or two.
+
+use super::method::Task;
+use crate::formulation::{Bdiff, Conventions, Formulation};
+use crate::linear::{Direct, LinearError};
+use crate::nonlinear::{Bn, BnSettings, Flow, IterationRecord, Outcome};
+use crate::problem::ContactProblem;
+use crate::units::Scaling;
+
+/// From near the solution BN takes two or three iterations; more show that it is not near.
+const ITERATIONS: usize = 10;
+
+pub(super) struct NewtonEnd {
+    formulation: Bdiff,
+    bn: Bn,
+    z: Vec<f64>,
+}
+
+impl NewtonEnd {
+    pub(super) fn new(problem: &ContactProblem, scaling: Scaling, tolerance: f64) -> Self {
+        let formulation = Bdiff::new(problem, scaling, &Conventions::natural(problem));
+        let unknowns = formulation.unknowns();
+        NewtonEnd {
+            formulation,
+            bn: Bn::new(BnSettings::until(tolerance, ITERATIONS), unknowns),
+            z: vec![0.0; unknowns],
+        }
+    }
+
+    /// BN from a `z` that begins with `(u, p_t, p_n)`, in at most `left` iterations.
+    pub(super) fn solve(
+        &mut self,
+        problem: &ContactProblem,
+        task: &Task<'_>,
+        linear: &mut Direct,
+        z: &[f64],
+        left: usize,
+        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+    ) -> Result<Outcome, LinearError> {
+        let NewtonEnd { formulation, bn, z: own } = self;
+        formulation.begin(task.increment);
+        bn.limit(left.min(ITERATIONS));
+        own.copy_from_slice(&z[..formulation.unknowns()]);
+        let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
+        let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpack_with(z, rest, &scaling));
+        bn.solve(formulation, linear, own, &mut error, observe)
+    }
+
+    /// Where it has come to, in `(u, p_t, p_n)`, and what rounding leaves off there.
+    pub(super) fn reached(&self) -> (&[f64], &[f64]) {
+        (&self.z, self.bn.rest())
+    }
+}
