@@ -16,6 +16,9 @@ use libloading::os::unix::Library;
 /// is single-threaded and slower.
 pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
     let process = Library::this();
+    if threads <= 1 {
+        run_openmp_serially(&process);
+    }
     let count = c_int::try_from(threads.max(1)).unwrap_or(c_int::MAX);
     // SAFETY (both): the symbols are the libraries' documented functions, which take the number of
     // threads as a C int (OpenBLAS, MKL) or as a 64-bit integer (BLIS) and return nothing; any
@@ -33,6 +36,16 @@ pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
     // SAFETY: see above.
     unsafe { set(i64::from(count)) };
     Some("BLIS")
+}
+
+/// CHOLMOD has parallel regions of its own, whatever the BLAS is told. Without an active level they
+/// run in the thread that meets them; with an OpenMP that keeps this per thread, in the calling one.
+fn run_openmp_serially(process: &Library) {
+    // SAFETY: the symbol is OpenMP's documented function, which takes a C int; 0 is valid.
+    if let Ok(set) = unsafe { process.get::<unsafe extern "C" fn(c_int)>(b"omp_set_max_active_levels\0") } {
+        // SAFETY: see above.
+        unsafe { set(0) };
+    }
 }
 
 /// Keeps freed memory in the process instead of giving it back to the system.
