@@ -10,8 +10,13 @@ use std::path::{Path, PathBuf};
 use std::process::exit;
 
 /// What `linear/` calls; everything else in the headers stays out of the project.
-const ALLOWED: [&str; 3] =
-    ["umfpack_dl_(defaults|symbolic|numeric|wsolve|free_symbolic|free_numeric)", "SuiteSparse_version", "UMFPACK_.*"];
+const ALLOWED: [&str; 5] = [
+    "umfpack_dl_(defaults|symbolic|numeric|wsolve|free_symbolic|free_numeric)",
+    "SuiteSparse_version",
+    "UMFPACK_.*",
+    "cholmod_l_(start|finish|analyze|analyze_p|factorize|solve2|free_factor|free_dense)",
+    "CHOLMOD_.*",
+];
 
 fn main() {
     println!("cargo:rerun-if-changed=ffi/suitesparse.h");
@@ -26,6 +31,7 @@ fn main() {
         println!("cargo:rustc-link-arg=-Wl,-rpath,{}", lib.display());
     }
     println!("cargo:rustc-link-lib=dylib=umfpack");
+    println!("cargo:rustc-link-lib=dylib=cholmod");
     println!("cargo:rustc-link-lib=dylib=suitesparseconfig");
     generate(&include);
 }

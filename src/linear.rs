@@ -10,16 +10,19 @@ use std::sync::Arc;
 
 use crate::sparse::Pattern;
 
+mod cholmod;
 mod condensed;
 mod direct;
 mod error;
 mod faer;
+mod ordering;
 pub mod process;
 mod refine;
 mod sys;
 mod umfpack;
 
 pub use self::faer::FaerLu;
+pub use cholmod::{Cholmod, Reduced};
 pub use condensed::Condensed;
 pub use direct::{Direct, Statistics};
 pub use error::LinearError;

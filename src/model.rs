@@ -127,7 +127,7 @@ impl Model {
         Direct::new(match backend {
             LinearBackend::Umfpack => Box::new(Umfpack::default()),
             LinearBackend::Faer => Box::new(FaerLu::default()),
-            LinearBackend::Condensed => Box::new(Condensed::new(self.problem.interior())),
+            LinearBackend::Condensed => Box::new(Condensed::new(self.problem.displacements())),
         })
     }
 

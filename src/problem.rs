@@ -87,15 +87,6 @@ impl ContactProblem {
         balance.into_iter().map(Twofold::value).collect()
     }
 
-    /// The displacements that no contact row touches, the `r` of (33).
-    pub fn interior(&self) -> Vec<usize> {
-        let mut touched = vec![false; self.displacements()];
-        for i in 0..self.contacts() {
-            self.c_n.row(i).iter().chain(self.c_t.row(i)).for_each(|&(dof, _)| touched[dof] = true);
-        }
-        (0..touched.len()).filter(|&dof| !touched[dof]).collect()
-    }
-
     /// What stands against a force on a contact node alone, roughly: a quarter of its own stiffness
     /// `(C_n diag(K) C_nᵀ)_ii`, n_c, N/m. In a uniform mesh that is close to `1/C_nn`, the inverse of the
     /// compliance `C_n K⁻¹ C_nᵀ`; only its order of magnitude is relied on.

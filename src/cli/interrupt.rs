@@ -1,18 +1,24 @@
 //! Ctrl-C: the first one asks the run to stop after the iteration at hand, the second ends the program.
 
-use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
 
-static REQUESTED: AtomicBool = AtomicBool::new(false);
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+
+static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+
+/// The exit status that shells give to a program that Ctrl-C ended.
+const INTERRUPTED: i32 = 130;
 
 /// From now on Ctrl-C and SIGTERM are requests.
 pub(super) fn listen() {
-    // Without a handler the first Ctrl-C ends the program, as it does everywhere; that is no failure.
-    let _ = ctrlc::set_handler(|| {
-        if REQUESTED.swap(true, Ordering::Relaxed) {
-            exit(130);
-        }
-    });
+    for signal in [SIGINT, SIGTERM] {
+        // The order matters: a signal first sees whether another one came before, then leaves its mark.
+        // Where this is refused, the signal ends the program, as it does everywhere; that is no failure.
+        let _ = flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&REQUESTED))
+            .and_then(|_| flag::register(signal, Arc::clone(&REQUESTED)));
+    }
 }
 
 /// Whether the run is to stop.

@@ -1,157 +1,195 @@
-//! Static condensation: unknowns whose part of the matrix never changes are eliminated once.
+//! Static condensation: the body is eliminated once, an iteration factors what contact leaves free.
 //!
-//! With interior unknowns `r` and the others `c`, as in (33)–(35),
+//! The matrices of a run, on displacements `u` and other unknowns `q` (contact forces, slacks), are
 //!
 //! ```text
-//! A = [ A_rr A_rc ]      B = A_cc - A_cr A_rr⁻¹ A_rc
-//!     [ A_cr A_cc ]
+//! [ K B ] [u]   [b_u]
+//! [ A D ] [q] = [b_q]
 //! ```
 //!
-//! `A_rr` is factored and the correction of `A_cc` formed when they are first met or have changed;
-//! afterwards a factorisation is that of the small, mostly dense `B`. The system solved is the whole
-//! one, so everything else stays as it is: unknowns, errors, refinement.
+//! where `A`, `B` and `D` reach only the contact displacements `u_c`, and `K`, which is symmetric,
+//! never changes. It is factored once with `u_c` last, so that its Schur complement `S` stands in the
+//! factors, see [`Cholmod`]. This stiffness form bears slender bodies, where the compliance form
+//! `C K⁻¹ Cᵀ` loses half the digits. There remains, with the reduced right-hand side,
+//!
+//! ```text
+//! S u_c + B q = b̃_c        A u_c + D q = b_q.
+//! ```
+//!
+//! Contact rows couple a node's unknowns only to each other. Their solutions (see `local`) are
+//! `u_c = P_u b_q + V t`, `q = P_q b_q + Y t + Z s`, where the reactions `s` stand in the equilibrium
+//! rows of their own node alone; `Wᵀ` takes the combinations of those rows that are without them:
+//!
+//! ```text
+//! Wᵀ (S V + B Y) t = Wᵀ (b̃_c - (S P_u + B P_q) b_q).
+//! ```
+//!
+//! This dense matrix is all that an iteration factors. Its order is the number of displacements that
+//! contact leaves free: two for an open node, one for a slipping one, none for a sticking one, and
+//! two for all nodes in an interior point method, where the same elimination serves.
+//!
+//! The system solved is the whole one, so everything else stays as it is: unknowns, errors,
+//! refinement. A body that only contact holds has a singular `K`; then `ρ`, the diagonal of `K`, is
+//! added to the contact block and taken off again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
 
 use std::sync::Arc;
 
-use super::{FactorInfo, LinearError, LinearSolver, Umfpack};
-use crate::sparse::{Csc, Pattern};
+use faer::Mat;
 
-/// A solver that condenses the interior unknowns away.
+use super::error::expect_length;
+use super::{Cholmod, FactorInfo, LinearError, LinearSolver};
+use crate::sparse::Pattern;
+
+mod border;
+mod dense;
+mod local;
+
+use border::Border;
+use dense::Lu;
+use local::Local;
+
+/// A solver that condenses to the contact displacements.
 pub struct Condensed {
-    interior: Vec<usize>,
-    blocks: Option<Blocks>,
-    factored: Option<Interior>,
-    border: Umfpack,
+    displacements: usize,
+    border: Option<Border>,
+    body: Option<Body>,
+    contact: Option<Contact>,
 }
 
-/// Where the entries of `A` go.
-struct Blocks {
-    pattern: Arc<Pattern>,
-    /// For each unknown: interior or not, and its place among those.
-    place: Vec<(bool, usize)>,
-    /// The block `A_rr`, and the slots of `A` its values come from.
-    rr: (Csc, Vec<usize>),
-    /// `A_rc` and `A_cr` as (row, column, slot in `A`), with places for rows and columns.
-    rc: Vec<(usize, usize, usize)>,
-    cr: Vec<(usize, usize, usize)>,
-    /// `B` on its pattern, and the (slot in `B`, slot in `A`) of `A_cc`.
-    b: Csc,
-    cc: Vec<(usize, usize)>,
-}
-
-/// What depends on the interior values alone.
-struct Interior {
-    solver: Umfpack,
-    /// The values of `A_rr`, `A_rc` and `A_cr` that it was made of.
+/// What depends on `K` alone.
+struct Body {
+    factor: Cholmod,
+    /// `S`.
+    schur: Mat<f64>,
+    /// The diagonal of `K_cc + ρ`: what rounding in `S` is relative to.
+    sizes: Vec<f64>,
+    /// The values of `K` that it was made of.
     made_of: Vec<f64>,
-    /// `A_cr A_rr⁻¹ A_rc` as (slot in `B`, value).
-    correction: Vec<(usize, f64)>,
-    info: FactorInfo,
+    pivot_ratio: f64,
+}
+
+/// What depends on the contact rows.
+struct Contact {
+    /// The groups, solved.
+    groups: Vec<Local>,
+    /// The factors of `Wᵀ (S V + B Y)`.
+    lu: Lu,
 }
 
 impl Condensed {
-    /// A solver that eliminates the unknowns `interior` first. Their rows and columns should be the
-    /// same in all matrices to come: when they change, everything is done anew.
-    pub fn new(interior: Vec<usize>) -> Self {
-        Condensed { interior, blocks: None, factored: None, border: Umfpack::default() }
+    /// A solver for matrices whose first `displacements` unknowns are `u`. Of `K` the lower triangle is
+    /// read. It should be the same in all matrices to come: when it changes, everything is done anew.
+    pub fn new(displacements: usize) -> Self {
+        Condensed { displacements, border: None, body: None, contact: None }
+    }
+
+    /// How many unknowns are displacements.
+    pub fn displacements(&self) -> usize {
+        self.displacements
     }
 }
 
-impl Blocks {
-    fn new(pattern: &Arc<Pattern>, interior: &[usize]) -> Self {
-        let n = pattern.columns();
-        let mut place = vec![(false, 0); n];
-        for &k in interior {
-            place[k].0 = true;
-        }
-        let (mut inside, mut outside) = (0, 0);
-        for (is_interior, place) in &mut place {
-            let count = if *is_interior { &mut inside } else { &mut outside };
-            *place = *count;
-            *count += 1;
-        }
-        let entries = |visit: &mut dyn FnMut((bool, usize), (bool, usize), usize)| {
-            for column in 0..n {
-                for slot in pattern.column(column) {
-                    visit(place[pattern.row_indices()[slot] as usize], place[column], slot);
-                }
+impl Body {
+    fn new(border: &Border, values: &[f64]) -> Result<Self, LinearError> {
+        let made_of = border.stiffness_values(values);
+        let mut k = border.stiffness(made_of.clone());
+        let (last, mut shift) = (&border.last, Vec::new());
+        let factor = match Cholmod::factor(&k, last) {
+            Err(LinearError::Singular { .. }) if !last.is_empty() => {
+                let diagonal = k.diagonal();
+                shift.extend(last.iter().map(|&unknown| diagonal[unknown]));
+                last.iter().zip(&shift).filter(|entry| *entry.1 > 0.0).for_each(|(&i, rho)| k.add(i, i, *rho));
+                Cholmod::factor(&k, last)?
             }
+            factor => factor?,
         };
-        let (mut rc, mut cr) = (Vec::new(), Vec::new());
-        entries(&mut |(r_in, row), (c_in, column), slot| match (r_in, c_in) {
-            (true, false) => rc.push((row, column, slot)),
-            (false, true) => cr.push((row, column, slot)),
-            _ => {}
-        });
-        let (coupled_columns, coupled_rows) = (distinct(rc.iter().map(|e| e.1)), distinct(cr.iter().map(|e| e.0)));
-        let rr = Pattern::from_entries(inside, inside, |take| {
-            entries(&mut |(r_in, row), (c_in, column), _| {
-                if r_in && c_in {
-                    take(row, column);
-                }
-            });
-        });
-        let b = Pattern::from_entries(outside, outside, |take| {
-            entries(&mut |(r_in, row), (c_in, column), _| {
-                if !r_in && !c_in {
-                    take(row, column);
-                }
-            });
-            for &column in &coupled_columns {
-                for &row in &coupled_rows {
-                    take(row, column);
-                }
-            }
-        });
-        // The entries of a block come in the order of its slots, as places keep the order.
-        let (mut from, mut cc) = (Vec::with_capacity(rr.len()), Vec::new());
-        entries(&mut |(r_in, row), (c_in, column), slot| match (r_in, c_in) {
-            (true, true) => from.push(slot),
-            (false, false) => cc.extend(b.slot(row, column).map(|k| (k, slot))),
-            _ => {}
-        });
-        Blocks {
-            pattern: Arc::clone(pattern),
-            rr: (Csc::zeros(Arc::new(rr)), from),
-            b: Csc::zeros(Arc::new(b)),
-            place,
-            rc,
-            cr,
-            cc,
+        let pivot_ratio = factor.interior_pivot_ratio()?;
+        // What moves freely without contact taking part.
+        if pivot_ratio <= f64::EPSILON {
+            return Err(LinearError::Singular { pivot_ratio });
         }
+        let mut schur = dense::square(&factor.trailing(), last.len());
+        let diagonal = k.diagonal();
+        let sizes = last.iter().map(|&unknown| diagonal[unknown]).collect();
+        shift.iter().enumerate().for_each(|(i, rho)| schur[(i, i)] -= rho);
+        Ok(Body { factor, schur, sizes, made_of, pivot_ratio })
+    }
+}
+
+impl Contact {
+    fn new(border: &Border, body: &Body, values: &[f64]) -> Result<Self, LinearError> {
+        let groups = border.groups.iter().map(|group| group.solve(values)).collect::<Result<Vec<_>, _>>()?;
+        let order = groups.iter().map(Local::moving).sum();
+        let mut matrix = Mat::zeros(order, order);
+        let mut column_of_s_v = vec![0.0; border.last.len()];
+        let mut sizes = Vec::with_capacity(order);
+        let all = || border.groups.iter().zip(&groups);
+        for (k, (group, local)) in all().enumerate() {
+            for j in 0..local.moving() {
+                let own = local.own(j);
+                let mut size = own.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
+                column_of_s_v.fill(0.0);
+                for (place, factor) in group.displacements.clone().zip(local.motion(j)) {
+                    // Most nodes move along an axis.
+                    if *factor != 0.0 {
+                        let s = body.schur.col_as_slice(place);
+                        column_of_s_v.iter_mut().zip(s).for_each(|(sum, s)| *sum += factor * s);
+                        size += factor.abs() * body.sizes[place];
+                    }
+                }
+                let to = matrix.col_as_slice_mut(sizes.len());
+                let mut row = 0;
+                for (i, (group, local)) in all().enumerate() {
+                    let to = &mut to[row..row + local.moving()];
+                    let sums = local.project(&column_of_s_v[group.displacements.clone()]);
+                    to.iter_mut().zip(sums).for_each(|(to, sum)| *to = sum);
+                    if i == k {
+                        to.iter_mut().zip(&own).for_each(|(to, own)| *to += own);
+                    }
+                    row += local.moving();
+                }
+                sizes.push(size);
+            }
+        }
+        Ok(Contact { groups, lu: Lu::new(matrix, &sizes)? })
     }
 
-    /// The slots of `A` that the interior part is made of.
-    fn interior_slots(&self) -> impl Iterator<Item = usize> + '_ {
-        self.rr.1.iter().copied().chain(self.rc.iter().chain(&self.cr).map(|entry| entry.2))
-    }
-
-    /// Factors `A_rr` and forms the correction, a solve for each column of `A_rc`.
-    fn eliminate(&mut self, values: &[f64]) -> Result<Interior, LinearError> {
-        let (rr, from) = &mut self.rr;
-        rr.values.iter_mut().zip(from).for_each(|(value, &mut slot)| *value = values[slot]);
-        let mut solver = Umfpack::default();
-        solver.analyze(&rr.pattern)?;
-        let info = solver.factorize(&rr.values)?;
-        let n = rr.pattern.columns();
-        let (mut column_of_rc, mut x) = (vec![0.0; n], vec![0.0; n]);
-        let mut sums = vec![0.0; self.b.pattern.rows()];
-        let rows = distinct(self.cr.iter().map(|entry| entry.0));
-        let mut correction = Vec::new();
-        // A_rc is listed column after column.
-        for entries in self.rc.chunk_by(|a, b| a.1 == b.1) {
-            column_of_rc.fill(0.0);
-            for &(row, _, slot) in entries {
-                column_of_rc[row] = values[slot];
-            }
-            solver.solve(&column_of_rc, &mut x)?;
-            sums.fill(0.0);
-            self.cr.iter().for_each(|&(row, column, slot)| sums[row] += values[slot] * x[column]);
-            let column = entries[0].1;
-            correction.extend(rows.iter().filter_map(|&row| Some((self.b.pattern.slot(row, column)?, sums[row]))));
+    /// `u_c` and, in `x`, `q`.
+    fn solve(&self, border: &Border, schur: &Mat<f64>, reduced: &[f64], b: &[f64], x: &mut [f64]) -> Vec<f64> {
+        let mut u = vec![0.0; border.last.len()];
+        let mut rest = reduced.to_vec();
+        let all = || border.groups.iter().zip(&self.groups);
+        let gather = |x: &[f64], others: &[usize]| others.iter().map(|&unknown| x[unknown]).collect::<Vec<f64>>();
+        let scatter = |q: &[f64], others: &[usize], x: &mut [f64]| {
+            others.iter().zip(q).for_each(|(&unknown, q)| x[unknown] = *q);
+        };
+        for (group, local) in all() {
+            let mut q = vec![0.0; group.others.len()];
+            local.start(&gather(b, &group.others), &mut u[group.displacements.clone()], &mut q);
+            local.subtract_forces(&q, &mut rest[group.displacements.clone()]);
+            scatter(&q, &group.others, x);
         }
-        let made_of = self.interior_slots().map(|slot| values[slot]).collect();
-        Ok(Interior { solver, made_of, correction, info })
+        dense::subtract_product(schur, &u, &mut rest);
+        let projected: Vec<f64> =
+            all().flat_map(|(group, local)| local.project(&rest[group.displacements.clone()])).collect();
+        let t = self.lu.solve(&projected);
+        let (mut change, mut t) = (vec![0.0; u.len()], &t[..]);
+        for (group, local) in all() {
+            let (own, others) = t.split_at(local.moving());
+            t = others;
+            let mut q = vec![0.0; group.others.len()];
+            local.move_by(own, &mut change[group.displacements.clone()], &mut q);
+            local.subtract_forces(&q, &mut rest[group.displacements.clone()]);
+            group.others.iter().zip(&q).for_each(|(&unknown, q)| x[unknown] += q);
+        }
+        dense::subtract_product(schur, &change, &mut rest);
+        u.iter_mut().zip(&change).for_each(|(u, change)| *u += change);
+        for (group, local) in all() {
+            let mut q = gather(x, &group.others);
+            local.react(&rest[group.displacements.clone()], &mut q);
+            scatter(&q, &group.others, x);
+        }
+        u
     }
 }
 
@@ -161,151 +199,46 @@ impl LinearSolver for Condensed {
     }
 
     fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
-        let blocks = Blocks::new(pattern, &self.interior);
-        self.factored = None;
-        self.border.analyze(&blocks.b.pattern)?;
-        self.blocks = Some(blocks);
+        (self.body, self.contact) = (None, None);
+        self.border = Some(Border::new(pattern, self.displacements)?);
         Ok(())
     }
 
+    /// The flops are those of the dense part, with those of the body when it was factored anew.
     fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
-        let blocks = self.blocks.as_mut().ok_or(LinearError::Order { missing: "analyze" })?;
-        if values.len() != blocks.pattern.len() {
-            return Err(LinearError::PatternChanged);
-        }
-        let kept = self.factored.take().filter(|old| {
-            blocks.interior_slots().zip(&old.made_of).all(|(slot, old)| values[slot].to_bits() == old.to_bits())
-        });
-        let interior = match kept {
-            Some(interior) => interior,
-            None => blocks.eliminate(values)?,
+        let border = self.border.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
+        expect_length("values of the matrix", border.pattern.len(), values.len())?;
+        self.contact = None;
+        let mut flops = 0.0;
+        let body = match self.body.take() {
+            Some(body) if border.has_stiffness(values, &body.made_of) => body,
+            // The old factors are gone by now: two at a time would double the peak memory.
+            _ => {
+                let body = Body::new(border, values)?;
+                flops += body.factor.info().flops + (border.last.len() as f64).powi(3) / 3.0;
+                body
+            }
         };
-        blocks.b.values.fill(0.0);
-        blocks.cc.iter().for_each(|&(slot, from)| blocks.b.values[slot] = values[from]);
-        interior.correction.iter().for_each(|&(slot, value)| blocks.b.values[slot] -= value);
-        let (inside, border) = (interior.info, self.border.factorize(&blocks.b.values));
-        self.factored = Some(interior);
-        let border = border?;
+        let body = self.body.insert(body);
+        let contact = self.contact.insert(Contact::new(border, body, values)?);
+        let (whole, m, k) = (body.factor.info(), border.last.len(), contact.lu.order());
         Ok(FactorInfo {
-            entries: inside.entries + border.entries,
-            flops: border.flops,
-            pivot_ratio: inside.pivot_ratio.min(border.pivot_ratio),
-            peak_bytes: inside.peak_bytes + border.peak_bytes,
+            entries: whole.entries + m * m + k * k,
+            flops: flops + 2.0 / 3.0 * (k as f64).powi(3),
+            pivot_ratio: body.pivot_ratio.min(contact.lu.pivot_ratio()),
+            peak_bytes: whole.peak_bytes + 8.0 * (m * m + k * k) as f64,
         })
     }
 
-    /// `x_c = B⁻¹ (b_c - A_cr A_rr⁻¹ b_r)`, then `x_r = A_rr⁻¹ (b_r - A_rc x_c)` (35).
+    /// The border first, then the interior (35).
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
-        let (Some(blocks), Some(interior)) = (&self.blocks, &mut self.factored) else {
+        let (Some(border), Some(body), Some(contact)) = (&self.border, &self.body, &self.contact) else {
             return Err(LinearError::Order { missing: "factorize" });
         };
-        let values = &interior.made_of[blocks.rr.1.len()..];
-        let (rc_values, cr_values) = values.split_at(blocks.rc.len());
-        let (mut b_r, mut b_c) = (vec![0.0; blocks.rr.0.pattern.rows()], vec![0.0; blocks.b.pattern.rows()]);
-        for (value, &(inside, place)) in b.iter().zip(&blocks.place) {
-            (if inside { &mut b_r } else { &mut b_c })[place] = *value;
-        }
-        let (mut x_r, mut x_c) = (vec![0.0; b_r.len()], vec![0.0; b_c.len()]);
-        interior.solver.solve(&b_r, &mut x_r)?;
-        blocks.cr.iter().zip(cr_values).for_each(|(&(row, column, _), value)| b_c[row] -= value * x_r[column]);
-        self.border.solve(&b_c, &mut x_c)?;
-        blocks.rc.iter().zip(rc_values).for_each(|(&(row, column, _), value)| b_r[row] -= value * x_c[column]);
-        interior.solver.solve(&b_r, &mut x_r)?;
-        for (value, &(inside, place)) in x.iter_mut().zip(&blocks.place) {
-            *value = if inside { x_r[place] } else { x_c[place] };
-        }
-        Ok(())
-    }
-}
-
-/// The distinct values, ascending.
-fn distinct(values: impl Iterator<Item = usize>) -> Vec<usize> {
-    let mut values: Vec<usize> = values.collect();
-    values.sort_unstable();
-    values.dedup();
-    values
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::linear::Direct;
-
-    /// A chain of springs whose ends are not interior.
-    fn chain(n: usize, last: f64) -> Csc {
-        let pattern = Pattern::from_entries(n, n, |take| {
-            for i in 0..n {
-                take(i, i);
-                if i > 0 {
-                    take(i - 1, i);
-                    take(i, i - 1);
-                }
-            }
-        });
-        let mut a = Csc::zeros(Arc::new(pattern));
-        for i in 0..n {
-            let k = a.pattern.slot(i, i).unwrap();
-            a.values[k] = if i == n - 1 { last } else { 2.5 };
-            if i > 0 {
-                for (row, column) in [(i - 1, i), (i, i - 1)] {
-                    let k = a.pattern.slot(row, column).unwrap();
-                    a.values[k] = -1.0;
-                }
-            }
-        }
-        a
-    }
-
-    #[test]
-    fn solves_the_whole_system_and_keeps_the_interior() {
-        let n = 30;
-        let mut condensed = Direct::new(Box::new(Condensed::new((3..n - 1).collect())));
-        let mut whole = Direct::new(Box::new(Umfpack::default()));
-        let b: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
-        let (mut x, mut y) = (vec![0.0; n], vec![0.0; n]);
-        for (k, last) in [3.0, 7.0, 0.9].into_iter().enumerate() {
-            let a = chain(n, last);
-            if k == 0 {
-                condensed.analyze(&a.pattern).unwrap();
-                whole.analyze(&a.pattern).unwrap();
-            }
-            condensed.factorize(&a).unwrap();
-            whole.factorize(&a).unwrap();
-            let info = condensed.solve(&a, &b, &mut x).unwrap();
-            whole.solve(&a, &b, &mut y).unwrap();
-            assert!(info.backward_error < 1e-15);
-            assert!(x.iter().zip(&y).all(|(x, y)| (x - y).abs() < 1e-13 * (1.0 + y.abs())));
-        }
-    }
-
-    #[test]
-    fn an_interior_that_changes_is_eliminated_anew() {
-        let n = 12;
-        let mut condensed = Direct::new(Box::new(Condensed::new((0..n - 1).collect())));
-        let mut a = chain(n, 2.0);
-        condensed.analyze(&a.pattern).unwrap();
-        let b = vec![1.0; n];
-        for value in [2.5, 4.0] {
-            let k = a.pattern.slot(5, 5).unwrap();
-            a.values[k] = value;
-            condensed.factorize(&a).unwrap();
-            let mut x = vec![0.0; n];
-            // Unrefined, so that stale factors would show.
-            assert!(condensed.solve(&a, &b, &mut x).unwrap().refinements <= 1);
-            assert!(crate::linear::backward_error(&a, &b, &x) < 1e-15);
-        }
-    }
-
-    #[test]
-    fn a_singular_interior_is_an_error() {
-        let mut a = chain(4, 2.0);
-        for i in 0..2 {
-            let k = a.pattern.slot(i, i).unwrap();
-            a.values[k] = 1.0;
-        }
-        let mut condensed = Condensed::new(vec![0, 1]);
-        assert!(matches!(condensed.factorize(&a.values), Err(LinearError::Order { .. })));
-        condensed.analyze(&a.pattern).unwrap();
-        assert!(matches!(condensed.factorize(&a.values), Err(LinearError::Singular { .. })));
+        expect_length("right-hand side", border.pattern.columns(), b.len())?;
+        expect_length("solution", border.pattern.columns(), x.len())?;
+        let reduced = body.factor.reduce(&b[..self.displacements])?;
+        let u_c = contact.solve(border, &body.schur, &reduced.border, b, x);
+        body.factor.expand(&reduced, &u_c, &mut x[..self.displacements])
     }
 }

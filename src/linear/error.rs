@@ -49,3 +49,8 @@ pub enum LinearError {
         status: i64,
     },
 }
+
+/// An error unless both lengths agree.
+pub(super) fn expect_length(what: &'static str, expected: usize, found: usize) -> Result<(), LinearError> {
+    if expected == found { Ok(()) } else { Err(LinearError::Shape { what, expected, found }) }
+}

@@ -9,9 +9,10 @@
 
 use std::ffi::c_void;
 use std::ptr::{self, NonNull};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
-use super::{FactorInfo, LinearError, LinearSolver, sys};
+use super::error::expect_length;
+use super::{FactorInfo, LinearError, LinearSolver, ordering, sys};
 use crate::sparse::Pattern;
 
 const CONTROL: usize = sys::UMFPACK_CONTROL as usize;
@@ -116,9 +117,7 @@ impl Umfpack {
         self.symbolic = None;
         let mut info: Info = [0.0; INFO];
         let mut symbolic = ptr::null_mut();
-        // METIS draws from the generator of the C library, which all threads share: alone it orders
-        // the same pattern the same way in every run.
-        let _alone = ORDERING.lock().unwrap_or_else(PoisonError::into_inner);
+        let _alone = ordering::alone();
         // SAFETY: `pattern` holds n + 1 column starts and the row indices they span, `values` is
         // null or as long as those; `control` and `info` have the lengths UMFPACK prescribes.
         let status = unsafe {
@@ -142,9 +141,6 @@ impl Umfpack {
         Ok(())
     }
 }
-
-/// One ordering at a time.
-static ORDERING: Mutex<()> = Mutex::new(());
 
 impl LinearSolver for Umfpack {
     fn name(&self) -> &'static str {
@@ -241,10 +237,6 @@ fn check(status: impl Into<i64>, step: &'static str, pivot_ratio: f64) -> Result
         DIFFERENT_PATTERN => Err(LinearError::PatternChanged),
         status => Err(LinearError::Backend { backend: "umfpack", step, status }),
     }
-}
-
-fn expect_length(what: &'static str, expected: usize, found: usize) -> Result<(), LinearError> {
-    if expected == found { Ok(()) } else { Err(LinearError::Shape { what, expected, found }) }
 }
 
 /// The version of the SuiteSparse library that is loaded, `[main, sub, subsub]`.

@@ -280,3 +280,23 @@ impl Cycle {
         2 * self.last_new <= self.visits
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Cycle;
+
+    #[test]
+    fn a_cycle_is_closed_when_half_of_the_visits_bring_nothing_new() {
+        let closed = |visits: &[u8]| {
+            let mut cycle = Cycle::default();
+            for &case in visits {
+                cycle.visit(vec![case]);
+            }
+            cycle.closed()
+        };
+        assert!(closed(&[1, 2, 1, 2]));
+        assert!(closed(&[1, 2, 3, 2, 3, 2]));
+        assert!(!closed(&[1, 2, 3, 2, 3]));
+        assert!(!closed(&[1, 2, 3, 4]));
+    }
+}

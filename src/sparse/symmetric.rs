@@ -24,9 +24,20 @@ impl Symmetric {
         Symmetric { lower: Csc::zeros(Arc::new(pattern)) }
     }
 
+    /// The matrix with this lower triangle; entries above the diagonal have no place in it.
+    pub fn from_lower(lower: Csc) -> Self {
+        debug_assert!(lower.entries().all(|(row, column, _)| row >= column));
+        Symmetric { lower }
+    }
+
     /// The order.
     pub fn order(&self) -> usize {
         self.lower.pattern.columns()
+    }
+
+    /// The lower triangle, diagonal included: what is stored.
+    pub fn lower(&self) -> &Csc {
+        &self.lower
     }
 
     /// Adds `value` at `(row, column)` of the lower triangle; an entry of the upper one, which is

@@ -1,0 +1,147 @@
+//! Dense kernels of the border, one thread each: `L Lᵀ`, and LU with partial pivoting.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::{Accum, Mat, MatRef, Par};
+
+use crate::linear::LinearError;
+
+/// `L Lᵀ` of the lower triangle `l`, column after column, m × m; both triangles of the result.
+pub(super) fn square(l: &[f64], m: usize) -> Mat<f64> {
+    let l = MatRef::from_column_major_slice(l, m, m);
+    let mut s = Mat::zeros(m, m);
+    let (lower, upper) = (BlockStructure::TriangularLower, BlockStructure::TriangularUpper);
+    matmul(&mut s, lower, Accum::Replace, l, lower, l.transpose(), upper, 1.0, Par::Seq);
+    for column in 0..m {
+        for row in 0..column {
+            s[(row, column)] = s[(column, row)];
+        }
+    }
+    s
+}
+
+/// `y -= A x`; columns where `x` is zero are not read.
+pub(super) fn subtract_product(a: &Mat<f64>, x: &[f64], y: &mut [f64]) {
+    for (column, &factor) in x.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
+        y.iter_mut().zip(a.col_as_slice(column)).for_each(|(y, a)| *y -= a * factor);
+    }
+}
+
+/// Pivots at most as large, relative to what they came from, say nothing. (Slender bodies have some of
+/// 1e-12.)
+const MERE_ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// The factors of `P A = L U`.
+pub(super) struct Lu {
+    /// `L` below the diagonal, its own being 1, and `U`.
+    factors: Mat<f64>,
+    /// Row `k` of `P A` is row `permutation[k]` of `A`.
+    permutation: Vec<usize>,
+    pivot_ratio: f64,
+}
+
+impl Lu {
+    /// Factors `a`, which is square. Its columns came from numbers of these `sizes`, so that rounding
+    /// makes pivots of about `ε size` where there should be none.
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`] when a pivot vanishes or may be mere rounding, which faer does not
+    /// look at; [`LinearError::NotFinite`] when an entry is no number.
+    pub(super) fn new(mut a: Mat<f64>, sizes: &[f64]) -> Result<Self, LinearError> {
+        let n = a.nrows();
+        if !a.is_all_finite() {
+            return Err(LinearError::NotFinite);
+        }
+        let (mut permutation, mut inverse) = (vec![0_usize; n], vec![0_usize; n]);
+        if n > 0 {
+            let mut memory = MemBuffer::new(lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, faer::Spec::default()));
+            let stack = MemStack::new(&mut memory);
+            lu_in_place(a.as_mut(), &mut permutation, &mut inverse, Par::Seq, stack, faer::Spec::default());
+        }
+        let mut pivot_ratio = 1.0_f64;
+        for (k, size) in sizes.iter().enumerate() {
+            // After a pivot of 0 faer goes on with NaN, and so does 0 / 0.
+            let ratio = a[(k, k)].abs() / size;
+            pivot_ratio = pivot_ratio.min(if ratio.is_finite() { ratio } else { 0.0 });
+        }
+        if pivot_ratio <= MERE_ROUNDING {
+            return Err(LinearError::Singular { pivot_ratio });
+        }
+        Ok(Lu { factors: a, permutation, pivot_ratio })
+    }
+
+    /// The order.
+    pub(super) fn order(&self) -> usize {
+        self.permutation.len()
+    }
+
+    /// The smallest of all pivots, each relative to the size of its column.
+    pub(super) fn pivot_ratio(&self) -> f64 {
+        self.pivot_ratio
+    }
+
+    /// Solves `A x = b`.
+    pub(super) fn solve(&self, b: &[f64]) -> Vec<f64> {
+        let mut x: Vec<f64> = self.permutation.iter().map(|&row| b[row]).collect();
+        for column in 0..x.len() {
+            let (head, below) = x.split_at_mut(column + 1);
+            let factors = &self.factors.col_as_slice(column)[column + 1..];
+            below.iter_mut().zip(factors).for_each(|(x, l)| *x -= l * head[column]);
+        }
+        for column in (0..x.len()).rev() {
+            let (above, rest) = x.split_at_mut(column);
+            let factors = self.factors.col_as_slice(column);
+            rest[0] /= factors[column];
+            above.iter_mut().zip(factors).for_each(|(x, u)| *x -= u * rest[0]);
+        }
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_of_a_triangle() {
+        // L = [1 0; 2 3]
+        let s = square(&[1.0, 2.0, 0.0, 3.0], 2);
+        assert_eq!([s[(0, 0)], s[(1, 0)], s[(0, 1)], s[(1, 1)]], [1.0, 2.0, 2.0, 13.0]);
+        let mut y = [0.0, 1.0];
+        subtract_product(&s, &[2.0, 0.0], &mut y);
+        assert_eq!(y, [-2.0, -3.0]);
+        assert_eq!(square(&[], 0).nrows(), 0);
+    }
+
+    #[test]
+    fn rows_are_exchanged() {
+        for n in [1, 2, 7, 40, 130] {
+            // Zero on the diagonal where it can be.
+            let a =
+                Mat::from_fn(n, n, |i, j| if i == j && n > 1 { 0.0 } else { 1.0 / (1.0 + i as f64 + 2.0 * j as f64) });
+            let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+            let mut b = vec![0.0; n];
+            subtract_product(&a, &x, &mut b);
+            let lu = Lu::new(a.clone(), &vec![1.0; n]).unwrap();
+            assert_eq!(lu.order(), n);
+            let mut rest: Vec<f64> = b.clone();
+            subtract_product(&a, &lu.solve(&b), &mut rest);
+            assert!(rest.iter().all(|r| r.abs() < 1e-13), "{n}: {rest:?}");
+        }
+        assert_eq!(Lu::new(Mat::zeros(0, 0), &[]).unwrap().pivot_ratio(), 1.0);
+    }
+
+    #[test]
+    fn bad_pivots_are_errors() {
+        let of = |values: [f64; 4]| Lu::new(Mat::from_fn(2, 2, |i, j| values[2 * i + j]), &[2.0, 4.0]).err();
+        let singular = |error| assert!(matches!(error, Some(LinearError::Singular { .. })), "{error:?}");
+        singular(of([1.0, 2.0, 2.0, 4.0]));
+        singular(of([0.0; 4]));
+        singular(of([1.0, 0.1, 0.3, 0.03]));
+        // Rounding of numbers that are not there any more.
+        singular(Lu::new(Mat::from_fn(1, 1, |_, _| 1e-17), &[1.0]).err());
+        assert_eq!(of([f64::NAN, 2.0, 2.0, 4.0]), Some(LinearError::NotFinite));
+        assert_eq!(of([1.0, 2.0, 2.0, 4.5]), None);
+    }
+}
