@@ -14,12 +14,14 @@ mod cholmod;
 mod condensed;
 mod direct;
 mod error;
+mod faer;
 mod ordering;
 pub mod process;
 mod refine;
 mod sys;
 mod umfpack;
 
+pub use self::faer::FaerLu;
 pub use cholmod::{Cholmod, Reduced};
 pub use condensed::Condensed;
 pub use direct::{Direct, Statistics};
@@ -30,13 +32,14 @@ pub use umfpack::{Strategy, Umfpack, suitesparse_version, umfpack_version};
 /// What a factorisation tells about itself.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FactorInfo {
-    /// Entries stored in the factors L and U.
+    /// Entries stored in the factors L and U, or a bound of them.
     pub entries: usize,
-    /// Floating point operations.
+    /// Floating point operations; 0 if the backend does not tell.
     pub flops: f64,
-    /// The smallest over the largest pivot, a coarse sign of trouble and no condition number.
+    /// The smallest over the largest pivot, or what stands in for it where pivots cannot be read: a
+    /// coarse sign of trouble and no condition number.
     pub pivot_ratio: f64,
-    /// Peak memory of the factorisation, bytes.
+    /// Peak memory of the factorisation, bytes; 0 if the backend does not tell.
     pub peak_bytes: f64,
 }
 

@@ -46,7 +46,7 @@ struct Selection {
     /// Only these methods
     #[arg(long, value_delimiter = ',')]
     methods: Vec<MethodArg>,
-    /// The linear algebra: condensed, as the paper does it, or umfpack, several times slower
+    /// The linear algebra: condensed, as the paper does it, or umfpack or faer, several times slower
     #[arg(long, default_value = "condensed")]
     solver: SolverArg,
     /// Cells computed at the same time; as many as there are processors
@@ -72,6 +72,7 @@ enum MethodArg {
 #[derive(Clone, Copy, ValueEnum)]
 enum SolverArg {
     Umfpack,
+    Faer,
     Condensed,
 }
 
@@ -106,6 +107,7 @@ pub(super) fn tables(args: &TablesArgs) -> Result<ExitCode, Failure> {
     let jobs = jobs::count(selection.jobs);
     let linear = match selection.solver {
         SolverArg::Umfpack => LinearBackend::Umfpack,
+        SolverArg::Faer => LinearBackend::Faer,
         SolverArg::Condensed => LinearBackend::Condensed,
     };
     let cells = compute(table, &cases, &methods, linear, jobs)?;

@@ -113,7 +113,7 @@ pub struct Totals {
     pub setup_seconds: f64,
     /// Peak resident memory of the process, bytes.
     pub peak_rss_bytes: Option<u64>,
-    /// Entries of the factors L and U.
+    /// Entries of the factors L and U; with faer a bound of them.
     pub nnz_factors: usize,
     /// The largest componentwise backward error of any solve.
     pub backward_error: f64,

@@ -123,6 +123,8 @@ pub enum LinearBackend {
     /// UMFPACK on the uncondensed system.
     #[default]
     Umfpack,
+    /// faer's sparse LU on the uncondensed system: no library but Rust's, slower on large meshes.
+    Faer,
     /// Static condensation: what no contact touches is eliminated once a run.
     Condensed,
 }
