@@ -451,7 +451,7 @@ fn an_interrupted_run_keeps_its_increments() {
     while lines() < 4 {
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert!(Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 1);
     assert!(stdout(&output).contains("verdict      interrupted"), "{}", stdout(&output));
