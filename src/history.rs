@@ -10,6 +10,7 @@ mod path;
 mod predictor_corrector;
 mod record;
 mod settings;
+mod whole;
 
 use std::time::Instant;
 
@@ -17,6 +18,7 @@ pub use observer::{Observer, Step};
 pub use record::{ContactCounts, IncrementRecord, Seconds, Status};
 pub use settings::{FirstGuess, HistorySettings, Method, Start};
 
+use crate::condense::Condensed;
 use crate::contact::{KktScales, Violation, rounding_level, statuses};
 use crate::formulation::Layout;
 use crate::linear::{Direct, LinearError, Statistics};
@@ -71,8 +73,6 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<HistoryOutcome, LinearError> {
     let start = Instant::now();
-    let mut method = method::new(problem, loading, settings);
-    linear.analyze(&method.matrix().pattern)?;
     let mut outcome = HistoryOutcome {
         status: Status::Converged,
         records: Vec::with_capacity(times.len()),
@@ -86,7 +86,24 @@ pub fn run(
         linear: *linear.statistics(),
         setup_seconds: 0.0,
     };
-    let held = match HeldBody::new(method.as_mut(), problem, loading, &settings.scaling, linear)? {
+    let condensed = match linear.condenses().then(|| Condensed::new(problem, loading)).transpose() {
+        Ok(condensed) => condensed,
+        Err(LinearError::Singular { .. }) => {
+            let free_motion = method::new(problem, loading, settings).hold_contacts().err();
+            return Ok(HistoryOutcome { status: Status::Singular, free_motion, ..outcome });
+        }
+        Err(error) => return Err(error),
+    };
+    let (small, loads) = match &condensed {
+        Some(condensed) => {
+            linear.stand_on(condensed.info());
+            (&condensed.problem, &condensed.loading)
+        }
+        None => (problem, loading),
+    };
+    let mut method = method::new(small, loads, settings);
+    linear.analyze(&method.matrix().pattern)?;
+    let held = match HeldBody::new(method.as_mut(), small, loads, &settings.scaling, linear)? {
         Ok(held) => held,
         Err(free_motion) => {
             return Ok(HistoryOutcome { status: Status::Singular, free_motion, ..outcome });
@@ -94,7 +111,7 @@ pub fn run(
     };
     outcome.setup_seconds = start.elapsed().as_secs_f64();
     observer.ready();
-    let mut path = Path::new(problem, loading, settings, method, held);
+    let mut path = Path::new(problem, loading, settings, condensed.as_ref(), method, held);
 
     for (k, &time) in times.iter().enumerate() {
         let index = k + 1;
@@ -111,13 +128,7 @@ pub fn run(
         let Walked { solved, attempt, kkt, status, parts } = increment;
         let statuses = statuses(problem, &path.data(), &attempt.state, &attempt.scales);
         let after = *linear.statistics();
-        let mut seconds = Seconds {
-            assembly: solved.assembly_seconds,
-            factorization: after.factor_seconds - before.factor_seconds,
-            solve: after.solve_seconds - before.solve_seconds,
-            rest: 0.0,
-        };
-        seconds.rest = start.elapsed().as_secs_f64() - seconds.assembly - seconds.factorization - seconds.solve;
+        let seconds = Seconds::between(&before, &after, solved.assembly_seconds, start.elapsed().as_secs_f64());
         let record = IncrementRecord {
             index,
             time,

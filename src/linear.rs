@@ -11,7 +11,7 @@ use std::sync::Arc;
 use crate::sparse::Pattern;
 
 mod cholmod;
-mod condensed;
+mod dense;
 mod direct;
 mod error;
 mod faer;
@@ -23,10 +23,10 @@ mod umfpack;
 
 pub use self::faer::FaerLu;
 pub use cholmod::{Cholmod, Reduced};
-pub use condensed::Condensed;
+pub use dense::{Dense, times_transposed};
 pub use direct::{Direct, Statistics};
 pub use error::LinearError;
-pub use refine::{SolveInfo, backward_error};
+pub use refine::{SolveInfo, backward_error, componentwise_error};
 pub use umfpack::{Strategy, Umfpack, suitesparse_version, umfpack_version};
 
 /// What a factorisation tells about itself.

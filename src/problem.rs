@@ -5,6 +5,8 @@
 //! `p_n (w_n - g) = 0` (4); friction `|p_t| ≤ μ p_n`, dissipating most against the slip increment
 //! `w_t - w̄_t` with `w_t = C_t u` (8).
 
+use std::collections::BTreeSet;
+
 use crate::sparse::{Csr, Symmetric, Twofold};
 use crate::units::Scaling;
 
@@ -85,6 +87,14 @@ impl ContactProblem {
         }
         balance.iter_mut().zip(force).for_each(|(sum, force)| sum.add(-force));
         balance.into_iter().map(Twofold::value).collect()
+    }
+
+    /// The displacements that contact forces act on, ascending. There are none along an obstacle
+    /// without friction.
+    pub fn contact_displacements(&self) -> Vec<usize> {
+        let normal = (0..self.contacts()).flat_map(|i| self.c_n.row(i));
+        let tangential = (0..self.contacts()).filter(|&i| self.mu[i] > 0.0).flat_map(|i| self.c_t.row(i));
+        normal.chain(tangential).map(|&(dof, _)| dof).collect::<BTreeSet<_>>().into_iter().collect()
     }
 
     /// What stands against a force on a contact node alone, roughly: a quarter of its own stiffness

@@ -102,6 +102,7 @@ fn one_node() {
                 rescue: None,
             },
             conventions: Conventions::natural(&problem),
+            contact_stiffness: problem.contact_stiffness(),
             scaling: Scaling::SI,
             tolerance: 1e-12,
             halvings: 0,

@@ -21,10 +21,12 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("formulation", &["contact", "null_space", "problem", "scene", "sparse", "units"]),
     ("linear", &["sparse"]),
     ("nonlinear", &["formulation", "linear", "sparse"]),
+    ("condense", &["linear", "loading", "problem", "sparse"]),
     ("uniqueness", &["contact", "formulation", "linear", "problem", "units"]),
     (
         "history",
         &[
+            "condense",
             "contact",
             "formulation",
             "linear",

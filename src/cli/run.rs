@@ -63,7 +63,7 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let Watcher { folder, failed_write, last, .. } = watcher;
     let outcome = outcome.map_err(|error| Failure::linear(&error))?;
     let critical_friction = match last {
-        Some(last) => last.critical_friction(&model, &outcome, &mut linear).map_err(|error| Failure::linear(&error))?,
+        Some(last) => last.critical_friction(&model, &outcome).map_err(|error| Failure::linear(&error))?,
         None => None,
     };
     let measured = Measured {

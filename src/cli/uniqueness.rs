@@ -1,7 +1,7 @@
 //! `stickslip run --uniqueness`: how far friction is from making the last increment ambiguous.
 
 use stickslip::history::{HistoryOutcome, Status, Step};
-use stickslip::linear::{Direct, LinearError};
+use stickslip::linear::{Direct, LinearError, Umfpack};
 use stickslip::model::Model;
 use stickslip::problem::Increment;
 use stickslip::uniqueness::{self, CriticalFriction};
@@ -29,12 +29,12 @@ impl LastIncrement {
         &self,
         model: &Model,
         outcome: &HistoryOutcome,
-        linear: &mut Direct,
     ) -> Result<Option<CriticalFriction>, LinearError> {
         let Some(Data { force, gap, w_t_last }) = &self.0 else { return Ok(None) };
         let increment = Increment { force, gap, w_t_last };
         let HistoryOutcome { state, scales, .. } = outcome;
-        uniqueness::critical_friction(&model.problem, &increment, state, scales, model.scaling(), linear).map(Some)
+        let mut linear = Direct::new(Box::new(Umfpack::default()));
+        uniqueness::critical_friction(&model.problem, &increment, state, scales, model.scaling(), &mut linear).map(Some)
     }
 }
 

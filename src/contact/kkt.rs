@@ -22,17 +22,27 @@ pub struct KktScales {
 impl KktScales {
     /// The scales of a state that others came before.
     pub fn after(earlier: &KktScales, increment: &Increment<'_>, state: &State) -> Self {
-        let scales = KktScales::new(increment, state);
-        KktScales { force: scales.force.max(earlier.force), length: scales.length.max(earlier.length) }
+        earlier.with_load(increment).with_state(state)
     }
 
     /// The scales of a single state.
     pub fn new(increment: &Increment<'_>, state: &State) -> Self {
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        KktScales::default().with_load(increment).with_state(state)
+    }
+
+    /// Raised to the external forces and interferences of `increment`.
+    #[must_use]
+    pub fn with_load(self, increment: &Increment<'_>) -> Self {
         let interference = increment.gap.iter().fold(0.0_f64, |m, g| m.max(-g));
+        KktScales { force: self.force.max(largest(increment.force)), length: self.length.max(interference) }
+    }
+
+    /// Raised to the contact forces and displacements of `state`.
+    #[must_use]
+    pub fn with_state(self, state: &State) -> Self {
         KktScales {
-            force: largest(increment.force).max(largest(&state.p_n)).max(largest(&state.p_t)),
-            length: largest(&state.u).max(interference),
+            force: self.force.max(largest(&state.p_n)).max(largest(&state.p_t)),
+            length: self.length.max(largest(&state.u)),
         }
     }
 
@@ -44,6 +54,10 @@ impl KktScales {
     fn length(&self, value: f64) -> f64 {
         relative(value, self.length)
     }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |m, v| m.max(v.abs()))
 }
 
 fn relative(value: f64, scale: f64) -> f64 {

@@ -44,13 +44,18 @@ impl Conventions {
         }
     }
 
-    /// Those that the problem itself gives: `r_i` from the stiffness of the contact nodes, friction
-    /// limited by the trial pressure, and every row a force.
+    /// Those that the problem itself gives, by its [`ContactProblem::contact_stiffness`].
     pub fn natural(problem: &ContactProblem) -> Self {
+        Conventions::of_stiffness(&problem.contact_stiffness())
+    }
+
+    /// `r_i` from the stiffness of the contact nodes (n_c, N/m), friction limited by the trial pressure,
+    /// and every row a force.
+    pub fn of_stiffness(contact_stiffness: &[f64]) -> Self {
         Conventions {
-            r: problem.contact_stiffness().iter().map(|k| SHARE_OF_STIFFNESS * k).collect(),
+            r: contact_stiffness.iter().map(|k| SHARE_OF_STIFFNESS * k).collect(),
             pressure: Pressure::Trial,
-            row_unit: vec![1.0; problem.contacts()],
+            row_unit: vec![1.0; contact_stiffness.len()],
         }
     }
 }

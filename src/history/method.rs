@@ -20,14 +20,14 @@ pub(super) struct Task<'a> {
     pub increment: &'a Increment<'a>,
     /// What the change of the load does while the contact nodes are held.
     pub response: &'a Response,
-    /// The scales of the error measure, from the increments before.
+    /// The scales of the error measure, from the increments before and the load of this one.
     pub scales: &'a KktScales,
 }
 
 impl Task<'_> {
     /// The error of a state at the end of the increment.
     pub(super) fn error(&self, problem: &ContactProblem, state: &State) -> f64 {
-        let scales = KktScales::after(self.scales, self.increment, state);
+        let scales = self.scales.with_state(state);
         KktErrors::measure(problem, self.increment, state, &scales).worst().1
     }
 }

@@ -21,8 +21,8 @@ pub(super) struct NewtonEnd {
 }
 
 impl NewtonEnd {
-    pub(super) fn new(problem: &ContactProblem, scaling: Scaling, tolerance: f64) -> Self {
-        let formulation = Bdiff::new(problem, scaling, &Conventions::natural(problem));
+    pub(super) fn new(problem: &ContactProblem, scaling: Scaling, natural: &Conventions, tolerance: f64) -> Self {
+        let formulation = Bdiff::new(problem, scaling, natural);
         let unknowns = formulation.unknowns();
         NewtonEnd {
             formulation,

@@ -7,7 +7,9 @@
 use super::held::HeldBody;
 use super::method::{IncrementSolver, Task};
 use super::settings::HistorySettings;
+use super::whole::Whole;
 use super::{Status, record};
+use crate::condense::Condensed;
 use crate::contact::{KktErrors, KktScales, rounding_level};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
@@ -20,12 +22,15 @@ pub(super) struct Path<'a> {
     problem: &'a ContactProblem,
     loading: &'a Loading,
     settings: &'a HistorySettings,
+    /// If the method solves for the contact displacements alone.
+    condensed: Option<&'a Condensed>,
     method: Box<dyn IncrementSolver + 'a>,
     held: HeldBody,
     /// The time reached; `None` stands for the unloaded body.
     pub reached: Option<f64>,
     scales: KktScales,
     force: Vec<f64>,
+    condensed_force: Vec<f64>,
     gap: Vec<f64>,
     w_t_last: Vec<f64>,
     /// `w̄_t` of the next part.
@@ -59,6 +64,7 @@ impl<'a> Path<'a> {
         problem: &'a ContactProblem,
         loading: &'a Loading,
         settings: &'a HistorySettings,
+        condensed: Option<&'a Condensed>,
         method: Box<dyn IncrementSolver + 'a>,
         held: HeldBody,
     ) -> Self {
@@ -67,11 +73,13 @@ impl<'a> Path<'a> {
             problem,
             loading,
             settings,
+            condensed,
             method,
             held,
             reached: None,
             scales: KktScales::default(),
             force: vec![0.0; problem.displacements()],
+            condensed_force: vec![0.0; condensed.map_or(0, |condensed| condensed.problem.displacements())],
             gap: vec![0.0; n_c],
             w_t_last: vec![0.0; n_c],
             w_t: vec![0.0; n_c],
@@ -131,22 +139,39 @@ impl<'a> Path<'a> {
         linear: &mut Direct,
         observe: &mut dyn FnMut(&IterationRecord) -> Flow,
     ) -> Result<Attempt, LinearError> {
-        let Path { problem, loading, .. } = *self;
+        let Path { problem, loading, condensed, settings, .. } = *self;
         loading.force(time, &mut self.force);
         loading.gap_at(time, &mut self.gap);
         self.w_t_last.copy_from_slice(&self.w_t);
         let increment = Increment { force: &self.force, gap: &self.gap, w_t_last: &self.w_t_last };
-        let response = self.held.response(loading, self.reached, time);
-        let first = self.reached.is_none();
-        let task = Task { first, increment: &increment, response: &response, scales: &self.scales };
-        let outcome = match rigid_equilibrium(problem, &self.force) {
+        let before = self.scales.with_load(&increment);
+        let mut force = &self.force;
+        if let Some(condensed) = condensed {
+            condensed.loading.force(time, &mut self.condensed_force);
+            force = &self.condensed_force;
+        }
+        let task = Task {
+            first: self.reached.is_none(),
+            increment: &Increment { force, ..increment },
+            response: &self.held.response(loading, self.reached, time),
+            scales: &before,
+        };
+        let mut outcome = match rigid_equilibrium(problem, &self.force) {
             Ok(()) => self.method.solve(&task, linear, observe)?,
             Err(motion) => Outcome { stop: Stop::NoEquilibrium(motion), ..Outcome::new(f64::NAN) },
         };
-        let state = self.method.state();
-        let scales = KktScales::after(&self.scales, &increment, &state);
+        let state = match condensed {
+            None => self.method.state(),
+            Some(condensed) => {
+                let whole = Whole { problem, condensed, increment: &increment, scales: &before, settings, time };
+                let (state, backward_error) = whole.state(self.method.as_mut(), linear)?;
+                outcome.backward_error = outcome.backward_error.max(backward_error);
+                state
+            }
+        };
+        let scales = before.with_state(&state);
         let kkt = KktErrors::measure(problem, &increment, &state, &scales);
-        let status = record::verdict(&outcome, &kkt, self.settings.tolerance);
+        let status = record::verdict(&outcome, &kkt, settings.tolerance);
         Ok(Attempt { state, scales, outcome, kkt, status })
     }
 

@@ -4,7 +4,7 @@ use super::held::Response;
 use super::method::{IncrementSolver, Task};
 use super::newton_end::NewtonEnd;
 use super::settings::HistorySettings;
-use crate::formulation::Constrained;
+use crate::formulation::{Constrained, Conventions};
 use crate::linear::{Direct, LinearError};
 use crate::nonlinear::{Flow, IterationRecord, Outcome, PredictorCorrector, PredictorCorrectorSettings, Stop};
 use crate::problem::{ContactProblem, State};
@@ -28,8 +28,10 @@ pub(super) struct PredictorCorrectorMethod<'a> {
     formulation: Constrained,
     settings: PredictorCorrectorSettings,
     method: PredictorCorrector,
-    /// The stiffness of a contact node along its normal, scaled.
+    /// The median stiffness of a contact node along its normal, scaled. Only its order of magnitude matters.
     stiffness: f64,
+    /// For the end by BN.
+    natural: Conventions,
     z: Vec<f64>,
     /// What rounding leaves off `(u, p_t, p_n)`.
     rest: Vec<f64>,
@@ -47,7 +49,8 @@ impl<'a> PredictorCorrectorMethod<'a> {
         let HistorySettings { scaling, conventions, .. } = history;
         let formulation = Constrained::new(problem, *scaling, conventions, Partition::Products, newton);
         PredictorCorrectorMethod {
-            stiffness: median_stiffness(problem) / scaling.stiffness(),
+            stiffness: median(&history.contact_stiffness) / scaling.stiffness(),
+            natural: Conventions::of_stiffness(&history.contact_stiffness),
             z: vec![0.0; formulation.layout().unknowns()],
             rest: vec![0.0; formulation.layout().forces().unknowns()],
             end: None,
@@ -108,11 +111,11 @@ fn central_pair(x: f64, force: f64, y: f64, length: f64) -> (f64, f64) {
     (force * a, length / a)
 }
 
-/// The median stiffness of a contact node, N/m. Only its order of magnitude matters.
-fn median_stiffness(problem: &ContactProblem) -> f64 {
-    let mut stiffness = problem.contact_stiffness();
-    let middle = stiffness.len() / 2;
-    if stiffness.is_empty() { 1.0 } else { *stiffness.select_nth_unstable_by(middle, f64::total_cmp).1 }
+/// The median, or 1 of nothing.
+fn median(values: &[f64]) -> f64 {
+    let mut values = values.to_vec();
+    let middle = values.len() / 2;
+    if values.is_empty() { 1.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
 impl IncrementSolver for PredictorCorrectorMethod<'_> {
@@ -156,7 +159,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
             outcome = outcome.then(attempt);
             let left = self.settings.max_iterations.saturating_sub(outcome.iterations);
             if left > 0 && outcome.stop != Stop::Interrupted && error(&self.z) > tolerance {
-                let end = self.end.get_or_insert_with(|| NewtonEnd::new(problem, scaling, tolerance));
+                let end = self.end.get_or_insert_with(|| NewtonEnd::new(problem, scaling, &self.natural, tolerance));
                 let mut ended = end.solve(problem, task, linear, &self.z, left, observe)?;
                 if ended.stop == Stop::Met {
                     let (z, rest) = end.reached();

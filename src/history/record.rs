@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::contact::{ContactStatus, KktErrors};
-use crate::linear::LinearError;
+use crate::linear::{LinearError, Statistics};
 use crate::nonlinear::{Outcome, Stop};
 
 /// The verdict on an increment and on a run.
@@ -76,6 +76,15 @@ pub struct Seconds {
     pub solve: f64,
     /// Everything else: loads, the error measure, records.
     pub rest: f64,
+}
+
+impl Seconds {
+    /// Those of an increment that took `all` seconds, by what the linear algebra had done before and after it.
+    pub(super) fn between(before: &Statistics, after: &Statistics, assembly: f64, all: f64) -> Self {
+        let factorization = after.factor_seconds - before.factor_seconds;
+        let solve = after.solve_seconds - before.solve_seconds;
+        Seconds { assembly, factorization, solve, rest: all - assembly - factorization - solve }
+    }
 }
 
 /// One increment, as reported.

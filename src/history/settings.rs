@@ -13,6 +13,8 @@ pub struct HistorySettings {
     pub method: Method,
     /// `r_i` of `H_N`, and the units in which `Theta` adds its rows.
     pub conventions: Conventions,
+    /// [`ContactProblem::contact_stiffness`] of the body, n_c, N/m, for all that starts or ends by it.
+    pub contact_stiffness: Vec<f64>,
     /// The units of the numbers inside.
     pub scaling: Scaling,
     /// An increment has converged when every component of its error measure is at most this.
@@ -113,6 +115,7 @@ impl HistorySettings {
                 rescue: None,
             },
             conventions: Conventions::paper(problem),
+            contact_stiffness: problem.contact_stiffness(),
             scaling,
             tolerance,
             halvings: 0,
@@ -128,6 +131,7 @@ impl HistorySettings {
                 rescue: Some(PredictorCorrectorSettings { tolerance, max_iterations }),
             },
             conventions: Conventions::natural(problem),
+            contact_stiffness: problem.contact_stiffness(),
             scaling,
             tolerance,
             halvings: HALVINGS,
@@ -142,6 +146,7 @@ impl HistorySettings {
                 newton: NewtonSystem::Reduced,
             },
             conventions: Conventions::paper(problem),
+            contact_stiffness: problem.contact_stiffness(),
             scaling,
             tolerance,
             halvings: HALVINGS,
@@ -158,6 +163,7 @@ impl HistorySettings {
                 newton: NewtonSystem::Reduced,
             },
             conventions: Conventions::paper(problem),
+            contact_stiffness: problem.contact_stiffness(),
             scaling: Scaling { force: 1e6, length: 1e-5 },
             tolerance,
             halvings: 0,

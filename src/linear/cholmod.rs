@@ -65,7 +65,10 @@ impl Cholmod {
     }
 
     /// The smallest over the largest pivot of the interior.
-    pub(super) fn interior_pivot_ratio(&self) -> Result<f64, LinearError> {
+    ///
+    /// # Errors
+    /// [`LinearError::NotFinite`] when a pivot is no number.
+    pub fn interior_pivot_ratio(&self) -> Result<f64, LinearError> {
         pivot_ratio(&self.factor, self.interior())
     }
 
@@ -129,6 +132,16 @@ impl Cholmod {
             x[unknown as usize] = value;
         }
         Ok(())
+    }
+
+    /// The sum of `parts`, each times its factor.
+    pub fn combine(&self, parts: &[Reduced], factors: &[f64]) -> Reduced {
+        let mut sum = Reduced { border: vec![0.0; self.border], interior: vec![0.0; self.interior()] };
+        for (part, factor) in parts.iter().zip(factors) {
+            sum.border.iter_mut().zip(&part.border).for_each(|(sum, x)| *sum += factor * x);
+            sum.interior.iter_mut().zip(&part.interior).for_each(|(sum, x)| *sum += factor * x);
+        }
+        sum
     }
 
     /// How many unknowns are interior.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::refine::{self, SolveInfo, Workspace};
-use super::{FactorInfo, LinearError, LinearSolver};
+use super::{Dense, FactorInfo, LinearError, LinearSolver};
 use crate::sparse::{Csc, Pattern};
 
 /// What a [`Direct`] solver has done so far.
@@ -36,17 +36,47 @@ pub struct Direct {
     pattern: Option<Arc<Pattern>>,
     work: Workspace,
     statistics: Statistics,
+    condenses: bool,
+    /// What was factored beforehand, on which all else stands.
+    body: FactorInfo,
 }
 
 impl Direct {
     /// Wraps `backend`.
     pub fn new(backend: Box<dyn LinearSolver>) -> Self {
-        Direct { backend, pattern: None, work: Workspace::default(), statistics: Statistics::default() }
+        Direct {
+            backend,
+            pattern: None,
+            work: Workspace::default(),
+            statistics: Statistics::default(),
+            condenses: false,
+            body: FactorInfo::default(),
+        }
     }
 
-    /// The backend's name.
+    /// A dense solver for a body that is condensed to so many contact displacements first.
+    pub fn condensing(contact_displacements: usize) -> Self {
+        Direct { condenses: true, ..Direct::new(Box::new(Dense::new(contact_displacements))) }
+    }
+
+    /// Whether it expects a condensed body.
+    pub fn condenses(&self) -> bool {
+        self.condenses
+    }
+
+    /// The name of the path in reports.
     pub fn name(&self) -> &'static str {
-        self.backend.name()
+        if self.condenses { "condensed" } else { self.backend.name() }
+    }
+
+    /// Adds the factors of the condensed body to what is reported of the others.
+    pub fn stand_on(&mut self, body: FactorInfo) {
+        self.body = body;
+    }
+
+    /// Counts the backward error of a solution of the whole system that was put together elsewhere.
+    pub fn count_backward_error(&mut self, error: f64) {
+        self.statistics.worst_backward_error = self.statistics.worst_backward_error.max(error);
     }
 
     /// What was done so far.
@@ -80,7 +110,11 @@ impl Direct {
         let info = self.backend.factorize(&a.values)?;
         self.statistics.factorizations += 1;
         self.statistics.factor_seconds += start.elapsed().as_secs_f64();
-        self.statistics.factor = info;
+        self.statistics.factor = FactorInfo {
+            entries: self.body.entries + info.entries,
+            peak_bytes: self.body.peak_bytes + info.peak_bytes,
+            ..info
+        };
         Ok(info)
     }
 

@@ -86,13 +86,29 @@ fn largest_entry(a: &Csc) -> f64 {
 
 /// The error of `x` with residual `r` and scale `s`, where `scale` is the largest entry of `a`.
 fn from_residual(a: &Csc, scale: f64, x: &[f64], r: &[f64], s: &[f64]) -> f64 {
+    componentwise_error(x, r, s, scale, || {
+        let mut row_norm = vec![0.0_f64; r.len()];
+        a.entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
+        row_norm
+    })
+}
+
+/// [`backward_error`] of `x` by its residual `r`, what that is to be judged against, `s`, the largest entry
+/// of the matrix, and the largest entry of each row, which is asked for only where it is needed.
+pub fn componentwise_error(
+    x: &[f64],
+    r: &[f64],
+    s: &[f64],
+    largest_entry: f64,
+    row_norms: impl FnOnce() -> Vec<f64>,
+) -> f64 {
     let n = r.len();
     let largest = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let one_norm: f64 = x.iter().map(|v| v.abs()).sum();
     if !one_norm.is_finite() {
         return f64::NAN;
     }
-    // Rows below the threshold are rare: their row norms are only worked out when there are any.
+    // Rows below the threshold are rare.
     let mut doubtful: Vec<usize> = Vec::new();
     let mut worst = 0.0_f64;
     let threshold = 1000.0 * n as f64 * f64::EPSILON * largest;
@@ -100,13 +116,10 @@ fn from_residual(a: &Csc, scale: f64, x: &[f64], r: &[f64], s: &[f64]) -> f64 {
         if r[i] == 0.0 {
             continue;
         }
-        if s[i] > threshold * scale { worst = worst.max(r[i].abs() / s[i]) } else { doubtful.push(i) }
+        if s[i] > threshold * largest_entry { worst = worst.max(r[i].abs() / s[i]) } else { doubtful.push(i) }
     }
     if !doubtful.is_empty() {
-        let mut row_norm = vec![0.0_f64; n];
-        for (i, _, value) in a.entries() {
-            row_norm[i] = row_norm[i].max(value.abs());
-        }
+        let row_norm = row_norms();
         for i in doubtful {
             let against = if s[i] > threshold * row_norm[i] { s[i] } else { s[i] + row_norm[i] * one_norm };
             worst = worst.max(r[i].abs() / against);

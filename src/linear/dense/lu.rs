@@ -1,24 +1,25 @@
-//! Dense kernels of the border, one thread each: `L Lᵀ`, and LU with partial pivoting.
+//! Dense kernels, one thread each: `L Lᵀ`, and LU with partial pivoting.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 use crate::linear::LinearError;
 
-/// `L Lᵀ` of the lower triangle `l`, column after column, m × m; both triangles of the result.
-pub(super) fn square(l: &[f64], m: usize) -> Mat<f64> {
+/// `L Lᵀ` of the lower triangle `l`, m × m, column after column; so is the result, complete.
+pub fn times_transposed(l: &[f64], m: usize) -> Vec<f64> {
     let l = MatRef::from_column_major_slice(l, m, m);
-    let mut s = Mat::zeros(m, m);
+    let mut product = vec![0.0; m * m];
+    let to = MatMut::from_column_major_slice_mut(&mut product, m, m);
     let (lower, upper) = (BlockStructure::TriangularLower, BlockStructure::TriangularUpper);
-    matmul(&mut s, lower, Accum::Replace, l, lower, l.transpose(), upper, 1.0, Par::Seq);
+    matmul(to, lower, Accum::Replace, l, lower, l.transpose(), upper, 1.0, Par::Seq);
     for column in 0..m {
         for row in 0..column {
-            s[(row, column)] = s[(column, row)];
+            product[column * m + row] = product[row * m + column];
         }
     }
-    s
+    product
 }
 
 /// `y -= A x`; columns where `x` is zero are not read.
@@ -106,12 +107,13 @@ mod tests {
     #[test]
     fn products_of_a_triangle() {
         // L = [1 0; 2 3]
-        let s = square(&[1.0, 2.0, 0.0, 3.0], 2);
-        assert_eq!([s[(0, 0)], s[(1, 0)], s[(0, 1)], s[(1, 1)]], [1.0, 2.0, 2.0, 13.0]);
+        let s = times_transposed(&[1.0, 2.0, 0.0, 3.0], 2);
+        assert_eq!(s, [1.0, 2.0, 2.0, 13.0]);
+        let s = MatRef::from_column_major_slice(&s, 2, 2).to_owned();
         let mut y = [0.0, 1.0];
         subtract_product(&s, &[2.0, 0.0], &mut y);
         assert_eq!(y, [-2.0, -3.0]);
-        assert_eq!(square(&[], 0).nrows(), 0);
+        assert!(times_transposed(&[], 0).is_empty());
     }
 
     #[test]

@@ -1,0 +1,143 @@
+//! Static condensation (33)–(35): a problem on the contact displacements alone, and the way back.
+//!
+//! With the contact displacements `u_c` and the interior `u_r`,
+//!
+//! ```text
+//! [ K_rr K_rc ] [u_r]   [f_r]         S u_c = f̃_c,  S = K_cc - K_cr K_rr⁻¹ K_rc,
+//! [ K_cr K_cc ] [u_c] = [f_c - Cᵀ p]                f̃_c = f_c - Cᵀ p - K_cr K_rr⁻¹ f_r.
+//! ```
+//!
+//! `K` never changes. It is factored once with `u_c` last, so that `S = L_cc L_ccᵀ` stands in the factors,
+//! see [`Cholmod`]. This stiffness form bears slender bodies, where the compliance form `C K⁻¹ Cᵀ` loses
+//! half the digits. What a load case leaves of the interior is worked out once, too, so an
+//! increment touches the interior only at its end, in [`Condensed::state`].
+//!
+//! A body that only contact holds has a singular `K`; then `ρ`, the diagonal of `K`, is added to the
+//! contact block and taken off again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
+
+use std::sync::Arc;
+
+use crate::linear::{Cholmod, FactorInfo, LinearError, Reduced, times_transposed};
+use crate::loading::{LoadCase, Loading};
+use crate::problem::{ContactProblem, State};
+use crate::sparse::{Csc, Csr, Pattern, Symmetric};
+
+/// A condensed body.
+pub struct Condensed {
+    /// The problem on `u_c`.
+    pub problem: ContactProblem,
+    /// Its loads.
+    pub loading: Loading,
+    factor: Cholmod,
+    /// The contact displacements among all, ascending.
+    border: Vec<usize>,
+    /// What each load case leaves of the interior.
+    cases: Vec<Reduced>,
+}
+
+impl Condensed {
+    /// Condenses a body with its loads.
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`] when a part of the body moves freely while the contact nodes are held;
+    /// when memory is short.
+    pub fn new(problem: &ContactProblem, loading: &Loading) -> Result<Self, LinearError> {
+        let border = problem.contact_displacements();
+        let (factor, stiffness) = schur_complement(&problem.stiffness, &border)?;
+        let cases = loading.cases.iter().map(|case| factor.reduce(&case.force)).collect::<Result<Vec<_>, _>>()?;
+        let reduced = |(case, reduced): (&LoadCase, &Reduced)| LoadCase {
+            force: reduced.border.clone(),
+            history: case.history.clone(),
+        };
+        Ok(Condensed {
+            problem: ContactProblem {
+                stiffness,
+                c_n: restrict(&problem.c_n, &border, |_| true),
+                c_t: restrict(&problem.c_t, &border, |i| problem.mu[i] > 0.0),
+                mu: problem.mu.clone(),
+                weight: problem.weight.clone(),
+                free_motions: (problem.free_motions.iter())
+                    .map(|motion| border.iter().map(|&dof| motion[dof]).collect())
+                    .collect(),
+            },
+            loading: Loading { cases: loading.cases.iter().zip(&cases).map(reduced).collect(), ..loading.clone() },
+            factor,
+            border,
+            cases,
+        })
+    }
+
+    /// The factors of the body.
+    pub fn info(&self) -> FactorInfo {
+        self.factor.info()
+    }
+
+    /// The state of the whole body at `time` (35), where `contact` is that of the condensed problem.
+    ///
+    /// # Errors
+    /// When memory is short.
+    pub fn state(&self, time: f64, contact: &State) -> Result<State, LinearError> {
+        let factors: Vec<f64> = self.loading.cases.iter().map(|case| case.factor(time)).collect();
+        let u = self.displacements(&self.factor.combine(&self.cases, &factors), &contact.u)?;
+        let mut u_rest = Vec::new();
+        if !contact.u_rest.is_empty() {
+            u_rest = vec![0.0; u.len()];
+            self.border.iter().zip(&contact.u_rest).for_each(|(&dof, rest)| u_rest[dof] = *rest);
+        }
+        Ok(State { u, u_rest, p_t: contact.p_t.clone(), p_n: contact.p_n.clone() })
+    }
+
+    /// Reduces forces on the whole body (N) to the contact displacements: `b_c - K_cr K_rr⁻¹ b_r`.
+    ///
+    /// # Errors
+    /// When memory is short.
+    pub fn reduce(&self, forces: &[f64]) -> Result<Reduced, LinearError> {
+        self.factor.reduce(forces)
+    }
+
+    /// The displacements (m) that reduced forces make while the contact displacements are `border` (m).
+    ///
+    /// # Errors
+    /// When memory is short.
+    pub fn displacements(&self, forces: &Reduced, border: &[f64]) -> Result<Vec<f64>, LinearError> {
+        let mut u = vec![0.0; self.factor.order()];
+        self.factor.expand(forces, border, &mut u)?;
+        Ok(u)
+    }
+}
+
+/// The factors of `K`, and `S`.
+fn schur_complement(stiffness: &Symmetric, border: &[usize]) -> Result<(Cholmod, Symmetric), LinearError> {
+    let mut shift = Vec::new();
+    let factor = match Cholmod::factor(stiffness, border) {
+        Err(LinearError::Singular { .. }) if !border.is_empty() => {
+            let (mut held, diagonal) = (stiffness.clone(), stiffness.diagonal());
+            shift.extend(border.iter().map(|&dof| diagonal[dof]));
+            border.iter().zip(&shift).filter(|entry| *entry.1 > 0.0).for_each(|(&dof, rho)| held.add(dof, dof, *rho));
+            Cholmod::factor(&held, border)?
+        }
+        factor => factor?,
+    };
+    // What moves freely without contact taking part.
+    let pivot_ratio = factor.interior_pivot_ratio()?;
+    if pivot_ratio <= f64::EPSILON {
+        return Err(LinearError::Singular { pivot_ratio });
+    }
+    let m = border.len();
+    let mut values = times_transposed(&factor.trailing(), m);
+    shift.iter().enumerate().for_each(|(i, rho)| values[i * m + i] -= rho);
+    let lower = Pattern::from_entries(m, m, |take| (0..m).for_each(|j| (j..m).for_each(|i| take(i, j))));
+    let values = (0..m).flat_map(|j| values[j * m + j..(j + 1) * m].iter().copied()).collect();
+    Ok((factor, Symmetric::from_lower(Csc { pattern: Arc::new(lower), values })))
+}
+
+/// The rows of `map` that are `wanted`, on the contact displacements; the others are empty.
+fn restrict(map: &Csr, border: &[usize], wanted: impl Fn(usize) -> bool) -> Csr {
+    let mut restricted = Csr::new(border.len());
+    for i in 0..map.rows() {
+        let place = |dof: &usize| border.binary_search(dof).ok();
+        let row = map.row(i).iter().filter(|_| wanted(i));
+        restricted.push_row(row.filter_map(|(dof, c)| place(dof).map(|k| (k, *c))));
+    }
+    restricted
+}
