@@ -2,7 +2,7 @@
 
 use crate::contact::{ContactBoundary, ContactNode, Obstacle, contact_nodes, unreachable};
 use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, edge_load, rigid_motions};
-use crate::linear::{Condensed, Direct, FaerLu, Umfpack};
+use crate::linear::{Condensed, Direct, built_in};
 use crate::loading::{Approach, LoadCase, Loading};
 use crate::mesh::{self, Boundary, Mesh};
 use crate::problem::ContactProblem;
@@ -125,8 +125,8 @@ impl Model {
     /// The linear algebra that a scene names.
     pub fn linear(&self, backend: LinearBackend) -> Direct {
         Direct::new(match backend {
-            LinearBackend::Umfpack => Box::new(Umfpack::default()),
-            LinearBackend::Faer => Box::new(FaerLu::default()),
+            LinearBackend::Umfpack => built_in::umfpack(),
+            LinearBackend::Faer => built_in::faer(),
             LinearBackend::Condensed => Box::new(Condensed::new(self.problem.displacements())),
         })
     }

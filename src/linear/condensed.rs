@@ -9,7 +9,7 @@
 //!
 //! where `A`, `B` and `D` reach only the contact displacements `u_c`, and `K`, which is symmetric,
 //! never changes. It is factored once with `u_c` last, so that its Schur complement `S` stands in the
-//! factors, see [`Cholmod`]. This stiffness form bears slender bodies, where the compliance form
+//! factors, see [`Cholesky`]. This stiffness form bears slender bodies, where the compliance form
 //! `C K⁻¹ Cᵀ` loses half the digits. There remains, with the reduced right-hand side,
 //!
 //! ```text
@@ -37,7 +37,7 @@ use std::sync::Arc;
 use faer::Mat;
 
 use super::error::expect_length;
-use super::{Cholmod, FactorInfo, LinearError, LinearSolver};
+use super::{Cholesky, FactorInfo, LinearError, LinearSolver};
 use crate::sparse::Pattern;
 
 mod border;
@@ -58,7 +58,7 @@ pub struct Condensed {
 
 /// What depends on `K` alone.
 struct Body {
-    factor: Cholmod,
+    factor: Cholesky,
     /// `S`.
     schur: Mat<f64>,
     /// The diagonal of `K_cc + ρ`: what rounding in `S` is relative to.
@@ -94,12 +94,12 @@ impl Body {
         let made_of = border.stiffness_values(values);
         let mut k = border.stiffness(made_of.clone());
         let (last, mut shift) = (&border.last, Vec::new());
-        let factor = match Cholmod::factor(&k, last) {
+        let factor = match Cholesky::factor(&k, last) {
             Err(LinearError::Singular { .. }) if !last.is_empty() => {
                 let diagonal = k.diagonal();
                 shift.extend(last.iter().map(|&unknown| diagonal[unknown]));
                 last.iter().zip(&shift).filter(|entry| *entry.1 > 0.0).for_each(|(&i, rho)| k.add(i, i, *rho));
-                Cholmod::factor(&k, last)?
+                Cholesky::factor(&k, last)?
             }
             factor => factor?,
         };

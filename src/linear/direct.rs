@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::refine::{self, SolveInfo, Workspace};
-use super::{FactorInfo, LinearError, LinearSolver};
+use super::{FactorInfo, LinearError, LinearSolver, built_in};
 use crate::sparse::{Csc, Pattern};
 
 /// What a [`Direct`] solver has done so far.
@@ -36,6 +36,13 @@ pub struct Direct {
     pattern: Option<Arc<Pattern>>,
     work: Workspace,
     statistics: Statistics,
+}
+
+impl Default for Direct {
+    /// The sparse LU of this build: UMFPACK where it is built in, otherwise faer.
+    fn default() -> Self {
+        Direct::new(if cfg!(feature = "umfpack") { built_in::umfpack() } else { built_in::faer() })
+    }
 }
 
 impl Direct {
