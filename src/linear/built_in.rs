@@ -2,7 +2,7 @@
 
 use super::LinearSolver;
 
-/// UMFPACK, see [`super::Umfpack`].
+/// UMFPACK.
 pub fn umfpack() -> Box<dyn LinearSolver> {
     #[cfg(feature = "umfpack")]
     {
@@ -14,7 +14,7 @@ pub fn umfpack() -> Box<dyn LinearSolver> {
     }
 }
 
-/// faer's sparse LU, see [`super::FaerLu`].
+/// faer's sparse LU.
 pub fn faer() -> Box<dyn LinearSolver> {
     #[cfg(feature = "faer")]
     {

@@ -18,7 +18,7 @@ mod order;
 pub(super) mod supernodal;
 mod sweep;
 
-use super::error::{expect_finite, expect_length};
+use super::error::expect_length;
 use super::{FactorInfo, LinearError};
 use crate::sparse::Symmetric;
 use supernodal::{Supernodal, Supernode};
@@ -74,7 +74,7 @@ impl Cholesky {
     /// As [`Cholesky::factor`].
     #[cfg(feature = "umfpack")]
     pub fn cholmod(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
-        expect_finite(&k.lower().values)?;
+        super::error::expect_finite(&k.lower().values)?;
         let mut session = super::cholmod::Session::new()?;
         let order = order::with_border(&k.lower().pattern, last, |interior| session.order(interior))?;
         let factor = session.factor(k.lower(), &order)?;
@@ -87,7 +87,7 @@ impl Cholesky {
     /// As [`Cholesky::factor`].
     #[cfg(feature = "faer")]
     pub fn faer(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
-        expect_finite(&k.lower().values)?;
+        super::error::expect_finite(&k.lower().values)?;
         let order = order::with_border(&k.lower().pattern, last, super::faer::minimum_degree)?;
         let factor = super::faer::Llt::factor(k.lower(), &order)?;
         Self::new(Box::new(factor), order, last.len())

@@ -122,9 +122,10 @@ impl LinearSolver for FaerLu {
         Ok(())
     }
 
-    /// `entries` is the bound for any choice of pivots, on the block four times what UMFPACK needs;
-    /// operations and memory are not known. `pivot_ratio` is `‖b‖ / (‖A‖ ‖x‖)` for a fixed `b` and scaled rows, a bound of
-    /// the reciprocal of the condition number from above, as the pivots cannot be read.
+    /// `entries` is the bound for any choice of pivots, on the block four times what UMFPACK needs: faer keeps
+    /// the lengths of its factors to itself. Operations and memory are not known. `pivot_ratio` is
+    /// `‖b‖ / (‖A‖ ‖x‖)` for a fixed `b` and scaled rows, a bound of the reciprocal of the condition number
+    /// from above, as the pivots cannot be read.
     fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
         self.factored = false;
         let Some(analysed) = &mut self.analysed else { return Err(LinearError::Order { missing: "analyze" }) };
