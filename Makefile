@@ -21,6 +21,7 @@ bench: deps
 	cargo bench --bench factor
 	cargo bench --bench history
 	cargo bench --bench interior
+	cargo bench --bench cholesky
 
 tables: deps
 	cargo run --release -- tables punch

@@ -5,7 +5,7 @@
 #![allow(clippy::print_stdout)]
 
 use stickslip::history::{self, HistorySettings, Observer, Step};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::scene::Scene;
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Scene::read("data/scenes/block.toml".as_ref(), &overrides)?;
     let model = Model::new(&scene)?;
     let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-10);
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     println!("time  contact line from the wall: # stick, - slip");
     let outcome =
         history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut Picture)?;

@@ -5,7 +5,7 @@
 #![allow(clippy::print_stdout)]
 
 use stickslip::history::{self, HistorySettings};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::report::Table;
 use stickslip::scene::{Override, Scene};
@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let scene = Scene::read("data/scenes/block.toml".as_ref(), &overrides)?;
         let model = Model::new(&scene)?;
         let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-10);
-        let mut linear = Direct::new(Box::new(Umfpack::default()));
+        let mut linear = Direct::default();
         let times = scene.time.all();
         let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ())?;
         let contact = outcome.records.last().map(|record| record.contact).unwrap_or_default();

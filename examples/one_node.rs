@@ -8,7 +8,7 @@
 #![allow(clippy::print_stdout)]
 
 use stickslip::history::{self, HistorySettings};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::problem::ContactProblem;
 use stickslip::sparse::{Csr, Symmetric};
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let loading = Loading { cases: vec![load], gap: vec![0.0], ..Loading::default() };
 
     let settings = HistorySettings::bn(&problem, Scaling::SI, 50, 1e-12);
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     let outcome = history::run(&problem, &loading, &[1.0], &settings, &mut linear, &mut ())?;
     println!(
         "{}: u = {:?} m, p_n = {:?} N, p_t = {:?} N",

@@ -27,7 +27,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use stickslip::linear::{self, LinearError};
+use stickslip::linear::LinearError;
 use stickslip::model::Model;
 use stickslip::report::available_bytes;
 use stickslip::scene::{Override, Scene, SceneError};
@@ -39,6 +39,7 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
     /// Threads for the BLAS behind the factorisation
+    #[cfg(feature = "umfpack")]
     #[arg(long, global = true, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: u32,
 }
@@ -145,17 +146,28 @@ fn print_line(line: std::fmt::Arguments<'_>) {
     }
 }
 
-pub(crate) fn main() -> ExitCode {
+/// The version of the program, and of the C libraries if there are any.
+#[cfg(feature = "umfpack")]
+fn version() -> String {
     let version = |[major, minor, patch]: [i32; 3]| format!("{major}.{minor}.{patch}");
-    let version = format!(
+    format!(
         "{} (SuiteSparse {}, UMFPACK {})",
         env!("CARGO_PKG_VERSION"),
-        version(linear::suitesparse_version()),
-        version(linear::umfpack_version())
-    );
-    let matches = Cli::command().version(version).get_matches();
+        version(stickslip::linear::suitesparse_version()),
+        version(stickslip::linear::umfpack_version())
+    )
+}
+
+#[cfg(not(feature = "umfpack"))]
+fn version() -> &'static str {
+    concat!(env!("CARGO_PKG_VERSION"), " (without UMFPACK)")
+}
+
+pub(crate) fn main() -> ExitCode {
+    let matches = Cli::command().version(version()).get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    if linear::process::set_blas_threads(cli.threads as usize).is_none() {
+    #[cfg(feature = "umfpack")]
+    if stickslip::linear::process::set_blas_threads(cli.threads as usize).is_none() {
         eprintln!("note: the BLAS in use is not OpenBLAS, BLIS or MKL; factorisations may take several times longer");
     }
     let result = match &cli.command {

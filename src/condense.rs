@@ -8,7 +8,7 @@
 //! ```
 //!
 //! `K` never changes. It is factored once with `u_c` last, so that `S = L_cc L_ccᵀ` stands in the factors,
-//! see [`Cholmod`]. This stiffness form bears slender bodies, where the compliance form `C K⁻¹ Cᵀ` loses
+//! see [`Cholesky`]. This stiffness form bears slender bodies, where the compliance form `C K⁻¹ Cᵀ` loses
 //! half the digits. What a load case leaves of the interior is worked out once, too, so an
 //! increment touches the interior only at its end, in [`Condensed::state`].
 //!
@@ -17,7 +17,7 @@
 
 use std::sync::Arc;
 
-use crate::linear::{Cholmod, FactorInfo, LinearError, Reduced, times_transposed};
+use crate::linear::{Cholesky, FactorInfo, LinearError, Reduced, times_transposed};
 use crate::loading::{LoadCase, Loading};
 use crate::problem::{ContactProblem, State};
 use crate::sparse::{Csc, Csr, Pattern, Symmetric};
@@ -28,7 +28,7 @@ pub struct Condensed {
     pub problem: ContactProblem,
     /// Its loads.
     pub loading: Loading,
-    factor: Cholmod,
+    factor: Cholesky,
     /// The contact displacements among all, ascending.
     border: Vec<usize>,
     /// What each load case leaves of the interior.
@@ -107,14 +107,14 @@ impl Condensed {
 }
 
 /// The factors of `K`, and `S`.
-fn schur_complement(stiffness: &Symmetric, border: &[usize]) -> Result<(Cholmod, Symmetric), LinearError> {
+fn schur_complement(stiffness: &Symmetric, border: &[usize]) -> Result<(Cholesky, Symmetric), LinearError> {
     let mut shift = Vec::new();
-    let factor = match Cholmod::factor(stiffness, border) {
+    let factor = match Cholesky::factor(stiffness, border) {
         Err(LinearError::Singular { .. }) if !border.is_empty() => {
             let (mut held, diagonal) = (stiffness.clone(), stiffness.diagonal());
             shift.extend(border.iter().map(|&dof| diagonal[dof]));
             border.iter().zip(&shift).filter(|entry| *entry.1 > 0.0).for_each(|(&dof, rho)| held.add(dof, dof, *rho));
-            Cholmod::factor(&held, border)?
+            Cholesky::factor(&held, border)?
         }
         factor => factor?,
     };

@@ -276,7 +276,7 @@ impl Case {
         let scene = self.scene()?;
         let model = self.model(&scene)?;
         let settings = self.settings(&scene, &model, method);
-        let mut linear = model.linear(LinearBackend::Umfpack);
+        let mut linear = model.linear(LinearBackend::default());
         let times = scene.time.all();
         let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ())?;
         let seconds = start.elapsed().as_secs_f64();

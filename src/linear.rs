@@ -10,23 +10,32 @@ use std::sync::Arc;
 
 use crate::sparse::Pattern;
 
+pub mod built_in;
+mod cholesky;
+#[cfg(feature = "umfpack")]
 mod cholmod;
 mod dense;
 mod direct;
 mod error;
+#[cfg(feature = "faer")]
 mod faer;
+#[cfg(feature = "umfpack")]
 mod ordering;
 pub mod process;
 mod refine;
+#[cfg(feature = "umfpack")]
 mod sys;
+#[cfg(feature = "umfpack")]
 mod umfpack;
 
+#[cfg(feature = "faer")]
 pub use self::faer::FaerLu;
-pub use cholmod::{Cholmod, Reduced};
+pub use cholesky::{Cholesky, Reduced};
 pub use dense::{Dense, times_transposed};
 pub use direct::{Direct, Statistics};
 pub use error::LinearError;
 pub use refine::{SolveInfo, backward_error, componentwise_error};
+#[cfg(feature = "umfpack")]
 pub use umfpack::{Strategy, Umfpack, suitesparse_version, umfpack_version};
 
 /// What a factorisation tells about itself.

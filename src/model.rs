@@ -2,7 +2,7 @@
 
 use crate::contact::{ContactBoundary, ContactNode, Obstacle, contact_nodes, unreachable};
 use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, edge_load, rigid_motions};
-use crate::linear::{Direct, FaerLu, Umfpack};
+use crate::linear::{Direct, built_in};
 use crate::loading::{Approach, LoadCase, Loading};
 use crate::mesh::{self, Boundary, Mesh};
 use crate::problem::ContactProblem;
@@ -125,8 +125,8 @@ impl Model {
     /// The linear algebra that a scene names.
     pub fn linear(&self, backend: LinearBackend) -> Direct {
         match backend {
-            LinearBackend::Umfpack => Direct::new(Box::new(Umfpack::default())),
-            LinearBackend::Faer => Direct::new(Box::new(FaerLu::default())),
+            LinearBackend::Umfpack => Direct::new(built_in::umfpack()),
+            LinearBackend::Faer => Direct::new(built_in::faer()),
             LinearBackend::Condensed => Direct::condensing(self.problem.contact_displacements().len()),
         }
     }

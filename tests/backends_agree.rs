@@ -59,7 +59,7 @@ fn difference(a: &[State], b: &[State]) -> f64 {
 
 fn backends_agree(settings: fn(&Model) -> HistorySettings) {
     for history in histories() {
-        let [whole, condensed] = [LinearBackend::Umfpack, LinearBackend::Condensed]
+        let [whole, condensed] = [LinearBackend::default(), LinearBackend::Condensed]
             .map(|backend| run(&history, &settings(&history.model), backend));
         // Which nodes stick is not compared: in the strip some have next to no friction force and next
         // to no slip, and rounding tells which of the two is the larger.

@@ -5,7 +5,7 @@ mod common;
 
 use stickslip::formulation::Conventions;
 use stickslip::history::{self, FirstGuess, HistorySettings, Method, Status};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::model::Model;
 use stickslip::nonlinear::BnSettings;
@@ -107,7 +107,7 @@ fn one_node() {
             tolerance: 1e-12,
             halvings: 0,
         };
-        let mut linear = Direct::new(Box::new(Umfpack::default()));
+        let mut linear = Direct::default();
         let outcome = history::run(&problem, &loading, &[1.0], &settings, &mut linear, &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{force:?}");
         let found = [outcome.state.u[0], outcome.state.p_n[0], outcome.state.p_t[0]];

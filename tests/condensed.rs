@@ -67,7 +67,7 @@ fn a_body_that_only_contact_holds() {
     let model = Model::new(&scene).unwrap();
     assert!(!model.problem.free_motions.is_empty());
     let [whole, condensed] =
-        [LinearBackend::Umfpack, LinearBackend::Condensed].map(|backend| run(&model, &scene.time.all(), backend));
+        [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&model, &scene.time.all(), backend));
     assert_eq!((whole.0.status, condensed.0.status), (Status::Converged, Status::Converged));
     let largest = whole.0.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
     let pairs = whole.1.states.iter().zip(&condensed.1.states);
@@ -83,7 +83,7 @@ fn a_body_that_nothing_holds() {
     let without = [&BLOCK[..contact], &BLOCK[load..]].concat();
     let free = model(&without.replace(SUPPORT, ""), &["mesh.elements=[4,4]"]);
     assert!(matches!(Condensed::new(&free.problem, &free.loading), Err(LinearError::Singular { .. })));
-    for backend in [LinearBackend::Umfpack, LinearBackend::Condensed] {
+    for backend in [LinearBackend::default(), LinearBackend::Condensed] {
         let outcome = run(&free, &[1.0], backend).0;
         assert_eq!(outcome.status, Status::Singular, "{backend:?}");
         assert!(outcome.free_motion.is_some(), "{backend:?}");
@@ -91,7 +91,7 @@ fn a_body_that_nothing_holds() {
     // Without contact there is nothing to condense to, and nothing to iterate.
     let held = model(&without, &["mesh.elements=[4,4]"]);
     let [whole, condensed] =
-        [LinearBackend::Umfpack, LinearBackend::Condensed].map(|backend| run(&held, &[0.5, 1.0], backend).0);
+        [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&held, &[0.5, 1.0], backend).0);
     assert_eq!((whole.status, condensed.status), (Status::Converged, Status::Converged));
     let largest = whole.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
     assert!(whole.state.u.iter().zip(&condensed.state.u).all(|(a, b)| (a - b).abs() <= 1e-12 * largest));
@@ -113,7 +113,7 @@ fn slender_bodies_are_refined() {
     );
     let times = [0.5, 1.0, 1.5, 2.0];
     let [whole, condensed] =
-        [LinearBackend::Umfpack, LinearBackend::Condensed].map(|backend| run(&strip, &times, backend));
+        [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&strip, &times, backend));
     assert_eq!((whole.0.status, condensed.0.status), (Status::Converged, Status::Converged));
     assert!(condensed.0.rounding > 1e-10, "not slender enough to show anything: {:e}", condensed.0.rounding);
     assert!(condensed.1.states.iter().any(|state| !state.u_rest.is_empty()));

@@ -6,7 +6,7 @@
 use stickslip::contact::KktScales;
 use stickslip::extremes::{self, SuiteMethod};
 use stickslip::history::{self, Observer, Status, Step};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::nonlinear::Flow;
 use stickslip::problem::{ContactProblem, Increment, State};
 
@@ -122,7 +122,7 @@ fn every_verdict_is_right(method: SuiteMethod) {
         let scene = case.scene().unwrap();
         let model = case.model(&scene).unwrap();
         let settings = case.settings(&scene, &model, method);
-        let mut linear = Direct::new(Box::new(Umfpack::default()));
+        let mut linear = Direct::default();
         let mut judge = Judge { name: &name, problem: &model.problem, scales: KktScales::default() };
         let times = scene.time.all();
         let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut judge).unwrap();

@@ -1,4 +1,5 @@
 //! faer's LU in the place of UMFPACK changes neither a status nor a count, and states by rounding only.
+#![cfg(all(feature = "umfpack", feature = "faer"))]
 #![allow(clippy::unwrap_used)]
 
 mod common;

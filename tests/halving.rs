@@ -5,7 +5,7 @@ mod common;
 
 use common::Keep;
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::model::Model;
 
 /// BN that gives up after so many iterations, without help from the interior point method.
@@ -14,7 +14,7 @@ fn hasty(model: &Model, iterations: usize, times: &[f64], keep: &mut Keep) -> Hi
     if let Method::Bn { rescue, .. } = &mut settings.method {
         *rescue = None;
     }
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     history::run(&model.problem, &model.loading, times, &settings, &mut linear, keep).unwrap()
 }
 

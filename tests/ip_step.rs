@@ -6,7 +6,7 @@ mod common;
 
 use stickslip::formulation::{Constrained, Conventions};
 use stickslip::history::{self, HistorySettings, Method, Start, Status};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::IpSettings;
 use stickslip::problem::Increment;
@@ -58,7 +58,7 @@ fn direction(formulation: &mut Constrained, z: &[f64], b: &[f64]) -> Vec<f64> {
     let n = formulation.matrix().pattern.rows();
     let (mut rhs, mut dz) = (vec![0.0; n], vec![0.0; z.len()]);
     formulation.reduce(z, b, &mut rhs);
-    let mut direct = Direct::new(Box::new(Umfpack::default()));
+    let mut direct = Direct::default();
     direct.analyze(&formulation.matrix().pattern).unwrap();
     direct.factorize(formulation.matrix()).unwrap();
     direct.solve(formulation.matrix(), &rhs, &mut dz[..n]).unwrap();
@@ -176,7 +176,7 @@ fn both_partitions_solve_the_block() {
                 let method = Method::Ip { settings: IpSettings::paper(200), start, partition, newton };
                 let settings =
                     HistorySettings { method, ..HistorySettings::paper_ip(&model.problem, start, 200, 1e-6) };
-                let mut linear = Direct::new(Box::new(Umfpack::default()));
+                let mut linear = Direct::default();
                 let times = scene.time.all();
                 let run =
                     history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ()).unwrap();

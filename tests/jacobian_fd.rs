@@ -89,7 +89,7 @@ fn the_cases_are_all_different() {
 /// Along a Newton direction the cheap merit equals the merit of the full residual.
 #[test]
 fn merit_along_a_direction_is_the_merit() {
-    use stickslip::linear::{Direct, Umfpack};
+    use stickslip::linear::Direct;
     let scene = common::block(&["mesh.elements=[6,6]", "contact.friction=0.4"]);
     let model = Model::new(&scene).unwrap();
     let problem = &model.problem;
@@ -104,7 +104,7 @@ fn merit_along_a_direction_is_the_merit() {
     let (mut h, mut dz) = (vec![0.0; n], vec![0.0; n]);
     formulation.residual(&z, &mut h);
     formulation.linearize(&z);
-    let mut direct = Direct::new(Box::new(Umfpack::default()));
+    let mut direct = Direct::default();
     direct.analyze(&formulation.jacobian().pattern).unwrap();
     direct.factorize(formulation.jacobian()).unwrap();
     let rhs: Vec<f64> = h.iter().map(|x| -x).collect();

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use stickslip::fem::{Dofs, Elasticity, Element, assemble, edge_load, element_stiffness};
 use stickslip::history::Status;
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::mesh::{Mesh, block};
 use stickslip::model::Model;
 use stickslip::sparse::{Csc, Pattern};
@@ -24,7 +24,7 @@ fn solve(mesh: &Mesh, dofs: &Dofs, element: Element, material: Elasticity, force
         let slot = k.pattern.slot(i, j).unwrap();
         k.values[slot] = value;
     }
-    let mut direct = Direct::new(Box::new(Umfpack::default()));
+    let mut direct = Direct::default();
     direct.analyze(&k.pattern).unwrap();
     direct.factorize(&k).unwrap();
     let mut u = vec![0.0; n];

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use stickslip::fem::{Dofs, Elasticity, Element, GAUSS_2X2, assemble, edge_load, gradients, shape};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::mesh::{Mesh, block};
 use stickslip::sparse::{Csc, Pattern};
 
@@ -32,7 +32,7 @@ fn solve(mesh: &Mesh, dofs: &Dofs, material: &Elasticity, force: &[f64]) -> Vec<
         let slot = k.pattern.slot(i, j).unwrap();
         k.values[slot] = value;
     }
-    let mut direct = Direct::new(Box::new(Umfpack::default()));
+    let mut direct = Direct::default();
     direct.analyze(&k.pattern).unwrap();
     direct.factorize(&k).unwrap();
     let mut u = vec![0.0; dofs.free()];

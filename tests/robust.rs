@@ -7,7 +7,7 @@ mod common;
 use stickslip::fem::{Elasticity, Element, RigidMotion, assemble};
 use stickslip::formulation::{Layout, SlackLayout};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::scene::Scene;
 
@@ -22,7 +22,7 @@ fn solve(method: &str, model: &Model, times: &[f64]) -> HistoryOutcome {
         "bn" => HistorySettings::bn(problem, scaling, 100, 1e-10),
         _ => HistorySettings::ip(problem, scaling, 100, 1e-10),
     };
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     history::run(problem, &model.loading, times, &settings, &mut linear, &mut ()).unwrap()
 }
 
@@ -127,7 +127,7 @@ fn r_does_not_matter() {
     let with = |factor: f64| {
         let mut settings = HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
         settings.conventions.r.iter_mut().for_each(|r| *r *= factor);
-        let mut linear = Direct::new(Box::new(Umfpack::default()));
+        let mut linear = Direct::default();
         let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{factor:e}: {:?}", outcome.violation);
         outcome.state
@@ -260,7 +260,7 @@ fn no_equilibrium() {
     let run = |side: &str| {
         let (model, times) = block(&text, 8, &["contact.obstacle.gap=0", "load[0].history=[[0,1]]", side]);
         let paper = HistorySettings::paper_bn(&model.problem, model.scaling(), 100, 1e-10);
-        let mut linear = Direct::new(Box::new(Umfpack::default()));
+        let mut linear = Direct::default();
         let bn = history::run(&model.problem, &model.loading, &times, &paper, &mut linear, &mut ()).unwrap();
         let [default, ip] = METHODS.map(|method| solve(method, &model, &times));
         (model, [bn, default, ip])

@@ -62,7 +62,7 @@ const KEYS_AND_TYPES: &[Fault] = &[
     ("\"plane\"", "\"sphere\"", "\"sphere\"", &["unknown variant `sphere`", "`plane`"], LISTED),
     ("\"bn\"", "\"newton\"", "\"newton\"", &["unknown variant `newton`", "`bn`"], LISTED),
     ("\"paper\"", "\"mine\"", "\"mine\"", &["unknown variant `mine`", "`paper`"], LISTED),
-    ("\"umfpack\"", "\"cg\"", "\"cg\"", &["unknown variant `cg`", "`umfpack`"], LISTED),
+    ("\"paper\"", "\"paper\"\nlinear = \"cg\"", "\"cg\"", &["unknown variant `cg`", "`umfpack`"], LISTED),
 ];
 
 const VALUES: &[Fault] = &[
@@ -171,9 +171,9 @@ const VALUES: &[Fault] = &[
     ("[1.0, 2.0]", "[0.0, 2.0]", "times =", &["holds 0,", "from 0 to 2"], "after 0 and up to time.end"),
     ("[1.0, 2.0]", "[1.0, 2.5]", "times =", &["holds 2.5,", "from 0 to 2"], "after 0 and up to time.end"),
     ("[1.0, 2.0]", "[-1.0]", "times =", &["holds -1,", "from 0 to 2"], "after 0 and up to time.end"),
-    ("\"umfpack\"", "\"umfpack\"\nmax_iterations = 0", "max_it", &["max_iterations is 0"], "has not converged"),
-    ("\"umfpack\"", "\"umfpack\"\ntolerance = 0.0", "tolerance", &["tolerance is 0.0", "above 0"], "e.g. 1e-10"),
-    ("\"umfpack\"", "\"umfpack\"\ntolerance = 1", "tolerance", &["tolerance is 1.0", "below 1"], "e.g. 1e-10"),
+    ("\"paper\"", "\"paper\"\nmax_iterations = 0", "max_it", &["max_iterations is 0"], "has not converged"),
+    ("\"paper\"", "\"paper\"\ntolerance = 0.0", "tolerance", &["tolerance is 0.0", "above 0"], "e.g. 1e-10"),
+    ("\"paper\"", "\"paper\"\ntolerance = 1", "tolerance", &["tolerance is 1.0", "below 1"], "e.g. 1e-10"),
     (
         "[[contact]]",
         "[[contact]]\nboundary = \"bottom\" # again\nfriction = 0\nobstacle = { kind = \"plane\" }\n[[contact]]",
@@ -216,7 +216,7 @@ const FULL: &[(&str, &str)] = &[
     ("elements =", "grading = [1, 2.0]\nelements ="),
     ("poisson =", "layers = [[0.1, 1e9, 0.2]]\npoisson ="),
     ("gap = 1e-5", "gap = 1e-5, normal = [0.0, -1.0], tangent = [1.0, 0.0]"),
-    ("\"umfpack\"", "\"umfpack\"\nmax_iterations = 200\ntolerance = 1e-10"),
+    ("\"paper\"", "\"paper\"\nmax_iterations = 200\ntolerance = 1e-10"),
 ];
 
 fn edit(text: &str, from: &str, to: &str) -> String {
@@ -266,6 +266,14 @@ fn unknown_missing_and_mistyped_keys() {
 #[test]
 fn values_out_of_range() {
     verify_all(VALUES);
+}
+
+/// What the cargo features leave out is named, with what there is in its place.
+#[cfg(not(feature = "umfpack"))]
+#[test]
+fn a_backend_that_is_not_built_in() {
+    let help = "use \"faer\" or \"condensed\"";
+    verify_all(&[("\"paper\"", "\"paper\"\nlinear = \"umfpack\"", "linear", &["this build has no UMFPACK"], help)]);
 }
 
 #[test]

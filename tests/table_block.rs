@@ -18,8 +18,9 @@ fn cells(method: PaperMethod, linear: LinearBackend, wanted: fn(&Case) -> bool) 
 /// `stickslip tables block` computes those.
 #[test]
 fn table_ii_bn() {
-    let coarse = cells(PaperMethod::Bn, LinearBackend::Umfpack, |case| case.contact_nodes <= 20);
-    let fine = cells(PaperMethod::Bn, LinearBackend::Umfpack, |case| case.contact_nodes == 50 && case.increments == 5);
+    let coarse = cells(PaperMethod::Bn, LinearBackend::default(), |case| case.contact_nodes <= 20);
+    let fine =
+        cells(PaperMethod::Bn, LinearBackend::default(), |case| case.contact_nodes == 50 && case.increments == 5);
     let cells = [coarse, fine].concat();
     assert!(cells.iter().all(|cell| cell.status == Status::Converged));
     for difference in [Cell::nle_difference, Cell::nls_difference] {
@@ -49,7 +50,7 @@ fn table_ii_ip() {
 fn condensation_changes_no_count() {
     let some = |case: &Case| case.contact_nodes == 20 && case.increments == 10;
     for method in [PaperMethod::Bn, PaperMethod::IpSafe, PaperMethod::Ip] {
-        let [whole, condensed] = [LinearBackend::Umfpack, LinearBackend::Condensed].map(|l| cells(method, l, some));
+        let [whole, condensed] = [LinearBackend::default(), LinearBackend::Condensed].map(|l| cells(method, l, some));
         assert_eq!(whole.len(), 3);
         for (whole, condensed) in whole.iter().zip(&condensed) {
             assert_eq!((whole.status, whole.here), (condensed.status, condensed.here));
@@ -108,7 +109,7 @@ fn the_default_setting_needs_fewer_iterations() {
         let cases: Vec<_> = table.cases().into_iter().filter(|case| case.contact_nodes <= largest).collect();
         let (mut here, mut paper) = (0.0, 0.0);
         for case in &cases {
-            let cell = table.cell(case, PaperMethod::BnDefault, LinearBackend::Umfpack).unwrap();
+            let cell = table.cell(case, PaperMethod::BnDefault, LinearBackend::default()).unwrap();
             assert_eq!(cell.status, Status::Converged, "{case:?}");
             here += cell.here.nle;
             paper += case.bn.nle;

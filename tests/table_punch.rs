@@ -10,7 +10,7 @@ use stickslip::tables::{Agreement, Cell, PaperMethod, PaperTable};
 
 fn cells(method: PaperMethod, increments: usize) -> Vec<Cell> {
     let cases = PaperTable::Punch.cases().into_iter().filter(|case| case.increments <= increments);
-    cases.map(|case| PaperTable::Punch.cell(&case, method, LinearBackend::Umfpack).unwrap()).collect()
+    cases.map(|case| PaperTable::Punch.cell(&case, method, LinearBackend::default()).unwrap()).collect()
 }
 
 /// The reconstructed mesh reproduces BN's nle to rounding in 19 of 21 cells and to 0.1 in all; nls

@@ -9,7 +9,7 @@ use faer::Mat;
 use faer::prelude::Solve;
 use stickslip::contact::{ContactStatus, KktErrors, KktScales, statuses};
 use stickslip::formulation::{Bdiff, Conventions, Formulation, Pressure};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Bn, BnSettings, End, Flow};
 use stickslip::problem::{ContactProblem, Increment, State};
@@ -46,7 +46,7 @@ fn state(u: [f64; 2], p_t: f64, p_n: f64) -> State {
 
 fn critical(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> CriticalFriction {
     let scales = KktScales::new(increment, state);
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     critical_friction(problem, increment, state, &scales, Scaling::SI, &mut linear).unwrap()
 }
 
@@ -72,7 +72,7 @@ fn solve(problem: &ContactProblem, increment: &Increment<'_>, start: [f64; 4]) -
     let conventions = Conventions { r: vec![1.0], pressure: Pressure::Unknown, row_unit: vec![1.0] };
     let mut formulation = Bdiff::new(problem, Scaling::SI, &conventions);
     formulation.begin(increment);
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     linear.analyze(&formulation.jacobian().pattern).unwrap();
     let settings = BnSettings { end: End::Merit(1e-26), ..BnSettings::paper(60) };
     let mut z = start;
@@ -237,7 +237,7 @@ fn posed_critical(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64
     let increment = Increment { force: &force, gap: &gap, w_t_last: &w_t_last };
     let scales = KktScales { force: 1e6, length: 1e-5 };
     assert_eq!(statuses(&model.problem, &increment, &state, &scales), wanted);
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     let critical =
         critical_friction(&model.problem, &increment, &state, &scales, model.scaling(), &mut linear).unwrap();
     assert_eq!(critical.slipping, wanted.iter().filter(|status| **status == ContactStatus::Slip).count());

@@ -6,7 +6,7 @@ mod common;
 use proptest::prelude::*;
 use stickslip::contact::ContactStatus;
 use stickslip::history::{self, HistorySettings, Observer, Status, Step};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
@@ -97,7 +97,7 @@ fn run(method: &str, scene: &Scene, inside: impl Fn(Scaling) -> Scaling) -> Told
         "bn" => HistorySettings::bn(&model.problem, scaling, 100, 1e-10),
         _ => HistorySettings::ip(&model.problem, scaling, 100, 1e-10),
     };
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     let (mut told, times) = (Told::default(), scene.time.all());
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut told).unwrap();
     assert_eq!(outcome.status, Status::Converged);

@@ -71,7 +71,9 @@ enum MethodArg {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum SolverArg {
+    #[cfg(feature = "umfpack")]
     Umfpack,
+    #[cfg(feature = "faer")]
     Faer,
     Condensed,
 }
@@ -106,7 +108,9 @@ pub(super) fn tables(args: &TablesArgs) -> Result<ExitCode, Failure> {
     linear::process::keep_freed_memory();
     let jobs = jobs::count(selection.jobs);
     let linear = match selection.solver {
+        #[cfg(feature = "umfpack")]
         SolverArg::Umfpack => LinearBackend::Umfpack,
+        #[cfg(feature = "faer")]
         SolverArg::Faer => LinearBackend::Faer,
         SolverArg::Condensed => LinearBackend::Condensed,
     };

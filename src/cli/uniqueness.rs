@@ -1,7 +1,7 @@
 //! `stickslip run --uniqueness`: how far friction is from making the last increment ambiguous.
 
 use stickslip::history::{HistoryOutcome, Status, Step};
-use stickslip::linear::{Direct, LinearError, Umfpack};
+use stickslip::linear::{Direct, LinearError};
 use stickslip::model::Model;
 use stickslip::problem::Increment;
 use stickslip::uniqueness::{self, CriticalFriction};
@@ -33,7 +33,7 @@ impl LastIncrement {
         let Some(Data { force, gap, w_t_last }) = &self.0 else { return Ok(None) };
         let increment = Increment { force, gap, w_t_last };
         let HistoryOutcome { state, scales, .. } = outcome;
-        let mut linear = Direct::new(Box::new(Umfpack::default()));
+        let mut linear = Direct::default();
         uniqueness::critical_friction(&model.problem, &increment, state, scales, model.scaling(), &mut linear).map(Some)
     }
 }

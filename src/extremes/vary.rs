@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::ExtremeError;
 use crate::fem::{Elasticity, Element, assemble};
 use crate::formulation::{Bdiff, Conventions, Formulation};
-use crate::linear::{Direct, LinearError, Umfpack};
+use crate::linear::{Direct, LinearError};
 use crate::model::{Model, ModelError};
 use crate::scene::Scene;
 
@@ -62,7 +62,7 @@ pub(super) fn condition(model: &Model) -> Result<f64, LinearError> {
     let problem = &model.problem;
     let mut held = Bdiff::new(problem, model.scaling(), &Conventions::natural(problem));
     held.hold_contacts();
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     linear.analyze(&held.jacobian().pattern)?;
     match linear.factorize(held.jacobian()) {
         Ok(_) => {}

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::refine::{self, SolveInfo, Workspace};
-use super::{Dense, FactorInfo, LinearError, LinearSolver};
+use super::{Dense, FactorInfo, LinearError, LinearSolver, built_in};
 use crate::sparse::{Csc, Pattern};
 
 /// What a [`Direct`] solver has done so far.
@@ -39,6 +39,13 @@ pub struct Direct {
     condenses: bool,
     /// What was factored beforehand, on which all else stands.
     body: FactorInfo,
+}
+
+impl Default for Direct {
+    /// The sparse LU of this build: UMFPACK where it is built in, otherwise faer.
+    fn default() -> Self {
+        Direct::new(if cfg!(feature = "umfpack") { built_in::umfpack() } else { built_in::faer() })
+    }
 }
 
 impl Direct {

@@ -38,6 +38,12 @@ pub enum LinearError {
         /// The step that is missing.
         missing: &'static str,
     },
+    /// The cargo feature of the backend is off.
+    #[error("this build has no {backend}")]
+    NotBuiltIn {
+        /// What is missing.
+        backend: &'static str,
+    },
     /// Any other status of a backend.
     #[error("{backend} failed in {step} with status {status}")]
     Backend {
@@ -53,4 +59,10 @@ pub enum LinearError {
 /// An error unless both lengths agree.
 pub(super) fn expect_length(what: &'static str, expected: usize, found: usize) -> Result<(), LinearError> {
     if expected == found { Ok(()) } else { Err(LinearError::Shape { what, expected, found }) }
+}
+
+/// An error if one of `values` is NaN or infinite.
+#[cfg(any(feature = "umfpack", feature = "faer"))]
+pub(super) fn expect_finite(values: &[f64]) -> Result<(), LinearError> {
+    if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(LinearError::NotFinite) }
 }

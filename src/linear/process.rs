@@ -6,6 +6,7 @@
 
 use std::ffi::c_int;
 
+#[cfg(feature = "umfpack")]
 use libloading::os::unix::Library;
 
 /// Sets the number of BLAS threads and returns the name of the library that took it.
@@ -14,6 +15,7 @@ use libloading::os::unix::Library;
 /// machine, can cost an order of magnitude. Which BLAS is loaded is only known at run time, so its
 /// thread control is looked up by name. `None` means that it has none, as the reference BLAS, which
 /// is single-threaded and slower.
+#[cfg(feature = "umfpack")]
 pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
     let process = Library::this();
     if threads <= 1 {
@@ -40,6 +42,7 @@ pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
 
 /// CHOLMOD has parallel regions of its own, whatever the BLAS is told. Without an active level they
 /// run in the thread that meets them; with an OpenMP that keeps this per thread, in the calling one.
+#[cfg(feature = "umfpack")]
 fn run_openmp_serially(process: &Library) {
     // SAFETY: the symbol is OpenMP's documented function, which takes a C int; 0 is valid.
     if let Ok(set) = unsafe { process.get::<unsafe extern "C" fn(c_int)>(b"omp_set_max_active_levels\0") } {

@@ -131,7 +131,7 @@ pub fn componentwise_error(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linear::{Direct, Umfpack};
+    use crate::linear::Direct;
     use crate::sparse::Pattern;
     use std::sync::Arc;
 
@@ -158,7 +158,7 @@ mod tests {
             }
         }
         let b: Vec<f64> = (0..n).map(|i| 1.0 + i as f64).collect();
-        let mut direct = Direct::new(Box::new(Umfpack::default()));
+        let mut direct = Direct::default();
         direct.analyze(&pattern).unwrap();
         direct.factorize(&a).unwrap();
         let mut x = vec![0.0; n];

@@ -141,8 +141,7 @@ pub(super) struct Solver {
     #[serde(default)]
     pub method: MethodName,
     pub setting: Option<Spanned<Setting>>,
-    #[serde(default)]
-    pub linear: LinearBackend,
+    pub linear: Option<Spanned<LinearBackend>>,
     pub start: Option<Spanned<Start>>,
     pub partition: Option<Spanned<Partition>>,
     pub newton: Option<Spanned<NewtonSystem>>,

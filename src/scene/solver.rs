@@ -117,11 +117,10 @@ impl Method {
 }
 
 /// The linear algebra.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LinearBackend {
     /// UMFPACK on the uncondensed system.
-    #[default]
     Umfpack,
     /// faer's sparse LU on the uncondensed system: no library but Rust's, slower on large meshes.
     Faer,
@@ -129,11 +128,39 @@ pub enum LinearBackend {
     Condensed,
 }
 
+impl Default for LinearBackend {
+    /// UMFPACK where it is built in, otherwise faer.
+    fn default() -> Self {
+        if cfg!(feature = "umfpack") { LinearBackend::Umfpack } else { LinearBackend::Faer }
+    }
+}
+
+impl LinearBackend {
+    /// Whether this build has it, which the cargo features decide.
+    pub fn is_built_in(self) -> bool {
+        match self {
+            LinearBackend::Umfpack => cfg!(feature = "umfpack"),
+            LinearBackend::Faer => cfg!(feature = "faer"),
+            LinearBackend::Condensed => cfg!(any(feature = "umfpack", feature = "faer")),
+        }
+    }
+}
+
 impl fmt::Display for MethodName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             MethodName::Bn => "bn",
             MethodName::Ip => "ip",
+        })
+    }
+}
+
+impl fmt::Display for LinearBackend {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            LinearBackend::Umfpack => "umfpack",
+            LinearBackend::Faer => "faer",
+            LinearBackend::Condensed => "condensed",
         })
     }
 }

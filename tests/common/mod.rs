@@ -2,7 +2,7 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Observer};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::problem::{Increment, State};
 use stickslip::scene::Scene;
@@ -17,7 +17,7 @@ pub fn block(overrides: &[&str]) -> Scene {
 pub fn run(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> HistoryOutcome {
     let solver = &scene.solver;
     let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, observer).unwrap()
 }
 

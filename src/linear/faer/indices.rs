@@ -6,7 +6,7 @@ use crate::sparse::Pattern;
 
 /// A square pattern with the unsigned indices of faer.
 pub(super) struct Indices {
-    starts: Vec<usize>,
+    pub(super) starts: Vec<usize>,
     pub(super) rows: Vec<usize>,
 }
 

@@ -4,7 +4,7 @@ use toml::Spanned;
 
 use super::Check;
 use crate::scene::document;
-use crate::scene::{Method, MethodName, SceneError, Setting, Solver};
+use crate::scene::{LinearBackend, Method, MethodName, SceneError, Setting, Solver};
 
 /// The paper's interior point method ends at an absolute `Theta`, which leaves errors of up to
 /// 1e-7 on the paper's problems; the other methods reach rounding.
@@ -28,7 +28,23 @@ impl Check<'_> {
             let sound = tolerance > 0.0 && tolerance < 1.0;
             self.demand(sound, "solver.tolerance", given, "above 0 and below 1", help)?;
         }
-        Ok(Solver { method, linear: solver.linear, max_iterations, tolerance })
+        Ok(Solver { method, linear: self.linear(solver.linear.as_ref())?, max_iterations, tolerance })
+    }
+
+    fn linear(&self, given: Option<&Spanned<LinearBackend>>) -> Result<LinearBackend, SceneError> {
+        let Some(given) = given else { return Ok(LinearBackend::default()) };
+        let missing = match given.get_ref() {
+            linear if linear.is_built_in() => return Ok(*linear),
+            LinearBackend::Umfpack => "UMFPACK",
+            LinearBackend::Faer => "faer",
+            LinearBackend::Condensed => "Cholesky factorisation, which \"condensed\" needs",
+        };
+        let help = if LinearBackend::default().is_built_in() {
+            format!("use \"{}\" or \"condensed\"", LinearBackend::default())
+        } else {
+            "build it with the cargo feature umfpack or faer".to_string()
+        };
+        self.fail(given.span(), format!("this build has no {missing}"), &help)
     }
 
     fn method(&self, solver: &document::Solver) -> Result<Method, SceneError> {
