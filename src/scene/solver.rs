@@ -146,3 +146,9 @@ impl fmt::Display for Setting {
         })
     }
 }
+
+impl fmt::Display for LinearBackend {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
+    }
+}

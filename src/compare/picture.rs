@@ -1,0 +1,127 @@
+//! A comparison as charts: error against time, growth with the mesh, the error within an increment.
+
+use super::{Comparison, Iterate, Run, SolverPath, TimeErrors, front};
+use crate::history::Status;
+use crate::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale};
+use crate::scene::{LinearBackend, MethodName, Setting};
+
+const BLACK: [u8; 3] = [0, 0, 0];
+const BLUE: [u8; 3] = [0, 90, 181];
+const RED: [u8; 3] = [200, 50, 32];
+const GREY: [u8; 3] = [205, 205, 205];
+
+/// The charts of a comparison, each with the stem of a file name and what it shows.
+pub fn charts(comparison: &Comparison) -> Vec<(&'static str, &'static str, Chart)> {
+    vec![
+        (
+            "forces",
+            "Error of the contact forces against CPU time",
+            precision(comparison, "error of the contact forces", |errors| errors.forces),
+        ),
+        (
+            "work",
+            "Error of the friction work against CPU time",
+            precision(comparison, "error of the friction work", |errors| errors.work),
+        ),
+        ("growth", "CPU time against the size of the mesh", growth(comparison)),
+        ("increment", "Error measure within an increment", increment(comparison)),
+    ]
+}
+
+/// Error against time, a panel for each mesh; points on the way from few increments to many.
+fn precision(comparison: &Comparison, label: &str, error: fn(&TimeErrors) -> f64) -> Chart {
+    let panel = |mesh: usize| {
+        let points = |path: SolverPath| {
+            let runs = comparison.on(mesh).filter(move |run| run.path == path);
+            runs.filter_map(|run| run.point(error, comparison.tolerance)).collect::<Vec<_>>()
+        };
+        let mut curves: Vec<Curve> =
+            comparison.paths().into_iter().map(|path| curve(path, points(path))).filter(is_drawn).collect();
+        let all: Vec<[f64; 2]> = curves.iter().flat_map(|curve| curve.points.iter().copied()).collect();
+        let best: Vec<[f64; 2]> = front(&all).into_iter().map(|k| all[k]).collect();
+        let line = Some(Line { dash: Dash::Solid, width: 9.0 });
+        curves.push(Curve { label: "Pareto front".into(), points: best, line, marker: None, colour: GREY });
+        Panel { title: format!("n = {mesh}"), curves }
+    };
+    Chart {
+        title: comparison.title.clone(),
+        subtitle: "time stepping against many more increments on the same mesh; each line from few increments to many"
+            .into(),
+        x: seconds("CPU time, s"),
+        y: Axis { label: label.into(), scale: Scale::Decades },
+        columns: comparison.meshes.len().clamp(1, 3),
+        panels: comparison.meshes.iter().map(|result| panel(result.mesh)).collect(),
+    }
+}
+
+/// Time against displacements, for the most increments.
+fn growth(comparison: &Comparison) -> Chart {
+    let most = comparison.runs.iter().map(|run| run.increments).max().unwrap_or(0);
+    let point = |path: SolverPath, mesh: usize, size: usize| {
+        let solved = |run: &&Run| run.path == path && run.increments == most && run.status == Status::Converged;
+        Some([size as f64, comparison.on(mesh).find(solved)?.seconds.cpu])
+    };
+    let points = |path| comparison.meshes.iter().filter_map(|m| point(path, m.mesh, m.displacements)).collect();
+    let curves = comparison.paths().into_iter().map(|path| curve(path, points(path))).filter(is_drawn).collect();
+    Chart {
+        title: comparison.title.clone(),
+        subtitle: format!("a whole history of {most} increments"),
+        x: Axis { label: "displacements".into(), scale: Scale::Decades },
+        y: seconds("CPU time, s"),
+        columns: 1,
+        panels: vec![Panel { title: String::new(), curves }],
+    }
+}
+
+/// The error measure against the time since the last increment, on the finest mesh with the most increments: in
+/// the increment that takes all paths together most iterations.
+fn increment(comparison: &Comparison) -> Chart {
+    let mesh = comparison.meshes.last().map_or(0, |result| result.mesh);
+    let most = comparison.runs.iter().map(|run| run.increments).max().unwrap_or(0);
+    let runs: Vec<&Run> = comparison.on(mesh).filter(|run| run.increments == most).collect();
+    let effort =
+        |k: usize| runs.iter().map(|run| run.iterates.iter().filter(|i| i.increment == k).count()).sum::<usize>();
+    let hardest = (1..=most).rev().max_by_key(|&k| effort(k)).unwrap_or(1);
+    let point = |iterate: &Iterate| {
+        let error = iterate.error.filter(|error| error.is_finite() && *error > 0.0)?;
+        (iterate.increment == hardest).then_some([iterate.seconds, error])
+    };
+    let curves = runs.iter().map(|run| curve(run.path, run.iterates.iter().filter_map(point).collect()));
+    Chart {
+        title: comparison.title.clone(),
+        subtitle: format!(
+            "error measure after each iteration of increment {hardest} of {most}, n = {mesh}; of setting paper the end"
+        ),
+        x: seconds("wall time since the last increment, s"),
+        y: Axis { label: "largest error of any law".into(), scale: Scale::Decades },
+        columns: 1,
+        panels: vec![Panel { title: String::new(), curves: curves.filter(is_drawn).collect() }],
+    }
+}
+
+fn seconds(label: &str) -> Axis {
+    Axis { label: label.into(), scale: Scale::Decades }
+}
+
+fn is_drawn(curve: &Curve) -> bool {
+    !curve.points.is_empty()
+}
+
+/// Colours tell the linear algebra, lines the method, markers the setting.
+fn curve(path: SolverPath, points: Vec<[f64; 2]>) -> Curve {
+    let colour = match path.linear {
+        LinearBackend::Umfpack => BLACK,
+        LinearBackend::Condensed => BLUE,
+        LinearBackend::Faer => RED,
+    };
+    let dash = match path.method {
+        MethodName::Bn => Dash::Solid,
+        MethodName::Ip => Dash::Dashed,
+    };
+    let marker = match path.setting {
+        Setting::Default => Marker::Disc,
+        Setting::Paper => Marker::Triangle,
+    };
+    let line = Some(Line { dash, width: 1.8 });
+    Curve { label: path.to_string(), points, line, marker: Some(marker), colour }
+}
