@@ -80,7 +80,7 @@ pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     if args.csv {
         runs_csv(&comparison).lines().for_each(|line| say!("{line}"));
     } else {
-        say!("{}\n\n{}", comparison.title, tables(&comparison));
+        say!("{}\n\n{}", comparison.title, tables(&comparison, &comparison.meshes));
         comparison.answers().iter().for_each(|answer| say!("{answer}"));
     }
     if let Some(folder) = &args.out {
@@ -111,10 +111,10 @@ fn plan(args: &CompareArgs, scene: &Scene) -> Plan {
     plan
 }
 
-/// What a person reads, but for the answers.
-fn tables(comparison: &Comparison) -> String {
+/// What a person reads, but for the answers; runs on some of the `meshes` only.
+fn tables(comparison: &Comparison, meshes: &[MeshResult]) -> String {
     let mut text = String::new();
-    for result in &comparison.meshes {
+    for result in meshes {
         let MeshResult { mesh, displacements, contacts, increments, status, seconds, .. } = result;
         // Writing to a string cannot fail.
         let _ = writeln!(
@@ -313,6 +313,8 @@ fn write(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
         written(write_file(folder, &file, &svg))?;
         page += &format!("\n![{what}]({file})\n");
     }
-    page += &format!("\n```text\n{}```\n", tables(comparison));
+    // The other meshes are in compare.csv.
+    let finest = comparison.meshes.len().saturating_sub(1);
+    page += &format!("\n```text\n{}```\n", tables(comparison, &comparison.meshes[finest..]));
     written(write_file(folder, "compare.md", &page))
 }

@@ -110,7 +110,8 @@ impl Comparison {
     }
 
     fn about_target(&self, mesh: usize, target: f64) -> String {
-        let describe = |run: &Run| format!("{} with {} increments, {:.2} s", run.path, run.increments, run.seconds.cpu);
+        let describe =
+            |run: &Run| format!("{} with {} increments, {} s", run.path, run.increments, round(run.seconds.cpu));
         let head = format!("Contact forces to {target:.0e}, n = {mesh}:");
         let whole = |path: &SolverPath| path.linear != LinearBackend::Condensed;
         let Some(run) = self.cheapest(mesh, target, |_| true) else {
@@ -131,7 +132,8 @@ impl Comparison {
             return format!("{head} {said}{estimate}.");
         };
         let error = run.errors.map_or(f64::NAN, |errors| errors.forces.max(self.tolerance));
-        let mut sentence = format!("{head} the cheapest is {} (error {error:.1e})", describe(run));
+        let below = if error > self.tolerance { "" } else { "below " };
+        let mut sentence = format!("{head} the cheapest is {} (error {below}{error:.1e})", describe(run));
         if !whole(&run.path) {
             let uncondensed = self.cheapest(mesh, target, whole);
             let uncondensed = uncondensed.map_or("none".to_string(), describe);
@@ -141,17 +143,14 @@ impl Comparison {
     }
 }
 
-/// Two digits, in full.
+/// Two digits, in full unless very large.
 fn round(x: f64) -> String {
-    let unit = 10_f64.powf(x.log10().floor() - 1.0);
-    let rounded = (x / unit).round() * unit;
-    if rounded < 10.0 {
-        format!("{rounded:.1}")
-    } else if rounded < 1e7 {
-        format!("{rounded:.0}")
-    } else {
-        format!("{rounded:.0e}")
+    let magnitude = x.log10().floor();
+    if !(-6.0..7.0).contains(&magnitude) {
+        return format!("{x:.0e}");
     }
+    let unit = 10_f64.powf(magnitude - 1.0);
+    format!("{:.*}", (1.0 - magnitude).max(0.0) as usize, (x / unit).round() * unit)
 }
 
 impl Lead {
@@ -169,5 +168,14 @@ impl Lead {
             format!("BN is ahead at n = {} only", join(ahead))
         };
         format!("On {linear}, setting {setting}, IP takes {times} times as long as BN at n = {meshes}: {verdict}.")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn numbers_are_rounded_to_two_digits() {
+        let rounded = [0.00234, 0.5, 9.96, 42.4, 1234.0, 3.4e8].map(super::round);
+        assert_eq!(rounded, ["0.0023", "0.50", "10.0", "42", "1200", "3e8"]);
     }
 }

@@ -8,29 +8,26 @@ use crate::scene::{LinearBackend, MethodName, Setting};
 const BLACK: [u8; 3] = [0, 0, 0];
 const BLUE: [u8; 3] = [0, 90, 181];
 const RED: [u8; 3] = [200, 50, 32];
-const GREY: [u8; 3] = [205, 205, 205];
+const GREY: [u8; 3] = [195, 195, 195];
 
 /// The charts of a comparison, each with the stem of a file name and what it shows.
-pub fn charts(comparison: &Comparison) -> Vec<(&'static str, &'static str, Chart)> {
-    vec![
-        (
-            "forces",
-            "Error of the contact forces against CPU time",
-            precision(comparison, "error of the contact forces", |errors| errors.forces),
-        ),
-        (
-            "work",
-            "Error of the friction work against CPU time",
-            precision(comparison, "error of the friction work", |errors| errors.work),
-        ),
+pub fn charts(comparison: &Comparison) -> [(&'static str, &'static str, Chart); 3] {
+    [
+        ("precision", "Errors of time stepping against CPU time", precision(comparison)),
         ("growth", "CPU time against the size of the mesh", growth(comparison)),
         ("increment", "Error measure within an increment", increment(comparison)),
     ]
 }
 
-/// Error against time, a panel for each mesh; points on the way from few increments to many.
-fn precision(comparison: &Comparison, label: &str, error: fn(&TimeErrors) -> f64) -> Chart {
-    let panel = |mesh: usize| {
+/// Errors against time on the coarsest mesh and on the finest; each line from few increments to many.
+fn precision(comparison: &Comparison) -> Chart {
+    let meshes = match &comparison.meshes[..] {
+        [coarsest, .., finest] => vec![coarsest.mesh, finest.mesh],
+        meshes => meshes.iter().map(|result| result.mesh).collect(),
+    };
+    let errors: [(&str, fn(&TimeErrors) -> f64); 3] =
+        [("contact forces", |e| e.forces), ("p_t alone", |e| e.p_t), ("friction work", |e| e.work)];
+    let panel = |what: &str, error, mesh: usize| {
         let points = |path: SolverPath| {
             let runs = comparison.on(mesh).filter(move |run| run.path == path);
             runs.filter_map(|run| run.point(error, comparison.tolerance)).collect::<Vec<_>>()
@@ -39,18 +36,22 @@ fn precision(comparison: &Comparison, label: &str, error: fn(&TimeErrors) -> f64
             comparison.paths().into_iter().map(|path| curve(path, points(path))).filter(is_drawn).collect();
         let all: Vec<[f64; 2]> = curves.iter().flat_map(|curve| curve.points.iter().copied()).collect();
         let best: Vec<[f64; 2]> = front(&all).into_iter().map(|k| all[k]).collect();
-        let line = Some(Line { dash: Dash::Solid, width: 9.0 });
-        curves.push(Curve { label: "Pareto front".into(), points: best, line, marker: None, colour: GREY });
-        Panel { title: format!("n = {mesh}"), curves }
+        // A front of one point is no more than its marker.
+        let (line, marker) = (Some(Line { dash: Dash::Solid, width: 9.0 }), Some(Marker::Square));
+        curves.push(Curve { label: "Pareto front".into(), points: best, line, marker, colour: GREY });
+        Panel { title: format!("{what}, n = {mesh}"), curves }
     };
+    let panels = errors.iter().flat_map(|&(what, error)| meshes.iter().map(move |&mesh| (what, error, mesh)));
     Chart {
         title: comparison.title.clone(),
-        subtitle: "time stepping against many more increments on the same mesh; each line from few increments to many"
-            .into(),
+        subtitle: format!(
+            "errors of time stepping, each line from few increments to many; below the tolerance, {:.0e}, drawn at it",
+            comparison.tolerance
+        ),
         x: seconds("CPU time, s"),
-        y: Axis { label: label.into(), scale: Scale::Decades },
-        columns: comparison.meshes.len().clamp(1, 3),
-        panels: comparison.meshes.iter().map(|result| panel(result.mesh)).collect(),
+        y: Axis { label: "relative error".into(), scale: Scale::Decades },
+        columns: meshes.len(),
+        panels: panels.map(|(what, error, mesh)| panel(what, error, mesh)).collect(),
     }
 }
 
@@ -90,7 +91,7 @@ fn increment(comparison: &Comparison) -> Chart {
     Chart {
         title: comparison.title.clone(),
         subtitle: format!(
-            "error measure after each iteration of increment {hardest} of {most}, n = {mesh}; of setting paper the end"
+            "the error measure after each iteration of increment {hardest} of {most}, n = {mesh}; with the setting paper at its end"
         ),
         x: seconds("wall time since the last increment, s"),
         y: Axis { label: "largest error of any law".into(), scale: Scale::Decades },
