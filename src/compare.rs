@@ -53,7 +53,7 @@ pub struct Plan {
     pub reference: usize,
 }
 
-/// Where the CPU or wall time of a run went, s.
+/// Where the time of a run went, s.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Phases {
     /// Mesh, `K`, contact maps and loads: wall time, measured once a mesh.
@@ -81,7 +81,7 @@ pub struct Iterate {
     pub increment: usize,
     /// Its number in the increment, over all attempts; 0 is the start.
     pub iteration: usize,
-    /// Wall time since the last increment, s.
+    /// CPU time since the last increment, s.
     pub seconds: f64,
     /// The merit `Theta`, in the unit of the setting.
     pub theta: f64,

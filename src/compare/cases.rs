@@ -95,7 +95,7 @@ fn solve(
     let (wall, cpu) = (Instant::now(), cpu_seconds());
     let settings = path.settings(&scene, model);
     let mut linear = model.linear(path.linear);
-    let mut recorder = Recorder { model, last: Instant::now(), work: 0.0, iterates: Vec::new() };
+    let mut recorder = Recorder { model, last: cpu_seconds(), work: 0.0, iterates: Vec::new() };
     let outcome =
         history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut recorder)?;
     let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
@@ -134,15 +134,15 @@ impl SolverPath {
 /// Keeps the iterations and adds up the friction work.
 struct Recorder<'a> {
     model: &'a Model,
-    /// The end of the last increment.
-    last: Instant,
+    /// The CPU time at the end of the last increment, s.
+    last: f64,
     work: f64,
     iterates: Vec<Iterate>,
 }
 
 impl Observer for Recorder<'_> {
     fn ready(&mut self) {
-        self.last = Instant::now();
+        self.last = cpu_seconds();
     }
 
     fn iteration(&mut self, increment: usize, record: &IterationRecord) -> Flow {
@@ -152,7 +152,7 @@ impl Observer for Recorder<'_> {
             Some(last) if last.increment == increment => last.iteration + 1,
             _ => record.iteration,
         };
-        let seconds = self.last.elapsed().as_secs_f64();
+        let seconds = cpu_seconds() - self.last;
         self.iterates.push(Iterate { increment, iteration, seconds, theta: record.theta, error: record.error });
         Flow::Continue
     }
@@ -167,7 +167,7 @@ impl Observer for Recorder<'_> {
         } else {
             f64::NAN
         };
-        self.last = Instant::now();
+        self.last = cpu_seconds();
         Flow::Continue
     }
 }

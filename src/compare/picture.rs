@@ -11,23 +11,24 @@ const RED: [u8; 3] = [200, 50, 32];
 const GREY: [u8; 3] = [195, 195, 195];
 
 /// The charts of a comparison, each with the stem of a file name and what it shows.
-pub fn charts(comparison: &Comparison) -> [(&'static str, &'static str, Chart); 3] {
+pub fn charts(comparison: &Comparison) -> [(&'static str, &'static str, Chart); 4] {
+    let forces = precision(comparison, "error of the contact forces", |errors| errors.forces);
+    let work = precision(comparison, "error of the friction work", |errors| errors.work);
     [
-        ("precision", "Errors of time stepping against CPU time", precision(comparison)),
+        ("forces", "Error of the contact forces against CPU time", forces),
+        ("work", "Error of the friction work against CPU time", work),
         ("growth", "CPU time against the size of the mesh", growth(comparison)),
         ("increment", "Error measure within an increment", increment(comparison)),
     ]
 }
 
-/// Errors against time on the coarsest mesh and on the finest; each line from few increments to many.
-fn precision(comparison: &Comparison) -> Chart {
+/// An error of time stepping against time, on the coarsest mesh and on the finest.
+fn precision(comparison: &Comparison, label: &str, error: fn(&TimeErrors) -> f64) -> Chart {
     let meshes = match &comparison.meshes[..] {
         [coarsest, .., finest] => vec![coarsest.mesh, finest.mesh],
         meshes => meshes.iter().map(|result| result.mesh).collect(),
     };
-    let errors: [(&str, fn(&TimeErrors) -> f64); 3] =
-        [("contact forces", |e| e.forces), ("p_t alone", |e| e.p_t), ("friction work", |e| e.work)];
-    let panel = |what: &str, error, mesh: usize| {
+    let panel = |&mesh: &usize| {
         let points = |path: SolverPath| {
             let runs = comparison.on(mesh).filter(move |run| run.path == path);
             runs.filter_map(|run| run.point(error, comparison.tolerance)).collect::<Vec<_>>()
@@ -39,19 +40,18 @@ fn precision(comparison: &Comparison) -> Chart {
         // A front of one point is no more than its marker.
         let (line, marker) = (Some(Line { dash: Dash::Solid, width: 9.0 }), Some(Marker::Square));
         curves.push(Curve { label: "Pareto front".into(), points: best, line, marker, colour: GREY });
-        Panel { title: format!("{what}, n = {mesh}"), curves }
+        Panel { title: format!("n = {mesh}"), curves }
     };
-    let panels = errors.iter().flat_map(|&(what, error)| meshes.iter().map(move |&mesh| (what, error, mesh)));
     Chart {
         title: comparison.title.clone(),
         subtitle: format!(
             "errors of time stepping, each line from few increments to many; below the tolerance, {:.0e}, drawn at it",
             comparison.tolerance
         ),
-        x: seconds("CPU time, s"),
-        y: Axis { label: "relative error".into(), scale: Scale::Decades },
+        x: seconds(),
+        y: Axis { label: label.into(), scale: Scale::Decades },
         columns: meshes.len(),
-        panels: panels.map(|(what, error, mesh)| panel(what, error, mesh)).collect(),
+        panels: meshes.iter().map(panel).collect(),
     }
 }
 
@@ -68,40 +68,46 @@ fn growth(comparison: &Comparison) -> Chart {
         title: comparison.title.clone(),
         subtitle: format!("a whole history of {most} increments"),
         x: Axis { label: "displacements".into(), scale: Scale::Decades },
-        y: seconds("CPU time, s"),
+        y: seconds(),
         columns: 1,
         panels: vec![Panel { title: String::new(), curves }],
     }
 }
 
 /// The error measure against the time since the last increment, on the finest mesh with the most increments: in
-/// the increment that takes all paths together most iterations.
+/// an increment that takes all paths together as many iterations as most do, and in the one that takes most.
 fn increment(comparison: &Comparison) -> Chart {
     let mesh = comparison.meshes.last().map_or(0, |result| result.mesh);
     let most = comparison.runs.iter().map(|run| run.increments).max().unwrap_or(0);
     let runs: Vec<&Run> = comparison.on(mesh).filter(|run| run.increments == most).collect();
     let effort =
         |k: usize| runs.iter().map(|run| run.iterates.iter().filter(|i| i.increment == k).count()).sum::<usize>();
-    let hardest = (1..=most).rev().max_by_key(|&k| effort(k)).unwrap_or(1);
-    let point = |iterate: &Iterate| {
-        let error = iterate.error.filter(|error| error.is_finite() && *error > 0.0)?;
-        (iterate.increment == hardest).then_some([iterate.seconds, error])
+    let mut by_effort: Vec<usize> = (1..=most).collect();
+    by_effort.sort_by_cached_key(|&k| effort(k));
+    let panel = |(what, k): (&str, usize)| {
+        let point = |iterate: &Iterate| {
+            let error = iterate.error.filter(|error| error.is_finite() && *error > 0.0)?;
+            (iterate.increment == k).then_some([iterate.seconds, error])
+        };
+        let curves = runs.iter().map(|run| curve(run.path, run.iterates.iter().filter_map(point).collect()));
+        Panel { title: format!("increment {k}, {what} in effort"), curves: curves.filter(is_drawn).collect() }
     };
-    let curves = runs.iter().map(|run| curve(run.path, run.iterates.iter().filter_map(point).collect()));
+    let middle = by_effort.get(most / 2).map(|&k| ("the median", k));
+    let hardest = by_effort.last().map(|&k| ("the largest", k));
     Chart {
         title: comparison.title.clone(),
         subtitle: format!(
-            "the error measure after each iteration of increment {hardest} of {most}, n = {mesh}; with the setting paper at its end"
+            "the error measure after each iteration, {most} increments, n = {mesh}; with the setting paper at the end only"
         ),
-        x: seconds("wall time since the last increment, s"),
+        x: Axis { label: "CPU time since the last increment, s".into(), ..seconds() },
         y: Axis { label: "largest error of any law".into(), scale: Scale::Decades },
-        columns: 1,
-        panels: vec![Panel { title: String::new(), curves: curves.filter(is_drawn).collect() }],
+        columns: 2,
+        panels: middle.into_iter().chain(hardest).map(panel).collect(),
     }
 }
 
-fn seconds(label: &str) -> Axis {
-    Axis { label: label.into(), scale: Scale::Decades }
+fn seconds() -> Axis {
+    Axis { label: "CPU time, s".into(), scale: Scale::Decades }
 }
 
 fn is_drawn(curve: &Curve) -> bool {
