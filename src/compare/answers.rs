@@ -134,10 +134,10 @@ impl Comparison {
         let error = run.errors.map_or(f64::NAN, |errors| errors.forces.max(self.tolerance));
         let below = if error > self.tolerance { "" } else { "below " };
         let mut sentence = format!("{head} the cheapest is {} (error {below}{error:.1e})", describe(run));
-        if !whole(&run.path) {
-            let uncondensed = self.cheapest(mesh, target, whole);
-            let uncondensed = uncondensed.map_or("none".to_string(), describe);
-            sentence += &format!("; on the uncondensed system {uncondensed}");
+        if !whole(&run.path)
+            && let Some(uncondensed) = self.cheapest(mesh, target, whole)
+        {
+            sentence += &format!("; on the uncondensed system {}", describe(uncondensed));
         }
         sentence + "."
     }
