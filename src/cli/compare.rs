@@ -306,15 +306,15 @@ fn write(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
     written(write_file(folder, "meshes.csv", &meshes_csv(comparison)))?;
     let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
-    comparison.answers().iter().for_each(|answer| page += &format!("- {answer}\n"));
+    page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));
     for (stem, what, chart) in compare::charts(comparison) {
         let svg = chart.to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
         let file = format!("{stem}.svg");
         written(write_file(folder, &file, &svg))?;
-        page += &format!("\n![{what}]({file})\n");
+        page.extend(["\n![", what, "](", &file, ")\n"]);
     }
     // The other meshes are in compare.csv.
     let finest = comparison.meshes.len().saturating_sub(1);
-    page += &format!("\n```text\n{}```\n", tables(comparison, &comparison.meshes[finest..]));
+    page.extend(["\n```text\n", &tables(comparison, &comparison.meshes[finest..]), "```\n"]);
     written(write_file(folder, "compare.md", &page))
 }

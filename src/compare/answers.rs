@@ -133,13 +133,11 @@ impl Comparison {
         };
         let error = run.errors.map_or(f64::NAN, |errors| errors.forces.max(self.tolerance));
         let below = if error > self.tolerance { "" } else { "below " };
-        let mut sentence = format!("{head} the cheapest is {} (error {below}{error:.1e})", describe(run));
-        if !whole(&run.path)
-            && let Some(uncondensed) = self.cheapest(mesh, target, whole)
-        {
-            sentence += &format!("; on the uncondensed system {}", describe(uncondensed));
+        let sentence = format!("{head} the cheapest is {} (error {below}{error:.1e})", describe(run));
+        match self.cheapest(mesh, target, whole).filter(|_| !whole(&run.path)) {
+            Some(uncondensed) => format!("{sentence}; on the uncondensed system {}.", describe(uncondensed)),
+            None => sentence + ".",
         }
-        sentence + "."
     }
 }
 
