@@ -258,8 +258,12 @@ fn answers_are_sentences_with_the_numbers() {
 
 #[test]
 fn charts_have_a_line_for_every_path() {
-    let charts = compare::charts(&by_hand());
-    assert_eq!(charts.each_ref().map(|(stem, ..)| *stem), ["forces", "work", "growth", "increment"]);
+    let stems = |comparison: &Comparison| compare::charts(comparison).iter().map(|chart| chart.0).collect::<Vec<_>>();
+    let mut comparison = by_hand();
+    assert_eq!(stems(&comparison), ["forces", "growth", "increment"]);
+    comparison.meshes[0].end.work = 1.0;
+    assert_eq!(stems(&comparison), ["forces", "work", "growth", "increment"]);
+    let charts = compare::charts(&comparison);
     let svg = charts[0].2.to_svg().unwrap();
     for label in ["bn default, umfpack", "ip default, umfpack", "bn default, condensed", "Pareto front"] {
         assert!(svg.lines().any(|line| line == label), "{label}");

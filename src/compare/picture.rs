@@ -11,15 +11,20 @@ const RED: [u8; 3] = [200, 50, 32];
 const GREY: [u8; 3] = [195, 195, 195];
 
 /// The charts of a comparison, each with the stem of a file name and what it shows.
-pub fn charts(comparison: &Comparison) -> [(&'static str, &'static str, Chart); 4] {
+pub fn charts(comparison: &Comparison) -> Vec<(&'static str, &'static str, Chart)> {
     let forces = precision(comparison, "error of the contact forces", |errors| errors.forces);
     let work = precision(comparison, "error of the friction work", |errors| errors.work);
-    [
+    let mut charts = vec![
         ("forces", "Error of the contact forces against CPU time", forces),
         ("work", "Error of the friction work against CPU time", work),
         ("growth", "CPU time against the size of the mesh", growth(comparison)),
         ("increment", "Error measure within an increment", increment(comparison)),
-    ]
+    ];
+    // Without friction there is no work to be wrong.
+    if comparison.meshes.iter().all(|result| result.end.work == 0.0) {
+        charts.retain(|(stem, ..)| *stem != "work");
+    }
+    charts
 }
 
 /// An error of time stepping against time, on the coarsest mesh and on the finest.
@@ -37,9 +42,8 @@ fn precision(comparison: &Comparison, label: &str, error: fn(&TimeErrors) -> f64
             comparison.paths().into_iter().map(|path| curve(path, points(path))).filter(is_drawn).collect();
         let all: Vec<[f64; 2]> = curves.iter().flat_map(|curve| curve.points.iter().copied()).collect();
         let best: Vec<[f64; 2]> = front(&all).into_iter().map(|k| all[k]).collect();
-        // A front of one point is no more than its marker.
-        let (line, marker) = (Some(Line { dash: Dash::Solid, width: 9.0 }), Some(Marker::Square));
-        curves.push(Curve { label: "Pareto front".into(), points: best, line, marker, colour: GREY });
+        let line = Some(Line { dash: Dash::Solid, width: 9.0 });
+        curves.push(Curve { label: "Pareto front".into(), points: stroke(best), line, marker: None, colour: GREY });
         Panel { title: format!("n = {mesh}"), curves }
     };
     Chart {
@@ -52,6 +56,14 @@ fn precision(comparison: &Comparison, label: &str, error: fn(&TimeErrors) -> f64
         y: Axis { label: label.into(), scale: Scale::Decades },
         columns: meshes.len(),
         panels: meshes.iter().map(panel).collect(),
+    }
+}
+
+/// A line needs two points: one alone becomes a short stroke.
+fn stroke(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    match points[..] {
+        [[time, error]] => vec![[0.9 * time, error], [1.1 * time, error]],
+        _ => points,
     }
 }
 
