@@ -62,7 +62,7 @@ fn precision(comparison: &Comparison, label: &str, error: fn(&TimeErrors) -> f64
 /// A line needs two points: one alone becomes a short stroke.
 fn stroke(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     match points[..] {
-        [[time, error]] => vec![[0.9 * time, error], [1.1 * time, error]],
+        [[time, error]] => vec![[0.75 * time, error], [1.33 * time, error]],
         _ => points,
     }
 }
