@@ -10,7 +10,7 @@ mod common;
 use std::time::Instant;
 
 use common::block;
-use stickslip::linear::{self, Cholesky, LinearError};
+use stickslip::linear::{self, Cholesky, FactorInfo, LinearError};
 use stickslip::report::Table;
 use stickslip::sparse::Symmetric;
 
@@ -32,7 +32,7 @@ fn main() {
         let k = &model.problem.stiffness;
         let last = contact_displacements(&model.problem);
         let mut seconds = [const { [Vec::new(), Vec::new()] }; 2];
-        let mut infos = [Default::default(); 2];
+        let mut infos = [FactorInfo::default(); 2];
         for _ in 0..ROUNDS {
             for (backend, (_, factor)) in BACKENDS.iter().enumerate() {
                 let start = Instant::now();
