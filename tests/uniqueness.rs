@@ -48,7 +48,7 @@ fn state(u: [f64; 2], p_t: f64, p_n: f64) -> State {
 fn critical(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> CriticalFriction {
     let scales = KktScales::new(increment, state);
     let mut linear = Direct::new(Box::new(Umfpack::default()));
-    critical_friction(problem, increment, state, &scales, Scaling::SI, &mut linear).unwrap()
+    critical_friction(problem, increment, state, &scales, Scaling::SI, &mut linear).unwrap().unwrap()
 }
 
 fn kkt(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> f64 {
@@ -240,7 +240,7 @@ fn posed_critical(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64
     assert_eq!(statuses(&model.problem, &increment, &state, &scales), wanted);
     let mut linear = Direct::new(Box::new(Umfpack::default()));
     let critical =
-        critical_friction(&model.problem, &increment, &state, &scales, model.scaling(), &mut linear).unwrap();
+        critical_friction(&model.problem, &increment, &state, &scales, model.scaling(), &mut linear).unwrap().unwrap();
     assert_eq!(critical.slipping, wanted.iter().filter(|status| **status == ContactStatus::Slip).count());
     critical.factor
 }

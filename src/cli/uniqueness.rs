@@ -36,7 +36,7 @@ impl LastIncrement {
         let Some(Data { force, gap, w_t_last, w_o_last }) = &self.0 else { return Ok(None) };
         let increment = Increment { force, gap, w_t_last, w_o_last };
         let HistoryOutcome { state, scales, .. } = outcome;
-        uniqueness::critical_friction(&model.problem, &increment, state, scales, model.scaling(), linear).map(Some)
+        uniqueness::critical_friction(&model.problem, &increment, state, scales, model.scaling(), linear)
     }
 }
 

@@ -65,6 +65,16 @@ impl Layout {
         self.tangential[i]
     }
 
+    /// Whether contact node `i` has a tangential unknown.
+    pub fn has_friction(&self, i: usize) -> bool {
+        self.tangential[i] != [None; 2]
+    }
+
+    /// Whether contact node `i` can slide in more than one direction.
+    pub fn slides_in_a_plane(&self, i: usize) -> bool {
+        self.tangential[i].iter().all(Option::is_some)
+    }
+
     /// The place of `p_n` of contact node `i`.
     pub fn p_n(&self, i: usize) -> usize {
         self.first_normal + i

@@ -1,6 +1,8 @@
 //! What several tests need: the block of the paper, built and run.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod random;
+
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Observer};
 use stickslip::linear::{Direct, Umfpack};
 use stickslip::model::Model;
