@@ -85,20 +85,6 @@ impl TangentialCase {
         TangentialCase::Slip { direction: [t, o], turning }
     }
 
-    /// The same with the scaled tangent: in the term `R` of a slipping node, one of the two `n` gives way to
-    /// `p_T / max(μ pressure, |p_T|)`, the friction that is there brought into the disk (Hüeber, Stadler and
-    /// Wohlmuth, SIAM J. Sci. Comput. 30 (2008) 572). At a solution both are the same; away from it the
-    /// equations stay solvable, and full steps need hardly a search.
-    #[must_use]
-    pub fn scaled(self, p: [f64; 2], pressure: f64, q: [f64; 2], mu: f64) -> Self {
-        let TangentialCase::Slip { direction: n, .. } = self else { return self };
-        let (limit, share) = (mu * pressure, mu * pressure / length(q));
-        let brought_in = limit.max(length(p));
-        let m = p.map(|p| p / brought_in);
-        let turning = [0, 1].map(|a| [0, 1].map(|b| share * (f64::from(u8::from(a == b)) - m[a] * n[b])));
-        TangentialCase::Slip { direction: n, turning }
-    }
-
     /// The case of a node with one tangent only, where friction cannot turn.
     #[must_use]
     pub fn straight(self) -> Self {
@@ -248,11 +234,6 @@ mod tests {
         let case = tangential_case([0.9, 0.0], pressure, [0.0; 2], mu, 1.0);
         let TangentialCase::Slip { turning, .. } = case else { panic!() };
         assert_eq!((turning[0], turning[1][0]), ([0.0; 2], 0.0));
-        // On the law the scaled tangent is the tangent.
-        let on_law = [0.48, -0.64];
-        let case = tangential_case(on_law, pressure, [3.0, -4.0], mu, 1.0);
-        assert!(case.scaled(on_law, pressure, [3.48, -4.64], mu).is_like(&case));
-        assert!(!case.scaled([0.0; 2], pressure, [3.48, -4.64], mu).is_like(&case));
     }
 
     #[test]

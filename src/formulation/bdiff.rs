@@ -52,13 +52,13 @@ impl Bdiff {
         let (p_n, w_n) = (z[data.layout.p_n(i)], data.w_n(i, z));
         let tangential = data.layout.has_friction(i).then(|| {
             let (p, slip) = (data.friction(i, z), data.slip(i, data.tangential(i, z)));
-            let case = tangential_case(p, self.rows.pressure(data, i, p_n, w_n), slip, data.mu[i], r);
-            if data.layout.slides_in_a_plane(i) { case } else { case.straight() }
+            let pressure = self.rows.pressure(data, i, p_n, w_n);
+            self.of_tangents(i, tangential_case(p, pressure, slip, data.mu[i], r))
         });
         (normal_case(p_n, w_n, data.gap[i], r), tangential)
     }
 
-    /// The cases of node `i` just ahead of `z` along `dz`, with the scaled tangent where slip can turn.
+    /// The cases of node `i` just ahead of `z` along `dz`.
     fn case_ahead(&self, i: usize, z: &[f64], dz: &[f64]) -> Case {
         let (data, r) = (&self.data, self.rows.r[i]);
         let n = data.layout.p_n(i);
@@ -71,14 +71,14 @@ impl Bdiff {
             let (p, dp, dw) = (data.friction(i, z), data.friction(i, dz), data.tangential(i, dz));
             let slip = data.slip(i, data.tangential(i, z));
             let q = [0, 1].map(|d| Germ::new(p[d], r * slip[d], dp[d] + r * dw[d]));
-            let case = tangential_case_ahead(pressure, q, data.mu[i]);
-            if data.layout.slides_in_a_plane(i) {
-                case.scaled(p, pressure.value, q.map(|q| q.value), data.mu[i])
-            } else {
-                case.straight()
-            }
+            self.of_tangents(i, tangential_case_ahead(pressure, q, data.mu[i]))
         });
         (normal_case_ahead(trial), tangential)
+    }
+
+    /// A tangential case for the tangents that node `i` has.
+    fn of_tangents(&self, i: usize, case: TangentialCase) -> TangentialCase {
+        if self.layout().slides_in_a_plane(i) { case } else { case.straight() }
     }
 
     /// The contact rows of (19).
@@ -194,7 +194,7 @@ impl Formulation for Bdiff {
         changed
     }
 
-    /// (20), branch by branch; but where slip can turn with the scaled tangent, which is what helps there.
+    /// (20), branch by branch.
     fn linearize_towards(&mut self, z: &[f64], dz: &[f64]) -> bool {
         let mut changed = false;
         for i in 0..self.layout().contacts() {

@@ -48,17 +48,22 @@ fn frame(random: &mut Random) -> [[f64; 3]; 3] {
 }
 
 /// `contacts` nodes with three displacements each and obstacles at any angle, and as many displacements
-/// within; `K = k (1 + coupling · B Bᵀ / n)` with a random `B` and k = 1e11 N/m; friction up to `mu`; loads of
-/// some MN that press, and push along a direction that turns in the time 0 … 1.
-pub fn problem(random: &mut Random, contacts: usize, mu: f64, coupling: f64) -> (ContactProblem, Loading) {
+/// within; `K = k S (1 + 3 B Bᵀ / n) S` with k = 1e11 N/m, a random `B` and a random diagonal `S` that spreads the
+/// stiffness over so many `decades`; friction up to `mu`; loads of some MN that press, and push along a direction
+/// that turns in the time 0 … 1.
+pub fn problem(random: &mut Random, contacts: usize, mu: f64, decades: f64) -> (ContactProblem, Loading) {
     let n = 6 * contacts;
     let stiffness = 1e11;
     let factor: Vec<f64> = (0..n * n).map(|_| random.sign()).collect();
+    let spread: Vec<f64> = (0..n).map(|_| 10_f64.powf(0.25 * decades * random.sign())).collect();
     let product = |i: usize, j: usize| {
         let [a, b] = [i, j].map(|k| &factor[k * n..][..n]);
         a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>()
     };
-    let k = symmetric(n, |i, j| stiffness * (f64::from(u8::from(i == j)) + 3.0 * coupling * product(i, j) / n as f64));
+    let k = symmetric(n, |i, j| {
+        let unit = f64::from(u8::from(i == j));
+        stiffness * spread[i] * spread[j] * (unit + 3.0 * product(i, j) / n as f64)
+    });
     let frames: Vec<_> = (0..contacts).map(|_| frame(random)).collect();
     let map = |axis: usize| {
         rows(n, (0..contacts).map(|i| (0..3).map(|k| (3 * i + k, frames[i][axis][k])).collect::<Vec<_>>()))
