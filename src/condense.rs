@@ -54,6 +54,7 @@ impl Condensed {
                 stiffness,
                 c_n: restrict(&problem.c_n, &border, |_| true),
                 c_t: restrict(&problem.c_t, &border, |i| problem.mu[i] > 0.0),
+                c_o: restrict(&problem.c_o, &border, |i| problem.mu[i] > 0.0),
                 mu: problem.mu.clone(),
                 weight: problem.weight.clone(),
                 free_motions: (problem.free_motions.iter())
@@ -84,7 +85,7 @@ impl Condensed {
             u_rest = vec![0.0; u.len()];
             self.border.iter().zip(&contact.u_rest).for_each(|(&dof, rest)| u_rest[dof] = *rest);
         }
-        Ok(State { u, u_rest, p_t: contact.p_t.clone(), p_n: contact.p_n.clone() })
+        Ok(State { u, u_rest, ..contact.clone() })
     }
 
     /// Reduces forces on the whole body (N) to the contact displacements: `b_c - K_cr K_rr⁻¹ b_r`.

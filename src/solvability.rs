@@ -4,7 +4,7 @@
 //!
 //! - (a) `K u = 0` and `C_n u ≤ 0` only for `u = 0`: no rigid motion takes the body away from every
 //!   obstacle;
-//! - (b) the columns of `[C_nᵀ C_tᵀ]` are linearly independent;
+//! - (b) the columns of `[C_nᵀ C_tᵀ]`, in three dimensions of `[C_nᵀ C_tᵀ C_oᵀ]`, are linearly independent;
 //! - the Jacobian of `H_I` (25) is regular everywhere in `Ω₊₊` (28). That depends on points which
 //!   only the iteration visits: nobody can check it beforehand.
 //!
@@ -30,8 +30,8 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    /// Checks `problem`. The rows of `C_t` count where there is a `p_t`: where they are not empty
-    /// and `μ > 0`.
+    /// Checks `problem`. The rows of `C_t` and `C_o` count where there is a `p_t` or `p_o`: where they are not
+    /// empty and `μ > 0`.
     pub fn of(problem: &ContactProblem) -> Self {
         Conditions { leaving: leaving(problem), dependent: dependent(problem) }
     }
@@ -43,10 +43,15 @@ impl Conditions {
 }
 
 /// Whether contact forces can balance `force` (n_u, N) against the free rigid motions `R`: whether
-/// there are `p_n ≥ 0` and `|p_t| ≤ μ p_n` with `Rᵀ (f - C_nᵀ p_n - C_tᵀ p_t) = 0`.
+/// there are `p_n ≥ 0` and `|p_T| ≤ μ p_n` with `Rᵀ (f - C_nᵀ p_n - C_tᵀ p_t - C_oᵀ p_o) = 0`.
 ///
 /// An equilibrium needs that: `Rᵀ K = 0`, so (15) multiplied by `Rᵀ` is this. It is not enough for
 /// one, since it lets every contact node carry a force, whatever its gap and its slip.
+///
+/// With one tangent a node the cone of these forces has finitely many edges. A disk has a rim: there an inner
+/// cone grows by the edge on which the residual does most work, until the load is inside or no edge of the
+/// whole cone is left to resist the residual. If neither comes about nothing is claimed, as for a load that a
+/// balance can just carry.
 ///
 /// # Errors
 /// The weights of the problem's `free_motions` in a motion on which the load does work, while no
@@ -60,17 +65,67 @@ pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<(), 
         size.push(work.clone().map(f64::abs).sum::<f64>() / largest);
         load.push(work.sum::<f64>() / largest);
     }
-    let generators = (0..problem.contacts()).flat_map(|i| {
-        let mu = problem.mu[i];
-        let (n, t) = (free.felt(problem.c_n.row(i)), free.felt(problem.c_t.row(i)));
-        // Divided by what may be large. The normal is the mean of the other two: they would lose it
-        // beside an enormous mu.
-        let edge = |mu: f64| n.iter().zip(&t).map(|(n, t)| (n + mu * t) / mu.abs().max(1.0)).collect();
-        [edge(mu), edge(-mu), n.clone()]
-    });
-    match Cone::new(load.len(), generators).outside(&load, norm(&size)) {
-        Some(y) => Err(free.weights(&y)),
-        None => Ok(()),
+    let cones: Vec<FrictionCone> = (0..problem.contacts()).map(|i| FrictionCone::of(problem, &free, i)).collect();
+    let mut generators: Vec<Vec<f64>> = cones.iter().flat_map(FrictionCone::edges).collect();
+    for _ in 0..ROUNDS {
+        let cone = Cone::new(load.len(), generators.iter().cloned());
+        let Some(y) = cone.outside(&load, norm(&size)) else { break };
+        let further = cones.iter().filter_map(|cone| cone.edge_towards(&y)).max_by(|a, b| a.0.total_cmp(&b.0));
+        match further {
+            Some((_, edge)) => generators.push(edge),
+            None => return Err(free.weights(&y)),
+        }
+    }
+    Ok(())
+}
+
+/// An inner cone gains about one digit in two rounds.
+const ROUNDS: usize = 100;
+/// The cosine of the angle between a motion and an edge, above which the contact force along that edge counts
+/// as one that the motion does not push against.
+const ALONG: f64 = 1e-12;
+
+/// What the forces on one contact node do to the free motions.
+struct FrictionCone {
+    mu: f64,
+    normal: Vec<f64>,
+    /// One for each tangent that the node has.
+    tangents: Vec<Vec<f64>>,
+}
+
+impl FrictionCone {
+    fn of(problem: &ContactProblem, free: &Free, i: usize) -> Self {
+        let rows = problem.tangential_maps().map(|map| map.row(i));
+        FrictionCone {
+            mu: problem.mu[i],
+            normal: free.felt(problem.c_n.row(i)),
+            tangents: rows.into_iter().filter(|row| !row.is_empty()).map(|row| free.felt(row)).collect(),
+        }
+    }
+
+    /// `n + μ t`, divided by what may be large.
+    fn edge(&self, mu: f64, tangent: &[f64]) -> Vec<f64> {
+        self.normal.iter().zip(tangent).map(|(n, t)| (n + mu * t) / mu.abs().max(1.0)).collect()
+    }
+
+    /// The edges along the tangents, and the normal. It is the mean of two of them, which would lose it beside
+    /// an enormous mu.
+    fn edges(&self) -> Vec<Vec<f64>> {
+        let pair = |tangent: &Vec<f64>| [self.edge(self.mu, tangent), self.edge(-self.mu, tangent)];
+        self.tangents.iter().flat_map(pair).chain([self.normal.clone()]).collect()
+    }
+
+    /// The edge that is nearest to `y`, with the cosine of the angle between them, if it is another one than
+    /// [`FrictionCone::edges`] and `y` has a part along it.
+    fn edge_towards(&self, y: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let [t, o] = self.tangents.as_slice() else { return None };
+        let dot = |a: &[f64]| a.iter().zip(y).map(|(a, y)| a * y).sum::<f64>();
+        let (along_t, along_o) = (dot(t), dot(o));
+        let length = along_t.hypot(along_o);
+        let steepest: Vec<f64> = t.iter().zip(o).map(|(t, o)| (along_t * t + along_o * o) / length).collect();
+        let edge = self.edge(self.mu, &steepest);
+        let cosine = dot(&edge) / (norm(&edge) * norm(y));
+        (cosine > ALONG).then_some((cosine, edge))
     }
 }
 
@@ -129,9 +184,9 @@ type Row<'a> = (usize, &'a [(usize, f64)]);
 fn dependent(problem: &ContactProblem) -> Vec<usize> {
     let rows: Vec<Row> = (0..problem.contacts())
         .flat_map(|i| {
-            let tangential = problem.c_t.row(i);
-            let sliding = problem.mu[i] > 0.0 && !tangential.is_empty();
-            [(i, problem.c_n.row(i))].into_iter().chain(sliding.then_some((i, tangential)))
+            let tangential = problem.tangential_maps().map(|map| map.row(i));
+            let sliding = tangential.into_iter().filter(move |row| problem.mu[i] > 0.0 && !row.is_empty());
+            [problem.c_n.row(i)].into_iter().chain(sliding).map(move |row| (i, row))
         })
         .collect();
     let mut found = BTreeSet::new();
@@ -185,15 +240,17 @@ mod tests {
 
     /// A rigid particle or two: displacements that nothing but contact rows tells apart.
     fn problem(motions: &[&[f64]], displacements: usize, contacts: &[(Entries, Entries, f64)]) -> ContactProblem {
-        let (mut c_n, mut c_t) = (Csr::new(displacements), Csr::new(displacements));
+        let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(displacements));
         for (n, t, _) in contacts {
             c_n.push_row(n.iter().copied());
             c_t.push_row(t.iter().copied());
+            c_o.push_row([]);
         }
         ContactProblem {
             stiffness: Symmetric::from_entries(displacements, |_| ()),
             c_n,
             c_t,
+            c_o,
             mu: contacts.iter().map(|(_, _, mu)| *mu).collect(),
             weight: vec![1.0; contacts.len()],
             free_motions: motions.iter().map(|motion| motion.to_vec()).collect(),
@@ -274,5 +331,28 @@ mod tests {
             assert!(balance(mu, [0.0, 1.0]).is_err(), "{mu}");
         }
         assert_eq!(rigid_equilibrium(&problem(&[], 2, &[]), &[1.0, 1.0]), Ok(()));
+    }
+
+    /// A particle in a plane's friction disk, whose limit is the same whichever way the load points.
+    #[test]
+    fn friction_balances_up_to_its_limit_in_every_direction() {
+        let free: [&[f64]; 3] = [&[1.0, 0.0, 0.0], &[0.0, 1.0, 0.0], &[0.0, 0.0, 1.0]];
+        let mut floor = problem(&free, 3, &[(&[(2, -1.0)], &[(0, 1.0)], 0.4)]);
+        floor.c_o = Csr::new(3);
+        floor.c_o.push_row([(1, 1.0)]);
+        for angle in [0.0_f64, 0.3, 0.785, 1.0, 2.0, 3.0, 4.4, 5.9] {
+            let load = |side: f64| [side * angle.cos(), side * angle.sin(), -10.0];
+            for inside in [0.0, 3.0, 3.99, 4.0 * (1.0 - 1e-9)] {
+                assert_eq!(rigid_equilibrium(&floor, &load(inside)), Ok(()), "{angle} {inside}");
+            }
+            for outside in [4.0 * (1.0 + 1e-6), 4.1, 100.0] {
+                let slide = rigid_equilibrium(&floor, &load(outside)).unwrap_err();
+                // Along the load, and lifting by the friction angle.
+                let along = slide[0].hypot(slide[1]);
+                let expected = [along * angle.cos(), along * angle.sin(), 0.4 * along];
+                assert!(slide.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{angle} {outside} {slide:?}");
+            }
+        }
+        assert!(close(&rigid_equilibrium(&floor, &[0.0, 0.0, 1.0]).unwrap_err(), &[0.0, 0.0, 1.0]));
     }
 }

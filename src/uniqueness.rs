@@ -19,7 +19,7 @@ use serde::Serialize;
 
 use crate::contact::coulomb::{NormalCase, TangentialCase};
 use crate::contact::{ContactStatus, KktScales, statuses};
-use crate::formulation::{Bdiff, Conventions, Formulation};
+use crate::formulation::{Bdiff, Conventions, Formulation, Layout};
 use crate::linear::{Direct, LinearError};
 use crate::problem::{ContactProblem, Increment, State};
 use crate::units::Scaling;
@@ -44,7 +44,7 @@ impl CriticalFriction {
 
 /// A node that slips with friction.
 struct Slider {
-    /// Places of its forces in `z`.
+    /// Places of its forces in `z`, of the tangential one along the tangent it has.
     p_t: usize,
     p_n: usize,
     /// `μ s`.
@@ -54,6 +54,9 @@ struct Slider {
 /// The critical friction along the statuses that the nodes have in `state`, a solution of
 /// `increment`; `scales` as for the error measure. It takes one analysis, one factorisation and a
 /// solve for each slipping node, and leaves `linear` with the factors of `J_0`.
+///
+/// `None` where a node can slide in two directions: there friction turns with the slip, by how much depends on
+/// the rate, and `J(κ)` is another one.
 ///
 /// # Errors
 /// When the linear algebra cannot go on, as for want of memory. A singular matrix is no error.
@@ -67,7 +70,11 @@ pub fn critical_friction(
     scales: &KktScales,
     scaling: Scaling,
     linear: &mut Direct,
-) -> Result<CriticalFriction, LinearError> {
+) -> Result<Option<CriticalFriction>, LinearError> {
+    let layout = Layout::new(problem);
+    if (0..problem.contacts()).any(|i| layout.slides_in_a_plane(i)) {
+        return Ok(None);
+    }
     let statuses = statuses(problem, increment, state, scales);
     // Nothing is iterated: of all the conventions only r is used, to scale the rows of held nodes.
     let mut tangent = Bdiff::new(problem, scaling, &Conventions::natural(problem));
@@ -78,12 +85,12 @@ pub fn critical_friction(
         ContactStatus::Slip => (NormalCase::Closed, TangentialCase::NoPressure),
     }));
 
-    let layout = tangent.layout();
     let slipping = (0..problem.contacts()).filter(|&i| statuses[i] == ContactStatus::Slip);
     let sliders: Vec<Slider> = slipping
         .filter_map(|i| {
-            let drive = problem.mu[i] * state.p_t[i].signum();
-            Some(Slider { p_t: layout.p_t(i)?, p_n: layout.p_n(i), drive })
+            let mut forces = layout.tangential(i).into_iter().zip([state.p_t[i], state.p_o[i]]);
+            let (p_t, force) = forces.find_map(|(place, force)| Some((place?, force)))?;
+            Some(Slider { p_t, p_n: layout.p_n(i), drive: problem.mu[i] * force.signum() })
         })
         .collect();
     let factor = match sliders.as_slice() {
@@ -94,7 +101,7 @@ pub fn critical_friction(
             Err(error) => return Err(error),
         },
     };
-    Ok(CriticalFriction { factor, slipping: sliders.len() })
+    Ok(Some(CriticalFriction { factor, slipping: sliders.len() }))
 }
 
 /// `T`, column by column; `None` if `J_0` is singular.

@@ -43,7 +43,8 @@ fn the_way_back_keeps_equilibrium() {
         let n_c = model.problem.contacts();
         let some = |n: usize, size: f64| (0..n).map(|i| size * (1.0 + 2.7 * i as f64).sin()).collect::<Vec<_>>();
         let p_t = if friction > 0.0 { some(n_c, 3e5) } else { vec![0.0; n_c] };
-        let contact = State { u: some(border.len(), 1e-5), u_rest: Vec::new(), p_t, p_n: some(n_c, 1e6) };
+        let contact =
+            State { u: some(border.len(), 1e-5), u_rest: Vec::new(), p_t, p_o: vec![0.0; n_c], p_n: some(n_c, 1e6) };
         let (time, mut small_force) = (0.7, vec![0.0; border.len()]);
         let mut force = vec![0.0; model.problem.displacements()];
         model.loading.force(time, &mut force);

@@ -87,7 +87,8 @@ fn bdiff(model: &Model, condensed: &ContactProblem) -> Bdiff {
 /// show. Returns the orders of the dense parts.
 fn mixed_states(model: &Model, tolerance: f64) -> Vec<usize> {
     let n_c = model.problem.contacts();
-    let slip = |i: usize| TangentialCase::Slip { sign: if i.is_multiple_of(2) { 1.0 } else { -1.0 } };
+    let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let slip = |i: usize| TangentialCase::Slip { direction: [sign(i), 0.0], turning: [[0.0; 2]; 2] };
     let case = |third: usize, i: usize| match third {
         0 => (NormalCase::Open, TangentialCase::NoPressure),
         1 => (NormalCase::Closed, TangentialCase::Stick),

@@ -1,21 +1,29 @@
 //! The laws of Signorini and Coulomb at one contact node as equations, and their linearisation:
-//! the rows of (19) and the cases of (21). Pure functions of scalars, in any consistent units.
+//! the rows of (19) and the cases of (21). Pure functions of numbers, in any consistent units.
+//!
+//! What is tangential has a component along either tangent of the node, `[t, o]`. A component that a
+//! node does not have, as the second in two dimensions, is 0, and everything is as if it were not
+//! there.
 
 /// `x₊ = max(x, 0)`; NaN stays NaN, where `f64::max` would make it 0.
 pub fn positive(x: f64) -> f64 {
     if x <= 0.0 { 0.0 } else { x }
 }
 
-/// `Π(q)`, the projection on the friction interval `|p_t| ≤ radius`, the 2D form of (18).
-pub fn project(q: f64, radius: f64) -> f64 {
-    // Not `clamp`, which panics if the radius is not a number.
-    if q > radius {
-        radius
-    } else if q < -radius {
-        -radius
-    } else {
-        q
-    }
+/// `|v|` of a tangential vector.
+pub fn length([t, o]: [f64; 2]) -> f64 {
+    t.hypot(o)
+}
+
+/// `v / |v|`; 0 for 0.
+pub fn direction(v: [f64; 2]) -> [f64; 2] {
+    let length = length(v);
+    if length == 0.0 { [0.0; 2] } else { v.map(|x| x / length) }
+}
+
+/// `Π(q)`, the projection on the friction disk `|p_T| ≤ radius` (18).
+pub fn project(q: [f64; 2], radius: f64) -> [f64; 2] {
+    if length(q) > radius { direction(q).map(|n| radius * n) } else { q }
 }
 
 /// The normal row of (19): `-min(p_n, r (g - w_n))`.
@@ -23,10 +31,16 @@ pub fn normal_residual(p_n: f64, w_n: f64, gap: f64, r: f64) -> f64 {
     -p_n.min(r * (gap - w_n))
 }
 
-/// The tangential row of (19): `-p_t + Π(p_t + r Δw_t)` with the radius `μ (pressure)₊`; in (19) the
+/// The tangential rows of (19): `-p_T + Π(p_T + r Δw_T)` with the radius `μ (pressure)₊`; in (19) the
 /// pressure is `p_n`.
-pub fn tangential_residual(p_t: f64, pressure: f64, slip: f64, mu: f64, r: f64) -> f64 {
-    -p_t + project(p_t + r * slip, mu * positive(pressure))
+pub fn tangential_residual(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f64) -> [f64; 2] {
+    let projected = project(trial(p, slip, r), mu * positive(pressure));
+    [0, 1].map(|d| -p[d] + projected[d])
+}
+
+/// `q = p_T + r Δw_T`.
+fn trial(p: [f64; 2], slip: [f64; 2], r: f64) -> [f64; 2] {
+    [0, 1].map(|d| p[d] + r * slip[d])
 }
 
 /// The normal cases of (21).
@@ -41,14 +55,16 @@ pub enum NormalCase {
 /// The tangential cases of (21), where the pressure is `p_n`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TangentialCase {
-    /// `pressure ≤ 0`; row `-dp_t`.
+    /// `pressure ≤ 0`; rows `-dp_T`.
     NoPressure,
-    /// `pressure > 0`, `|q| < μ pressure`; row `r C_t du`.
+    /// `pressure > 0`, `|q| < μ pressure`; rows `r C_T du`.
     Stick,
-    /// `pressure > 0`, `|q| ≥ μ pressure`; row `-dp_t + μ sign dp_n`. The term `R` vanishes in 2D.
+    /// `pressure > 0`, `|q| ≥ μ pressure`; rows `-dp_T + μ n dp_n + R (dp_T + r C_T du)`.
     Slip {
-        /// `q / |q|`.
-        sign: f64,
+        /// `n = q / |q|`.
+        direction: [f64; 2],
+        /// `R`, how friction turns with `q`, row by row. It vanishes where a node has one tangent only.
+        turning: [[f64; 2]; 2],
     },
 }
 
@@ -57,20 +73,53 @@ pub enum TangentialCase {
 /// reproduced if it goes on slipping in its old direction. Well above rounding, far below any load.
 pub const SLIP_BORDER: f64 = 1e-9;
 
+/// Slip rows whose coefficients, of order one, have changed by less than this are kept. The factors then
+/// serve once more, and Newton's step from there is good to as many digits more.
+const SAME_SLIP: f64 = 1e-8;
+
+impl TangentialCase {
+    /// Slip along `q` with the term `R = (μ pressure / |q|) (1 - n nᵀ)` of (21).
+    fn slip(q: [f64; 2], pressure: f64, mu: f64) -> Self {
+        let ([t, o], share) = (direction(q), mu * pressure / length(q));
+        let turning = [[o * o, -t * o], [-t * o, t * t]].map(|row| row.map(|x| share * x));
+        TangentialCase::Slip { direction: [t, o], turning }
+    }
+
+    /// The case of a node with one tangent only, where friction cannot turn.
+    #[must_use]
+    pub fn straight(self) -> Self {
+        match self {
+            TangentialCase::Slip { direction, .. } => TangentialCase::Slip { direction, turning: [[0.0; 2]; 2] },
+            other => other,
+        }
+    }
+
+    /// Whether the rows are those of `other`, in slip to eight digits.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let near = |a: &[f64; 2], b: &[f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_SLIP);
+        match (self, other) {
+            (TangentialCase::Slip { direction: n, turning: a }, TangentialCase::Slip { direction: m, turning: b }) => {
+                near(n, m) && a.iter().zip(b).all(|(a, b)| near(a, b))
+            }
+            (one, other) => one == other,
+        }
+    }
+}
+
 /// The normal case of a node.
 pub fn normal_case(p_n: f64, w_n: f64, gap: f64, r: f64) -> NormalCase {
     if p_n + r * (w_n - gap) > 0.0 { NormalCase::Closed } else { NormalCase::Open }
 }
 
-/// The tangential case of a node with the slip increment `slip = w_t - w̄_t`.
-pub fn tangential_case(p_t: f64, pressure: f64, slip: f64, mu: f64, r: f64) -> TangentialCase {
-    let q = p_t + r * slip;
+/// The tangential case of a node with the slip increment `slip = w_T - w̄_T`.
+pub fn tangential_case(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f64) -> TangentialCase {
+    let q = trial(p, slip, r);
     if pressure <= 0.0 {
         TangentialCase::NoPressure
-    } else if q.abs() <= mu * pressure * (1.0 - SLIP_BORDER) {
+    } else if length(q) <= mu * pressure * (1.0 - SLIP_BORDER) {
         TangentialCase::Stick
     } else {
-        TangentialCase::Slip { sign: q.signum() }
+        TangentialCase::slip(q, pressure, mu)
     }
 }
 
@@ -103,19 +152,33 @@ pub fn normal_case_ahead(trial: Germ) -> NormalCase {
     if trial.ahead() > 0.0 { NormalCase::Closed } else { NormalCase::Open }
 }
 
-/// The tangential case that a direction leads into, from the pressure and `q`.
-pub fn tangential_case_ahead(pressure: Germ, q: Germ, mu: f64) -> TangentialCase {
+/// The tangential case that a direction leads into, from the pressure and both components of `q`.
+pub fn tangential_case_ahead(pressure: Germ, q: [Germ; 2], mu: f64) -> TangentialCase {
     if pressure.ahead() <= 0.0 {
         return TangentialCase::NoPressure;
     }
-    let sign = if q.ahead() < 0.0 { -1.0 } else { 1.0 };
-    let beyond = Germ::new(sign * q.value, -mu * pressure.value, sign * q.rate - mu * pressure.rate);
-    if beyond.ahead() < 0.0 { TangentialCase::Stick } else { TangentialCase::Slip { sign } }
+    let (value, rate) = (q.map(|q| q.value), q.map(|q| q.rate));
+    let grown = length(value) > SLIP_BORDER * length(q.map(|q| q.size));
+    let n = direction(if grown { value } else { rate });
+    let along = |v: [f64; 2]| n[0] * v[0] + n[1] * v[1];
+    let beyond = Germ::new(along(value), -mu * pressure.value, along(rate) - mu * pressure.rate);
+    if beyond.ahead() < 0.0 {
+        TangentialCase::Stick
+    } else if grown {
+        TangentialCase::slip(value, pressure.value, mu)
+    } else {
+        TangentialCase::slip(rate, pressure.rate, mu)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Slip along the only tangent.
+    fn slips(case: TangentialCase, sign: f64) -> bool {
+        matches!(case, TangentialCase::Slip { direction, .. } if direction == [sign, 0.0])
+    }
 
     #[test]
     fn residuals_vanish_exactly_on_the_law() {
@@ -127,45 +190,77 @@ mod tests {
         assert_ne!(normal_residual(2.0, 0.4, 0.5, r), 0.0);
         assert_ne!(normal_residual(-1.0, 0.5, 0.5, r), 0.0);
         assert_ne!(normal_residual(0.0, 0.6, 0.5, r), 0.0);
-        // Stick, slip either way, no pressure.
-        for (p_t, p_n, slip) in [(0.3, 1.0, 0.0), (0.4, 1.0, 2.0), (-0.4, 1.0, -2.0), (0.0, 0.0, 7.0)] {
-            assert_eq!(tangential_residual(p_t, p_n, slip, 0.4, r), 0.0);
+        // Stick, slip either way, no pressure; then along the other tangent, and between both.
+        let residual = |p, p_n, slip| tangential_residual(p, p_n, slip, 0.4, r);
+        for (p, p_n, slip) in [(0.3, 1.0, 0.0), (0.4, 1.0, 2.0), (-0.4, 1.0, -2.0), (0.0, 0.0, 7.0)] {
+            assert_eq!(residual([p, 0.0], p_n, [slip, 0.0]), [0.0; 2]);
+            assert_eq!(residual([0.0, p], p_n, [0.0, slip]), [0.0; 2]);
         }
-        assert_ne!(tangential_residual(-0.4, 1.0, 2.0, 0.4, r), 0.0);
-        assert_ne!(tangential_residual(0.3, 1.0, 0.1, 0.4, r), 0.0);
-        assert_ne!(tangential_residual(0.5, 1.0, 0.1, 0.4, r), 0.0);
+        assert_eq!(residual([0.2, -0.3], 1.0, [0.0; 2]), [0.0; 2]);
+        let slip = residual([0.24, -0.32], 1.0, [3.0, -4.0]);
+        assert!(length(slip) < 1e-16, "{slip:?}");
+        assert_ne!(residual([-0.4, 0.0], 1.0, [2.0, 0.0]), [0.0; 2]);
+        assert_ne!(residual([0.3, 0.0], 1.0, [0.1, 0.0]), [0.0; 2]);
+        assert_ne!(residual([0.5, 0.0], 1.0, [0.1, 0.0]), [0.0; 2]);
+        assert_ne!(residual([0.32, 0.24], 1.0, [3.0, 4.0]), [0.0; 2]);
     }
 
     #[test]
     fn the_border_counts_as_slip() {
-        assert_eq!(tangential_case(0.4, 1.0, 0.0, 0.4, 1.0), TangentialCase::Slip { sign: 1.0 });
-        assert_eq!(tangential_case(-0.4, 1.0, 0.0, 0.4, 1.0), TangentialCase::Slip { sign: -1.0 });
-        assert_eq!(tangential_case(0.399, 1.0, 0.0, 0.4, 1.0), TangentialCase::Stick);
-        assert_eq!(tangential_case(0.1, 0.0, 1.0, 0.4, 1.0), TangentialCase::NoPressure);
+        let case = |p, p_n, slip| tangential_case([p, 0.0], p_n, [slip, 0.0], 0.4, 1.0);
+        assert!(slips(case(0.4, 1.0, 0.0), 1.0));
+        assert!(slips(case(-0.4, 1.0, 0.0), -1.0));
+        assert_eq!(case(0.399, 1.0, 0.0), TangentialCase::Stick);
+        assert_eq!(case(0.1, 0.0, 1.0), TangentialCase::NoPressure);
         assert_eq!(normal_case(0.0, 0.5, 0.5, 1.0), NormalCase::Open);
+    }
+
+    /// `R` is the derivative of `μ pressure q / |q|`, and vanishes along the only tangent.
+    #[test]
+    fn friction_turns_with_slip() {
+        let (q, pressure, mu, step) = ([0.9, -1.2], 2.0, 0.4, 1e-6);
+        let TangentialCase::Slip { turning, .. } = tangential_case(q, pressure, [0.0; 2], mu, 1.0) else { panic!() };
+        for b in 0..2 {
+            let [ahead, behind] = [step, -step].map(|step| {
+                let mut q = q;
+                q[b] += step;
+                project(q, mu * pressure)
+            });
+            for a in 0..2 {
+                let difference = (ahead[a] - behind[a]) / (2.0 * step);
+                assert!((difference - turning[a][b]).abs() < 1e-10, "{difference} {turning:?}");
+            }
+        }
+        let case = tangential_case([0.9, 0.0], pressure, [0.0; 2], mu, 1.0);
+        let TangentialCase::Slip { turning, .. } = case else { panic!() };
+        assert_eq!((turning[0], turning[1][0]), ([0.0; 2], 0.0));
     }
 
     #[test]
     fn where_cases_meet_the_direction_decides() {
         let grazing = |rate| Germ::new(0.0, 0.0, rate);
+        let flat = |q| [q, grazing(0.0)];
         assert_eq!(normal_case_ahead(grazing(1.0)), NormalCase::Closed);
         assert_eq!(normal_case_ahead(grazing(-1.0)), NormalCase::Open);
         assert_eq!(normal_case_ahead(Germ::new(0.3, -0.1 - 0.2, 1.0)), NormalCase::Closed);
         assert_eq!(normal_case_ahead(Germ::new(0.3, -0.4, 1.0)), NormalCase::Open);
         // On the border of the cone: q grows slower than the limit, faster, or turns.
-        let border = |dq| tangential_case_ahead(Germ::new(1.0, 0.0, 1.0), Germ::new(0.4, 0.0, dq), 0.4);
+        let border = |dq| tangential_case_ahead(Germ::new(1.0, 0.0, 1.0), flat(Germ::new(0.4, 0.0, dq)), 0.4);
         assert_eq!(border(0.3), TangentialCase::Stick);
-        assert_eq!(border(0.5), TangentialCase::Slip { sign: 1.0 });
+        assert!(slips(border(0.5), 1.0));
         assert_eq!(border(-1.0), TangentialCase::Stick);
         // At the tip of the cone everything depends on the rates.
-        let tip = |dp, dq| tangential_case_ahead(grazing(dp), grazing(dq), 0.4);
+        let tip = |dp, dq| tangential_case_ahead(grazing(dp), flat(grazing(dq)), 0.4);
         assert_eq!(tip(-1.0, 0.0), TangentialCase::NoPressure);
         assert_eq!(tip(1.0, 0.1), TangentialCase::Stick);
-        assert_eq!(tip(1.0, -0.5), TangentialCase::Slip { sign: -1.0 });
+        assert!(slips(tip(1.0, -0.5), -1.0));
         // Off the borders it is the case itself.
-        assert_eq!(
-            tangential_case_ahead(Germ::new(1.0, 0.0, -9.0), Germ::new(0.1, 0.0, 9.0), 0.4),
-            TangentialCase::Stick
-        );
+        let inside = tangential_case_ahead(Germ::new(1.0, 0.0, -9.0), flat(Germ::new(0.1, 0.0, 9.0)), 0.4);
+        assert_eq!(inside, TangentialCase::Stick);
+        // In two directions: moving along the rim keeps the limit, which grows.
+        let rim =
+            |rate| tangential_case_ahead(Germ::new(1.0, 0.0, rate), [Germ::new(0.4, 0.0, 0.0), grazing(3.0)], 0.4);
+        assert_eq!(rim(1.0), TangentialCase::Stick);
+        assert!(slips(rim(-1.0), 1.0));
     }
 }

@@ -7,7 +7,7 @@
 
 use serde::Serialize;
 
-use super::coulomb::{positive, project};
+use super::coulomb::{direction, length, positive, project};
 use crate::problem::{ContactProblem, Increment, State};
 
 /// What forces and displacements are compared with.
@@ -41,7 +41,7 @@ impl KktScales {
     #[must_use]
     pub fn with_state(self, state: &State) -> Self {
         KktScales {
-            force: self.force.max(largest(&state.p_n)).max(largest(&state.p_t)),
+            force: [&state.p_n, &state.p_t, &state.p_o].into_iter().fold(self.force, |m, p| m.max(largest(p))),
             length: self.length.max(largest(&state.u)),
         }
     }
@@ -75,10 +75,10 @@ pub struct KktErrors {
     pub tension: f64,
     /// A pressure across a gap: the smaller of the two, each relative to its scale.
     pub complementarity: f64,
-    /// `(|p_t| - μ p_n)₊`, relative to the force scale.
+    /// `(|p_T| - μ p_n)₊`, relative to the force scale.
     pub cone: f64,
-    /// A slip increment without full friction against it: the smaller of the slip and of what the
-    /// force lacks to `±μ p_n` in the direction of the slip, each relative to its scale.
+    /// A slip increment without full friction against it: the smaller of the slip and of the distance of
+    /// the force from `μ p_n` in the direction of the slip, each relative to its scale.
     pub dissipation: f64,
 }
 
@@ -153,20 +153,33 @@ fn violations(
         visit(Law::Equilibrium, dof, scales.force(imbalance));
     }
     for i in 0..problem.contacts() {
-        let (p_n, p_t, radius) = (state.p_n[i], state.p_t[i], problem.mu[i] * positive(state.p_n[i]));
+        let (p_n, p_t, radius) = (state.p_n[i], friction(state, i), problem.mu[i] * positive(state.p_n[i]));
         let distance = increment.gap[i] - problem.c_n.dot(i, &state.u);
         visit(Law::Penetration, i, scales.length(positive(-distance)));
         visit(Law::Tension, i, scales.force(positive(-p_n)));
         let (pressed, apart) = (scales.force(positive(p_n)), scales.length(positive(distance)));
         visit(Law::Complementarity, i, smaller(pressed, apart));
-        visit(Law::Cone, i, scales.force(positive(p_t.abs() - radius)));
-        if !problem.c_t.row(i).is_empty() {
-            let slip = problem.c_t.dot(i, &state.u) - increment.w_t_last[i];
-            // Judged from the nearest admissible force, so that the cone counts only once.
-            let lacking = radius - project(p_t, radius) * slip.signum();
-            visit(Law::Dissipation, i, smaller(scales.force(lacking), scales.length(slip)));
+        visit(Law::Cone, i, scales.force(positive(length(p_t) - radius)));
+        if problem.tangential_maps().iter().any(|map| !map.row(i).is_empty()) {
+            let slip = slip(problem, increment, state, i);
+            // Judged from the nearest admissible force, so that the cone counts only once. The distance of
+            // the vectors, not of what they dissipate: that has no slope where they are parallel.
+            let (full, there) = (direction(slip).map(|n| radius * n), project(p_t, radius));
+            let lacking = length([full[0] - there[0], full[1] - there[1]]);
+            visit(Law::Dissipation, i, smaller(scales.force(lacking), scales.length(length(slip))));
         }
     }
+}
+
+/// `p_T` of node `i`.
+fn friction(state: &State, i: usize) -> [f64; 2] {
+    [state.p_t[i], state.p_o[i]]
+}
+
+/// `w_T - w̄_T` of node `i`.
+fn slip(problem: &ContactProblem, increment: &Increment<'_>, state: &State, i: usize) -> [f64; 2] {
+    let [w_t, w_o] = problem.tangential_maps().map(|map| map.dot(i, &state.u));
+    [w_t - increment.w_t_last[i], w_o - increment.w_o_last[i]]
 }
 
 impl KktErrors {
@@ -265,8 +278,8 @@ pub fn statuses(
         if scales.force(positive(state.p_n[i])) <= scales.length(positive(distance)) {
             return ContactStatus::Open;
         }
-        let reserve = positive(problem.mu[i] * state.p_n[i] - state.p_t[i].abs());
-        let slip = problem.c_t.dot(i, &state.u) - increment.w_t_last[i];
+        let reserve = positive(problem.mu[i] * state.p_n[i] - length(friction(state, i)));
+        let slip = length(slip(problem, increment, state, i));
         if scales.force(reserve) > scales.length(slip) { ContactStatus::Stick } else { ContactStatus::Slip }
     };
     (0..problem.contacts()).map(status).collect()

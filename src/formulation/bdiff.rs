@@ -1,6 +1,6 @@
-//! The B-differentiable formulation: `H_N` (19) and its linearisation (21) on `z = (u, p_t, p_n)`.
+//! The B-differentiable formulation: `H_N` (19) and its linearisation (21) on `z = (u, p_t, p_o, p_n)`.
 
-use super::mixed::MixedMatrix;
+use super::mixed::{MixedMatrix, TangentialRow};
 use super::natural::Pressure;
 use super::natural::{NaturalRows, half_square};
 use super::scaled::Scaled;
@@ -21,7 +21,7 @@ pub struct Bdiff {
     cases: Vec<Option<Case>>,
 }
 
-/// The normal case of a contact node, and the tangential one where it has a `p_t`.
+/// The normal case of a contact node, and the tangential one where it has a tangential unknown.
 type Case = (NormalCase, Option<TangentialCase>);
 
 impl Bdiff {
@@ -50,9 +50,10 @@ impl Bdiff {
     fn case(&self, i: usize, z: &[f64]) -> Case {
         let (data, r) = (&self.data, self.rows.r[i]);
         let (p_n, w_n) = (z[data.layout.p_n(i)], data.w_n(i, z));
-        let tangential = data.layout.p_t(i).map(|k| {
-            let slip = data.w_t(i, z) - data.w_t_last[i];
-            tangential_case(z[k], self.rows.pressure(data, i, p_n, w_n), slip, data.mu[i], r)
+        let tangential = data.layout.has_friction(i).then(|| {
+            let (p, slip) = (data.friction(i, z), data.slip(i, data.tangential(i, z)));
+            let pressure = self.rows.pressure(data, i, p_n, w_n);
+            self.of_tangents(i, tangential_case(p, pressure, slip, data.mu[i], r))
         });
         (normal_case(p_n, w_n, data.gap[i], r), tangential)
     }
@@ -62,15 +63,22 @@ impl Bdiff {
         let (data, r) = (&self.data, self.rows.r[i]);
         let n = data.layout.p_n(i);
         let trial = Germ::new(z[n], r * (data.w_n(i, z) - data.gap[i]), dz[n] + r * data.w_n(i, dz));
-        let tangential = data.layout.p_t(i).map(|k| {
+        let tangential = data.layout.has_friction(i).then(|| {
             let pressure = match self.rows.kind {
                 Pressure::Unknown => Germ::new(z[n], 0.0, dz[n]),
                 Pressure::Trial => trial,
             };
-            let slip = data.w_t(i, z) - data.w_t_last[i];
-            tangential_case_ahead(pressure, Germ::new(z[k], r * slip, dz[k] + r * data.w_t(i, dz)), data.mu[i])
+            let (p, dp, dw) = (data.friction(i, z), data.friction(i, dz), data.tangential(i, dz));
+            let slip = data.slip(i, data.tangential(i, z));
+            let q = [0, 1].map(|d| Germ::new(p[d], r * slip[d], dp[d] + r * dw[d]));
+            self.of_tangents(i, tangential_case_ahead(pressure, q, data.mu[i]))
         });
         (normal_case_ahead(trial), tangential)
+    }
+
+    /// A tangential case for the tangents that node `i` has.
+    fn of_tangents(&self, i: usize, case: TangentialCase) -> TangentialCase {
+        if self.layout().slides_in_a_plane(i) { case } else { case.straight() }
     }
 
     /// The contact rows of (19).
@@ -79,24 +87,36 @@ impl Bdiff {
         for i in 0..data.layout.contacts() {
             let n = data.layout.p_n(i);
             h[n] = rows.normal(data, i, z[n], data.w_n(i, z));
-            if let Some(k) = data.layout.p_t(i) {
+            if data.layout.has_friction(i) {
                 let pressure = rows.pressure(data, i, z[n], data.w_n(i, z));
-                h[k] = rows.tangential(data, i, z[k], pressure, data.w_t(i, z));
+                let tangential = rows.tangential(data, i, data.friction(i, z), pressure, data.tangential(i, z));
+                for (k, row) in data.layout.tangential(i).into_iter().zip(tangential) {
+                    if let Some(k) = k {
+                        h[k] = row;
+                    }
+                }
             }
         }
     }
 
     /// Linearises for given cases of (21), one for each contact node, instead of those of a `z`. The
-    /// tangential case counts where there is a `p_t`.
+    /// tangential case counts where there is a tangential unknown.
     pub fn set_cases(&mut self, cases: impl IntoIterator<Item = (NormalCase, TangentialCase)>) {
         for (i, (normal, tangential)) in (0..self.layout().contacts()).zip(cases) {
-            self.write_rows(i, (normal, self.layout().p_t(i).map(|_| tangential)));
+            self.write_rows(i, (normal, self.layout().has_friction(i).then_some(tangential)));
         }
     }
 
     /// Writes the rows of node `i` for its cases in (21); tells whether they changed.
     fn write_rows(&mut self, i: usize, (normal, tangential): Case) -> bool {
-        if self.cases[i] == Some((normal, tangential)) {
+        let kept = self.cases[i].is_some_and(|(last_normal, last)| {
+            let like = match (&last, &tangential) {
+                (Some(last), Some(tangential)) => tangential.is_like(last),
+                _ => last == tangential,
+            };
+            last_normal == normal && like
+        });
+        if kept {
             return false;
         }
         self.cases[i] = Some((normal, tangential));
@@ -105,11 +125,18 @@ impl Bdiff {
             NormalCase::Open => self.matrix.set_normal(i, 0.0, -1.0),
             NormalCase::Closed => self.matrix.set_normal(i, r, 0.0),
         }
-        match tangential {
-            None => {}
-            Some(TangentialCase::NoPressure) => self.matrix.set_tangential(i, 0.0, -1.0, 0.0),
-            Some(TangentialCase::Stick) => self.matrix.set_tangential(i, r, 0.0, 0.0),
-            Some(TangentialCase::Slip { sign }) => self.matrix.set_tangential(i, 0.0, -1.0, self.data.mu[i] * sign),
+        for (d, unit) in [[1.0, 0.0], [0.0, 1.0_f64]].into_iter().enumerate() {
+            let row = match tangential {
+                None => continue,
+                Some(TangentialCase::NoPressure) => TangentialRow { w: [0.0; 2], p: unit.map(|x| -x), p_n: 0.0 },
+                Some(TangentialCase::Stick) => TangentialRow { w: unit.map(|x| r * x), p: [0.0; 2], p_n: 0.0 },
+                Some(TangentialCase::Slip { direction, turning }) => TangentialRow {
+                    w: turning[d].map(|x| r * x),
+                    p: [0, 1].map(|e| turning[d][e] - unit[e]),
+                    p_n: self.data.mu[i] * direction[d],
+                },
+            };
+            self.matrix.set_tangential(i, d, &row);
         }
         true
     }
@@ -127,7 +154,7 @@ impl Formulation for Bdiff {
     /// (19).
     fn residual(&self, z: &[f64], h: &mut [f64]) {
         let data = &self.data;
-        // The equilibrium rows of the Jacobian are constant: K u + C_nᵀ p_n + C_tᵀ p_t - f.
+        // The equilibrium rows of the Jacobian are constant: K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f.
         self.matrix.matrix().mul(z, h);
         for (row, force) in h.iter_mut().zip(&data.force) {
             *row -= force;
@@ -158,7 +185,7 @@ impl Formulation for Bdiff {
         move |t| self.rows.theta(&self.data, (1.0 - t).powi(2) * equilibrium, z, dz, t)
     }
 
-    /// (21).
+    /// (21). Where slip can turn, its coefficients are kept while they are the same to eight digits.
     fn linearize(&mut self, z: &[f64]) -> bool {
         let mut changed = false;
         for i in 0..self.layout().contacts() {
@@ -176,15 +203,18 @@ impl Formulation for Bdiff {
         changed
     }
 
-    /// The slip row of (21) has no `C_n du`. With the trial pressure the derivative has, `μ sign r C_n du`,
-    /// and the normal row of the closed node, taken away `μ sign` times, removes it.
+    /// The slip rows of (21) have no `C_n du`. With the trial pressure the derivative has, `μ n r C_n du`,
+    /// and the normal row of the closed node, taken away `μ n` times, removes it.
     fn right_hand_side(&self, h: &mut [f64]) {
         if self.rows.kind == Pressure::Unknown {
             return;
         }
         for i in 0..self.layout().contacts() {
-            if let (Some(k), Some((_, Some(TangentialCase::Slip { sign })))) = (self.layout().p_t(i), self.cases[i]) {
-                h[k] -= self.data.mu[i] * sign * h[self.layout().p_n(i)];
+            let Some((_, Some(TangentialCase::Slip { direction, .. }))) = self.cases[i] else { continue };
+            for (k, n) in self.layout().tangential(i).into_iter().zip(direction) {
+                if let Some(k) = k {
+                    h[k] -= self.data.mu[i] * n * h[self.layout().p_n(i)];
+                }
             }
         }
     }
@@ -194,8 +224,8 @@ impl Formulation for Bdiff {
             None => 0,
             Some(TangentialCase::NoPressure) => 1,
             Some(TangentialCase::Stick) => 2,
-            Some(TangentialCase::Slip { sign }) if *sign > 0.0 => 3,
-            Some(TangentialCase::Slip { .. }) => 4,
+            // In a plane, the quadrant.
+            Some(TangentialCase::Slip { direction: [t, o], .. }) => 3 + u8::from(*t > 0.0) + 2 * u8::from(*o > 0.0),
         };
         let cases = self.cases.iter().flatten();
         cases.flat_map(|(normal, case)| [u8::from(*normal == NormalCase::Closed), tangential(case)]).collect()
@@ -210,15 +240,23 @@ impl Formulation for Bdiff {
     }
 
     /// A rigid motion stays free if no closed node stops it along the normal and no sticking node
-    /// along the tangent.
+    /// along a tangent; a slipping one resists across its slip, as friction would turn.
     fn unheld_motion(&self) -> Option<Vec<f64>> {
         let motions = &self.data.free_motions;
         let row = |c: &Csr, i: usize| motions.iter().map(|motion| c.dot(i, motion)).collect::<Vec<f64>>();
         let closed = |i: usize| matches!(self.cases[i], Some((NormalCase::Closed, _)));
-        let sticks = |i: usize| matches!(self.cases[i], Some((_, Some(TangentialCase::Stick))));
+        let tangents = |i: usize| [row(&self.data.c_t, i), row(&self.data.c_o, i)];
+        let held = |i: usize| match self.cases[i] {
+            Some((_, Some(TangentialCase::Stick))) => tangents(i).to_vec(),
+            Some((_, Some(TangentialCase::Slip { direction: [t, o], turning }))) if turning != [[0.0; 2]; 2] => {
+                let [along_t, along_o] = tangents(i);
+                vec![along_t.iter().zip(&along_o).map(|(w_t, w_o)| t * w_o - o * w_t).collect()]
+            }
+            _ => Vec::new(),
+        };
         let contacts = 0..self.layout().contacts();
         let normal = contacts.clone().filter(|&i| closed(i)).map(|i| row(&self.data.c_n, i));
-        let tangential = contacts.filter(|&i| sticks(i)).map(|i| row(&self.data.c_t, i));
+        let tangential = contacts.flat_map(held);
         null_space(motions.len(), normal.chain(tangential)).into_iter().next()
     }
 

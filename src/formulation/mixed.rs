@@ -1,5 +1,5 @@
-//! The matrix on `(u, p_t, p_n)` that both methods factor: equilibrium rows that never change, and
-//! per contact node a normal and a tangential row whose coefficients do.
+//! The matrix on `(u, p_t, p_o, p_n)` that both methods factor: equilibrium rows that never change, and
+//! per contact node a normal row and a row for each tangential unknown, whose coefficients do.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::problem::ContactProblem;
 use crate::sparse::{Csc, Pattern};
 use crate::units::Scaling;
 
-/// `[K C_tᵀ C_nᵀ; tangential rows; normal rows]` on one fixed pattern.
+/// `[K C_tᵀ C_oᵀ C_nᵀ; tangential rows; normal rows]` on one fixed pattern.
 pub(super) struct MixedMatrix {
     matrix: Csc,
     slots: Vec<Slots>,
@@ -19,14 +19,24 @@ struct Slots {
     /// `∂(normal row)/∂u`: slot and coefficient of `C_n`.
     normal_u: Vec<(usize, f64)>,
     normal_p_n: usize,
-    tangential: Option<TangentialSlots>,
+    /// Of the rows at `p_t` and at `p_o`.
+    tangential: [Option<TangentialSlots>; 2],
 }
 
 struct TangentialSlots {
-    /// `∂(tangential row)/∂u`: slot and coefficient of `C_t`.
-    u: Vec<(usize, f64)>,
-    p_t: usize,
+    /// `∂(tangential row)/∂u`: slot and coefficients of `C_t` and `C_o`.
+    u: Vec<(usize, [f64; 2])>,
+    /// Of `p_t` and `p_o`, where the node has them.
+    p: [Option<usize>; 2],
     p_n: usize,
+}
+
+/// The coefficients of a tangential row: those of `(C_t du, C_o du)`, of `(dp_t, dp_o)` and of `dp_n`.
+/// Those of an unknown that the node does not have are ignored.
+pub(super) struct TangentialRow {
+    pub w: [f64; 2],
+    pub p: [f64; 2],
+    pub p_n: f64,
 }
 
 impl MixedMatrix {
@@ -40,10 +50,13 @@ impl MixedMatrix {
         let slot = |row, column| slot(&matrix.pattern, row, column);
         let slots = (0..layout.contacts()).map(|i| {
             let p_n = layout.p_n(i);
-            let tangential = layout.p_t(i).map(|p_t| TangentialSlots {
-                u: problem.c_t.row(i).iter().map(|&(dof, c)| (slot(p_t, dof), c)).collect(),
-                p_t: slot(p_t, p_t),
-                p_n: slot(p_t, p_n),
+            let places = layout.tangential(i);
+            let tangential = places.map(|row| {
+                row.map(|row| TangentialSlots {
+                    u: sliding(problem, layout, i).into_iter().map(|(dof, c)| (slot(row, dof), c)).collect(),
+                    p: places.map(|p| p.map(|p| slot(row, p))),
+                    p_n: slot(row, p_n),
+                })
             });
             Slots {
                 normal_u: problem.c_n.row(i).iter().map(|&(dof, c)| (slot(p_n, dof), c)).collect(),
@@ -66,14 +79,18 @@ impl MixedMatrix {
         values[slots.normal_p_n] = by_p_n;
     }
 
-    /// Writes the tangential row of node `i`, if it has one:
-    /// `by_w_t C_t du + by_p_t dp_t + by_p_n dp_n`.
-    pub(super) fn set_tangential(&mut self, i: usize, by_w_t: f64, by_p_t: f64, by_p_n: f64) {
+    /// Writes the row of node `i` at its `p_t` (0) or `p_o` (1), if it has that.
+    pub(super) fn set_tangential(&mut self, i: usize, direction: usize, row: &TangentialRow) {
         let (values, slots) = (&mut self.matrix.values, &self.slots[i]);
-        if let Some(slots) = &slots.tangential {
-            slots.u.iter().for_each(|&(k, c)| values[k] = by_w_t * c);
-            values[slots.p_t] = by_p_t;
-            values[slots.p_n] = by_p_n;
+        if let Some(slots) = &slots.tangential[direction] {
+            let [by_w_t, by_w_o] = row.w;
+            slots.u.iter().for_each(|&(k, [c_t, c_o])| values[k] = by_w_t * c_t + by_w_o * c_o);
+            for (slot, value) in slots.p.into_iter().zip(row.p) {
+                if let Some(k) = slot {
+                    values[k] = value;
+                }
+            }
+            values[slots.p_n] = row.p_n;
         }
     }
 }
@@ -83,13 +100,31 @@ pub(super) fn slot(pattern: &Pattern, row: usize, column: usize) -> usize {
     pattern.slot(row, column).expect("the pattern holds every entry it was made with")
 }
 
-/// Names the entries of the equilibrium rows, `K`, `C_nᵀ` and `C_tᵀ`.
+/// The displacements that the tangential unknowns of node `i` belong to, with their coefficients in `C_t`
+/// and `C_o`.
+fn sliding(problem: &ContactProblem, layout: &Layout, i: usize) -> Vec<(usize, [f64; 2])> {
+    let mut columns = Vec::<(usize, [f64; 2])>::new();
+    for (direction, map) in problem.tangential_maps().into_iter().enumerate() {
+        let row = if layout.tangential(i)[direction].is_some() { map.row(i) } else { &[] };
+        for &(dof, c) in row {
+            match columns.iter_mut().find(|(column, _)| *column == dof) {
+                Some((_, both)) => both[direction] += c,
+                None => columns.push((dof, [0, 1].map(|d| if d == direction { c } else { 0.0 }))),
+            }
+        }
+    }
+    columns
+}
+
+/// Names the entries of the equilibrium rows, `K`, `C_nᵀ`, `C_tᵀ` and `C_oᵀ`.
 pub(super) fn take_equilibrium(problem: &ContactProblem, layout: &Layout, take: &mut dyn FnMut(usize, usize)) {
     problem.stiffness.entries().for_each(|(row, column, _)| take(row, column));
     for i in 0..layout.contacts() {
         problem.c_n.row(i).iter().for_each(|&(dof, _)| take(dof, layout.p_n(i)));
-        if let Some(p_t) = layout.p_t(i) {
-            problem.c_t.row(i).iter().for_each(|&(dof, _)| take(dof, p_t));
+        for (map, place) in problem.tangential_maps().into_iter().zip(layout.tangential(i)) {
+            if let Some(p) = place {
+                map.row(i).iter().for_each(|&(dof, _)| take(dof, p));
+            }
         }
     }
 }
@@ -104,9 +139,9 @@ pub(super) fn write_equilibrium(matrix: &mut Csc, problem: &ContactProblem, layo
         for &(dof, c) in problem.c_n.row(i) {
             values[slot(pattern, dof, layout.p_n(i))] = c;
         }
-        if let Some(p_t) = layout.p_t(i) {
-            for &(dof, c) in problem.c_t.row(i) {
-                values[slot(pattern, dof, p_t)] = c;
+        for (map, place) in problem.tangential_maps().into_iter().zip(layout.tangential(i)) {
+            if let Some(p) = place {
+                map.row(i).iter().for_each(|&(dof, c)| values[slot(pattern, dof, p)] = c);
             }
         }
     }
@@ -122,10 +157,13 @@ fn union_pattern(problem: &ContactProblem, layout: &Layout) -> Pattern {
             let p_n = layout.p_n(i);
             problem.c_n.row(i).iter().for_each(|&(dof, _)| take(p_n, dof));
             take(p_n, p_n);
-            if let Some(p_t) = layout.p_t(i) {
-                problem.c_t.row(i).iter().for_each(|&(dof, _)| take(p_t, dof));
-                take(p_t, p_t);
-                take(p_t, p_n);
+            let places = layout.tangential(i).into_iter().flatten();
+            for row in places.clone() {
+                for (dof, _) in sliding(problem, layout, i) {
+                    take(row, dof);
+                }
+                places.clone().for_each(|p| take(row, p));
+                take(row, p_n);
             }
         }
     })

@@ -60,7 +60,7 @@ impl Conventions {
     }
 }
 
-/// The contact rows of `H_N` at any `z` that begins with `(u, p_t, p_n)`.
+/// The contact rows of `H_N` at any `z` that begins with `(u, p_t, p_o, p_n)`.
 pub(super) struct NaturalRows {
     /// `r_i`, scaled.
     pub r: Vec<f64>,
@@ -83,9 +83,9 @@ impl NaturalRows {
         normal_residual(p_n, w_n, data.gap[i], self.r[i])
     }
 
-    /// `-p_t + Π(p_t + r (w_t - w̄_t))` of node `i` with the `pressure` that limits friction.
-    pub(super) fn tangential(&self, data: &Scaled, i: usize, p_t: f64, pressure: f64, w_t: f64) -> f64 {
-        tangential_residual(p_t, pressure, w_t - data.w_t_last[i], data.mu[i], self.r[i])
+    /// `-p_T + Π(p_T + r (w_T - w̄_T))` of node `i` with the `pressure` that limits friction.
+    pub(super) fn tangential(&self, data: &Scaled, i: usize, p: [f64; 2], pressure: f64, w: [f64; 2]) -> [f64; 2] {
+        tangential_residual(p, pressure, data.slip(i, w), data.mu[i], self.r[i])
     }
 
     /// The pressure that limits friction at node `i`.
@@ -106,10 +106,13 @@ impl NaturalRows {
             let p_n = z[n] + t * dz[n];
             let w_n = data.w_n(i, z) + t * data.w_n(i, dz);
             let mut square = self.normal(data, i, p_n, w_n).powi(2);
-            if let Some(k) = layout.p_t(i) {
-                let w_t = data.w_t(i, z) + t * data.w_t(i, dz);
+            if layout.has_friction(i) {
+                let ahead = |[v_t, v_o]: [f64; 2], [d_t, d_o]: [f64; 2]| [v_t + t * d_t, v_o + t * d_o];
+                let p = ahead(data.friction(i, z), data.friction(i, dz));
+                let w = ahead(data.tangential(i, z), data.tangential(i, dz));
                 let pressure = self.pressure(data, i, p_n, w_n);
-                square += self.tangential(data, i, z[k] + t * dz[k], pressure, w_t).powi(2);
+                let rows = self.tangential(data, i, p, pressure, w);
+                square += rows.into_iter().map(|row| row.powi(2)).sum::<f64>();
             }
             contact += square / self.row_unit[i].powi(2);
         }
@@ -121,8 +124,8 @@ impl NaturalRows {
         let layout = &data.layout;
         let mut contact = 0.0;
         for i in 0..layout.contacts() {
-            let tangential = layout.p_t(i).map_or(0.0, |k| h[k]);
-            contact += (h[layout.p_n(i)].powi(2) + tangential.powi(2)) / self.row_unit[i].powi(2);
+            let places = layout.tangential(i).into_iter().flatten().chain([layout.p_n(i)]);
+            contact += places.map(|k| h[k].powi(2)).sum::<f64>() / self.row_unit[i].powi(2);
         }
         (half_square(&h[..layout.displacements()]) + 0.5 * contact) * data.scaling.force.powi(2)
     }

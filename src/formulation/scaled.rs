@@ -11,10 +11,12 @@ pub(super) struct Scaled {
     pub scaling: Scaling,
     pub c_n: Csr,
     pub c_t: Csr,
+    pub c_o: Csr,
     pub mu: Vec<f64>,
     pub force: Vec<f64>,
     pub gap: Vec<f64>,
     pub w_t_last: Vec<f64>,
+    pub w_o_last: Vec<f64>,
     pub free_motions: Vec<Vec<f64>>,
 }
 
@@ -25,10 +27,12 @@ impl Scaled {
             force: vec![0.0; layout.displacements()],
             gap: vec![0.0; layout.contacts()],
             w_t_last: vec![0.0; layout.contacts()],
+            w_o_last: vec![0.0; layout.contacts()],
             layout,
             scaling,
             c_n: problem.c_n.clone(),
             c_t: problem.c_t.clone(),
+            c_o: problem.c_o.clone(),
             mu: problem.mu.clone(),
             free_motions: problem.free_motions.clone(),
         }
@@ -44,6 +48,7 @@ impl Scaled {
         convert(&mut self.force, increment.force, force);
         convert(&mut self.gap, increment.gap, length);
         convert(&mut self.w_t_last, increment.w_t_last, length);
+        convert(&mut self.w_o_last, increment.w_o_last, length);
     }
 
     /// `w_n` of node `i`; `z` begins with `u`.
@@ -54,5 +59,20 @@ impl Scaled {
     /// `w_t` of node `i`.
     pub(super) fn w_t(&self, i: usize, z: &[f64]) -> f64 {
         self.c_t.dot(i, z)
+    }
+
+    /// `w_T = (w_t, w_o)` of node `i`.
+    pub(super) fn tangential(&self, i: usize, z: &[f64]) -> [f64; 2] {
+        [self.c_t.dot(i, z), self.c_o.dot(i, z)]
+    }
+
+    /// The slip increment `w_T - w̄_T` of node `i` when it has come to `w_T`.
+    pub(super) fn slip(&self, i: usize, [w_t, w_o]: [f64; 2]) -> [f64; 2] {
+        [w_t - self.w_t_last[i], w_o - self.w_o_last[i]]
+    }
+
+    /// `p_T = (p_t, p_o)` of node `i`; a component it does not have is 0.
+    pub(super) fn friction(&self, i: usize, z: &[f64]) -> [f64; 2] {
+        self.layout.tangential(i).map(|k| k.map_or(0.0, |k| z[k]))
     }
 }

@@ -34,7 +34,7 @@ pub enum Method {
         /// solution.
         start: FirstGuess,
         /// If given, the increments that BN does not solve within the settings' iterations are
-        /// solved by the predictor–corrector interior point method.
+        /// solved by the predictor–corrector interior point method, unless the problem has a `p_o`.
         rescue: Option<PredictorCorrectorSettings>,
     },
     /// The potential reduction interior point method, with the paper's starting points.

@@ -94,8 +94,9 @@ impl Whole<'_> {
             }
         }
         let dp = Layout::new(&self.condensed.problem).unpack(&change, &scaling);
-        state.p_n.iter_mut().zip(&dp.p_n).for_each(|(p, dp)| *p += dp);
-        state.p_t.iter_mut().zip(&dp.p_t).for_each(|(p, dp)| *p += dp);
+        for (p, dp) in [(&mut state.p_n, dp.p_n), (&mut state.p_t, dp.p_t), (&mut state.p_o, dp.p_o)] {
+            p.iter_mut().zip(&dp).for_each(|(p, dp)| *p += dp);
+        }
         Ok(Some(change))
     }
 
@@ -111,7 +112,7 @@ impl Whole<'_> {
                 sizes[column] += (value * state.u[row]).abs();
             }
         }
-        for (map, forces) in [(&problem.c_n, &state.p_n), (&problem.c_t, &state.p_t)] {
+        for (map, forces) in [(&problem.c_n, &state.p_n), (&problem.c_t, &state.p_t), (&problem.c_o, &state.p_o)] {
             for (i, p) in forces.iter().enumerate() {
                 map.row(i).iter().for_each(|&(dof, c)| sizes[dof] += (c * p).abs());
             }

@@ -12,7 +12,7 @@
 //! rows of the pattern that (21) has.
 
 use crate::formulation::SlackLayout;
-use crate::formulation::mixed::MixedMatrix;
+use crate::formulation::mixed::{MixedMatrix, TangentialRow};
 use crate::formulation::scaled::Scaled;
 use crate::problem::ContactProblem;
 use crate::sparse::Csc;
@@ -48,7 +48,12 @@ impl Reduced {
                 let (by_plus, by_minus, by_w_t) = (l_plus * s_minus, l_minus * s_plus, s_plus * s_minus);
                 let scale = (by_plus + by_minus).max(by_w_t);
                 let by_p_n = -data.mu[i] * (by_plus - by_minus);
-                self.matrix.set_tangential(i, -by_w_t / scale, (by_plus + by_minus) / scale, by_p_n / scale);
+                let row = TangentialRow {
+                    w: [-by_w_t / scale, 0.0],
+                    p: [(by_plus + by_minus) / scale, 0.0],
+                    p_n: by_p_n / scale,
+                };
+                self.matrix.set_tangential(i, 0, &row);
                 self.row_scale[i][1] = scale;
             }
         }
