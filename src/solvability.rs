@@ -67,23 +67,31 @@ pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<(), 
     }
     let cones: Vec<FrictionCone> = (0..problem.contacts()).map(|i| FrictionCone::of(problem, &free, i)).collect();
     let mut generators: Vec<Vec<f64>> = cones.iter().flat_map(FrictionCone::edges).collect();
+    let has_rim = cones.iter().any(|cone| cone.tangents.len() > 1);
     for _ in 0..ROUNDS {
         let cone = Cone::new(load.len(), generators.iter().cloned());
         let Some(y) = cone.outside(&load, norm(&size)) else { break };
-        let further = cones.iter().filter_map(|cone| cone.edge_towards(&y)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let least = NEARER * norm(&load);
+        let edges = cones.iter().filter_map(|cone| cone.edge_towards(&y)).filter(|(gain, _)| *gain > least);
+        let further = edges.max_by(|a, b| a.0.total_cmp(&b.0));
         match further {
             Some((_, edge)) => generators.push(edge),
+            None if has_rim && norm(&y) <= TELLABLE * norm(&load) => break,
             None => return Err(free.weights(&y)),
         }
     }
     Ok(())
 }
 
-/// An inner cone gains about one digit in two rounds.
+/// A new edge halves the angle between its neighbours on a rim and leaves a quarter of the gap there: far more rounds than a
+/// few nodes have digits to gain.
 const ROUNDS: usize = 100;
-/// The cosine of the angle between a motion and an edge, above which the contact force along that edge counts
-/// as one that the motion does not push against.
-const ALONG: f64 = 1e-12;
+/// What a unit edge takes off the load, relative to the load, above which it counts as nearer than those there are:
+/// ten times what rounding does to the residual of a projection.
+const NEARER: f64 = 1e-13;
+/// With edges missed by that much, a load is told from one in balance if the residual, whose square is the work
+/// that the load does on it, is larger than this share of the load.
+const TELLABLE: f64 = 1e-6;
 
 /// What the forces on one contact node do to the free motions.
 struct FrictionCone {
@@ -115,8 +123,8 @@ impl FrictionCone {
         self.tangents.iter().flat_map(pair).chain([self.normal.clone()]).collect()
     }
 
-    /// The edge that is nearest to `y`, with the cosine of the angle between them, if it is another one than
-    /// [`FrictionCone::edges`] and `y` has a part along it.
+    /// The edge on the rim that is nearest to `y`, with the part of `y` along it; `None` where the cone has no other
+    /// than [`FrictionCone::edges`].
     fn edge_towards(&self, y: &[f64]) -> Option<(f64, Vec<f64>)> {
         let [t, o] = self.tangents.as_slice() else { return None };
         let dot = |a: &[f64]| a.iter().zip(y).map(|(a, y)| a * y).sum::<f64>();
@@ -124,8 +132,7 @@ impl FrictionCone {
         let length = along_t.hypot(along_o);
         let steepest: Vec<f64> = t.iter().zip(o).map(|(t, o)| (along_t * t + along_o * o) / length).collect();
         let edge = self.edge(self.mu, &steepest);
-        let cosine = dot(&edge) / (norm(&edge) * norm(y));
-        (cosine > ALONG).then_some((cosine, edge))
+        Some((dot(&edge) / norm(&edge), edge))
     }
 }
 
@@ -345,12 +352,13 @@ mod tests {
             for inside in [0.0, 3.0, 3.99, 4.0 * (1.0 - 1e-9)] {
                 assert_eq!(rigid_equilibrium(&floor, &load(inside)), Ok(()), "{angle} {inside}");
             }
-            for outside in [4.0 * (1.0 + 1e-6), 4.1, 100.0] {
+            for outside in [4.0 * (1.0 + 1e-5), 4.1, 100.0] {
                 let slide = rigid_equilibrium(&floor, &load(outside)).unwrap_err();
-                // Along the load, and lifting by the friction angle.
+                // Along the load, and lifting by the friction angle; near the limit the rim is found to the square root of
+                // what an edge may be missed by, relative to the residual.
                 let along = slide[0].hypot(slide[1]);
                 let expected = [along * angle.cos(), along * angle.sin(), 0.4 * along];
-                assert!(slide.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{angle} {outside} {slide:?}");
+                assert!(slide.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{angle} {outside} {slide:?}");
             }
         }
         assert!(close(&rigid_equilibrium(&floor, &[0.0, 0.0, 1.0]).unwrap_err(), &[0.0, 0.0, 1.0]));
