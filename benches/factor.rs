@@ -66,7 +66,7 @@ fn measure(n: usize, who: Who) -> [f64; 6] {
     let mut force = vec![0.0; problem.displacements()];
     model.loading.force(1.0, &mut force);
     let w_t_last = vec![0.0; problem.contacts()];
-    formulation.begin(&Increment { force: &force, gap: &model.loading.gap, w_t_last: &w_t_last });
+    formulation.begin(&Increment { force: &force, gap: &model.loading.gap, w_t_last: &w_t_last, w_o_last: &w_t_last });
     let mut direct = Direct::new(Box::new(Umfpack::default()));
     direct.analyze(&formulation.jacobian().pattern).unwrap();
 

@@ -97,10 +97,11 @@ impl Model {
         for contact in contacts.iter_mut().filter(|contact| obstacles_at[contact.node] > 1) {
             contact.tangent.clear();
         }
-        let (mut c_n, mut c_t) = (Csr::new(dofs.free()), Csr::new(dofs.free()));
+        let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(dofs.free()));
         for contact in &contacts {
             c_n.push_row(contact.normal.iter().copied());
             c_t.push_row(contact.tangent.iter().copied());
+            c_o.push_row([]);
         }
 
         let mut loading = Loading { cases: Vec::new(), gap: contacts.iter().map(|c| c.gap).collect(), approaches };
@@ -115,6 +116,7 @@ impl Model {
             stiffness,
             c_n,
             c_t,
+            c_o,
             mu,
             weight: contacts.iter().map(|c| c.weight).collect(),
             free_motions: rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect(),

@@ -1,9 +1,12 @@
 //! The discrete frictional contact problem: algebra only, no mesh.
 //!
-//! With the unknowns `u`, `p_t`, `p_n` and in the conventions of the paper:
-//! equilibrium `K u + C_nᵀ p_n + C_tᵀ p_t = f` (15); contact `w_n = C_n u ≤ g`, `p_n ≥ 0`,
-//! `p_n (w_n - g) = 0` (4); friction `|p_t| ≤ μ p_n`, dissipating most against the slip increment
-//! `w_t - w̄_t` with `w_t = C_t u` (8).
+//! With the unknowns `u`, `p_T = (p_t, p_o)`, `p_n` and in the conventions of the paper:
+//! equilibrium `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o = f` (15); contact `w_n = C_n u ≤ g`, `p_n ≥ 0`,
+//! `p_n (w_n - g) = 0` (4); friction `|p_T| ≤ μ p_n`, dissipating most against the slip increment
+//! `w_T - w̄_T` with `w_T = (C_t u, C_o u)` (8).
+//!
+//! A contact node has two tangents in three dimensions (any orthonormal pair), one in two, and fewer
+//! where supports leave it less: a row of `C_t` or `C_o` is empty where there is no such freedom.
 
 use crate::sparse::{Csr, Symmetric, Twofold};
 use crate::units::Scaling;
@@ -18,6 +21,9 @@ pub struct ContactProblem {
     /// `C_t`, n_c × n_u: tangential contact displacements. A row is empty where supports leave no
     /// tangential freedom.
     pub c_t: Csr,
+    /// `C_o`, n_c × n_u: displacements along the other tangent, at right angles to the first. Every row
+    /// is empty in two dimensions.
+    pub c_o: Csr,
     /// `μ`, friction coefficients, n_c.
     pub mu: Vec<f64>,
     /// `l`, integration weights of the contact nodes, n_c, m (per unit depth): `σ = p / l` (32).
@@ -36,6 +42,8 @@ pub struct Increment<'a> {
     pub gap: &'a [f64],
     /// `w̄_t`, tangential displacements at the end of the last increment, n_c, m.
     pub w_t_last: &'a [f64],
+    /// `w̄_o`, the same along the other tangent, n_c, m.
+    pub w_o_last: &'a [f64],
 }
 
 /// A state of the body, in SI units.
@@ -48,6 +56,8 @@ pub struct State {
     pub u_rest: Vec<f64>,
     /// `p_t`, tangential contact forces, n_c, N.
     pub p_t: Vec<f64>,
+    /// `p_o`, the same along the other tangent, n_c, N; 0 where there is none.
+    pub p_o: Vec<f64>,
     /// `p_n`, normal contact forces, n_c, N; positive in compression.
     pub p_n: Vec<f64>,
 }
@@ -63,13 +73,14 @@ impl ContactProblem {
         self.c_n.rows()
     }
 
-    /// `K u + C_nᵀ p_n + C_tᵀ p_t - f`, N; in twice the working precision if the state has a `u_rest`.
+    /// `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f`, N; in twice the working precision if the state has a `u_rest`.
     pub fn imbalance(&self, force: &[f64], state: &State) -> Vec<f64> {
         if state.u_rest.is_empty() {
             let mut balance = vec![0.0; state.u.len()];
             self.stiffness.mul(&state.u, &mut balance);
             self.c_n.add_transposed(&state.p_n, &mut balance);
             self.c_t.add_transposed(&state.p_t, &mut balance);
+            self.c_o.add_transposed(&state.p_o, &mut balance);
             balance.iter_mut().zip(force).for_each(|(sum, force)| *sum -= force);
             return balance;
         }
@@ -78,7 +89,7 @@ impl ContactProblem {
             balance[row].add_product(value, state.u[column]);
             balance[row].add(value * state.u_rest[column]);
         }
-        for (map, forces) in [(&self.c_n, &state.p_n), (&self.c_t, &state.p_t)] {
+        for (map, forces) in [(&self.c_n, &state.p_n), (&self.c_t, &state.p_t), (&self.c_o, &state.p_o)] {
             for (i, p) in forces.iter().enumerate() {
                 map.row(i).iter().for_each(|&(dof, c)| balance[dof].add_product(c, *p));
             }
@@ -94,6 +105,11 @@ impl ContactProblem {
         let diagonal = self.stiffness.diagonal();
         let along_normal = |i: usize| self.c_n.row(i).iter().map(|&(dof, c)| c * c * diagonal[dof]).sum::<f64>();
         (0..self.contacts()).map(|i| 0.25 * along_normal(i)).collect()
+    }
+
+    /// `(C_t, C_o)`.
+    pub fn tangential_maps(&self) -> [&Csr; 2] {
+        [&self.c_t, &self.c_o]
     }
 
     /// Units of order one for a run whose external nodal forces reach `largest_force` (N) and whose
@@ -113,7 +129,13 @@ impl ContactProblem {
 impl State {
     /// The undeformed body without contact forces.
     pub fn zero(problem: &ContactProblem) -> Self {
-        let n_c = problem.contacts();
-        State { u: vec![0.0; problem.displacements()], u_rest: Vec::new(), p_t: vec![0.0; n_c], p_n: vec![0.0; n_c] }
+        let none = vec![0.0; problem.contacts()];
+        State {
+            u: vec![0.0; problem.displacements()],
+            u_rest: Vec::new(),
+            p_t: none.clone(),
+            p_o: none.clone(),
+            p_n: none,
+        }
     }
 }

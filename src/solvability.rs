@@ -185,15 +185,17 @@ mod tests {
 
     /// A rigid particle or two: displacements that nothing but contact rows tells apart.
     fn problem(motions: &[&[f64]], displacements: usize, contacts: &[(Entries, Entries, f64)]) -> ContactProblem {
-        let (mut c_n, mut c_t) = (Csr::new(displacements), Csr::new(displacements));
+        let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(displacements));
         for (n, t, _) in contacts {
             c_n.push_row(n.iter().copied());
             c_t.push_row(t.iter().copied());
+            c_o.push_row([]);
         }
         ContactProblem {
             stiffness: Symmetric::from_entries(displacements, |_| ()),
             c_n,
             c_t,
+            c_o,
             mu: contacts.iter().map(|(_, _, mu)| *mu).collect(),
             weight: vec![1.0; contacts.len()],
             free_motions: motions.iter().map(|motion| motion.to_vec()).collect(),

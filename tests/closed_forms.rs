@@ -89,10 +89,12 @@ fn one_node() {
         for (i, j, value) in entries {
             stiffness.add(i, j, value);
         }
-        let (mut c_n, mut c_t) = (Csr::new(2), Csr::new(2));
+        let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(2));
         c_t.push_row([(0, 1.0)]);
         c_n.push_row([(1, 1.0)]);
-        let problem = ContactProblem { stiffness, c_n, c_t, mu: vec![mu], weight: vec![1.0], free_motions: Vec::new() };
+        c_o.push_row([]);
+        let problem =
+            ContactProblem { stiffness, c_n, c_t, c_o, mu: vec![mu], weight: vec![1.0], free_motions: Vec::new() };
         let case = LoadCase { force: force.to_vec(), history: vec![[0.0, 0.0], [1.0, 1.0]] };
         let loading = Loading { cases: vec![case], gap: vec![0.0], ..Loading::default() };
         let settings = HistorySettings {

@@ -97,10 +97,17 @@ fn the_measure_is_unit_free() {
     let times = |values: &[f64], factor: f64| values.iter().map(|v| v * factor).collect::<Vec<_>>();
     let mut problem = model.problem.clone();
     problem.stiffness.scale(f / l);
-    let (force, gap, w_t_last) = (times(increment.force, f), times(increment.gap, l), times(increment.w_t_last, l));
-    let increment = stickslip::problem::Increment { force: &force, gap: &gap, w_t_last: &w_t_last };
-    let state =
-        State { u: times(&state.u, l), u_rest: Vec::new(), p_t: times(&state.p_t, f), p_n: times(&state.p_n, f) };
+    let (force, gap) = (times(increment.force, f), times(increment.gap, l));
+    let [w_t_last, w_o_last] = [increment.w_t_last, increment.w_o_last].map(|w| times(w, l));
+    let increment =
+        stickslip::problem::Increment { force: &force, gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last };
+    let state = State {
+        u: times(&state.u, l),
+        u_rest: Vec::new(),
+        p_t: times(&state.p_t, f),
+        p_o: times(&state.p_o, f),
+        p_n: times(&state.p_n, f),
+    };
     let scales = KktScales::new(&increment, &state);
     assert_eq!(KktErrors::measure(&problem, &increment, &state, &scales), si);
     assert!(si.worst().1 > 1e-4);

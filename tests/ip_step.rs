@@ -31,7 +31,12 @@ fn formulation(model: &Model, partition: Partition, newton: NewtonSystem) -> Con
     let mut force = vec![0.0; problem.displacements()];
     model.loading.force(0.7, &mut force);
     let w_t_last: Vec<f64> = (0..problem.contacts()).map(|i| 1e-6 * (i as f64).cos()).collect();
-    formulation.begin(&Increment { force: &force, gap: &model.loading.gap, w_t_last: &w_t_last });
+    formulation.begin(&Increment {
+        force: &force,
+        gap: &model.loading.gap,
+        w_t_last: &w_t_last,
+        w_o_last: &vec![0.0; w_t_last.len()],
+    });
     formulation
 }
 

@@ -41,7 +41,12 @@ fn jacobian_is_the_derivative_of_the_residual() {
         w_t_last[i] = (problem.c_t.dot(i, &z) - slip / r(i)) * scaling.length;
     }
     let force: Vec<f64> = (0..layout.displacements()).map(|k| (k as f64).cos() * scaling.force).collect();
-    formulation.begin(&Increment { force: &force, gap: &gap, w_t_last: &w_t_last });
+    formulation.begin(&Increment {
+        force: &force,
+        gap: &gap,
+        w_t_last: &w_t_last,
+        w_o_last: &vec![0.0; w_t_last.len()],
+    });
     assert!(formulation.linearize(&z));
     assert!(!formulation.linearize(&z), "the same state changes nothing");
 
@@ -98,7 +103,12 @@ fn merit_along_a_direction_is_the_merit() {
     let mut force = vec![0.0; problem.displacements()];
     model.loading.force(1.0, &mut force);
     let w_t_last = vec![0.0; problem.contacts()];
-    formulation.begin(&Increment { force: &force, gap: &model.loading.gap, w_t_last: &w_t_last });
+    formulation.begin(&Increment {
+        force: &force,
+        gap: &model.loading.gap,
+        w_t_last: &w_t_last,
+        w_o_last: &vec![0.0; w_t_last.len()],
+    });
     let n = formulation.unknowns();
     let z: Vec<f64> = (0..n).map(|k| (1.0 + k as f64 * 0.7).sin()).collect();
     let (mut h, mut dz) = (vec![0.0; n], vec![0.0; n]);

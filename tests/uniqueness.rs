@@ -24,11 +24,12 @@ fn node(k_tt: f64, k_tn: f64, mu: f64) -> ContactProblem {
     for (i, j, value) in entries {
         stiffness.add(i, j, value);
     }
-    let (mut c_n, mut c_t) = (Csr::new(2), Csr::new(2));
+    let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(2));
+    c_o.push_row([]);
     c_t.push_row([(0, 1.0)]);
     c_n.push_row([(1, 1.0)]);
     let free_motions = if k_tt == 0.0 { vec![vec![1.0, 0.0]] } else { vec![] };
-    ContactProblem { stiffness, c_n, c_t, mu: vec![mu], weight: vec![1.0], free_motions }
+    ContactProblem { stiffness, c_n, c_t, c_o, mu: vec![mu], weight: vec![1.0], free_motions }
 }
 
 /// The example of VERIFY: `K = [[2, 1.5], [1.5, 2]]`.
@@ -37,11 +38,11 @@ fn example(mu: f64) -> ContactProblem {
 }
 
 fn load(force: &[f64; 2]) -> Increment<'_> {
-    Increment { force, gap: &[0.0], w_t_last: &[0.0] }
+    Increment { force, gap: &[0.0], w_t_last: &[0.0], w_o_last: &[0.0] }
 }
 
 fn state(u: [f64; 2], p_t: f64, p_n: f64) -> State {
-    State { u: u.to_vec(), u_rest: Vec::new(), p_t: vec![p_t], p_n: vec![p_n] }
+    State { u: u.to_vec(), u_rest: Vec::new(), p_t: vec![p_t], p_o: vec![0.0], p_n: vec![p_n] }
 }
 
 fn critical(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> CriticalFriction {
@@ -234,7 +235,7 @@ fn posed(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> (Model, Vec<
 fn posed_critical(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64 {
     let (model, gap, state, w_t_last) = posed(n, mu, wanted, s);
     let force = vec![0.0; model.problem.displacements()];
-    let increment = Increment { force: &force, gap: &gap, w_t_last: &w_t_last };
+    let increment = Increment { force: &force, gap: &gap, w_t_last: &w_t_last, w_o_last: &vec![0.0; w_t_last.len()] };
     let scales = KktScales { force: 1e6, length: 1e-5 };
     assert_eq!(statuses(&model.problem, &increment, &state, &scales), wanted);
     let mut linear = Direct::new(Box::new(Umfpack::default()));

@@ -14,13 +14,15 @@ struct Data {
     force: Vec<f64>,
     gap: Vec<f64>,
     w_t_last: Vec<f64>,
+    w_o_last: Vec<f64>,
 }
 
 impl LastIncrement {
     pub(super) fn keep(&mut self, step: &Step<'_>) {
         if step.record.status == Status::Converged {
-            let Increment { force, gap, w_t_last } = *step.increment;
-            self.0 = Some(Data { force: force.to_vec(), gap: gap.to_vec(), w_t_last: w_t_last.to_vec() });
+            let Increment { force, gap, w_t_last, w_o_last } = *step.increment;
+            let [force, gap, w_t_last, w_o_last] = [force, gap, w_t_last, w_o_last].map(<[f64]>::to_vec);
+            self.0 = Some(Data { force, gap, w_t_last, w_o_last });
         }
     }
 
@@ -31,8 +33,8 @@ impl LastIncrement {
         outcome: &HistoryOutcome,
         linear: &mut Direct,
     ) -> Result<Option<CriticalFriction>, LinearError> {
-        let Some(Data { force, gap, w_t_last }) = &self.0 else { return Ok(None) };
-        let increment = Increment { force, gap, w_t_last };
+        let Some(Data { force, gap, w_t_last, w_o_last }) = &self.0 else { return Ok(None) };
+        let increment = Increment { force, gap, w_t_last, w_o_last };
         let HistoryOutcome { state, scales, .. } = outcome;
         uniqueness::critical_friction(&model.problem, &increment, state, scales, model.scaling(), linear).map(Some)
     }

@@ -31,7 +31,7 @@ impl KktScales {
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let interference = increment.gap.iter().fold(0.0_f64, |m, g| m.max(-g));
         KktScales {
-            force: largest(increment.force).max(largest(&state.p_n)).max(largest(&state.p_t)),
+            force: [increment.force, &state.p_n, &state.p_t, &state.p_o].map(largest).into_iter().fold(0.0, f64::max),
             length: largest(&state.u).max(interference),
         }
     }

@@ -1,15 +1,15 @@
-//! Which unknowns a problem has, and where they stand in `z = (u, p_t, p_n)`.
+//! Which unknowns a problem has, and where they stand in `z = (u, p_t, p_o, p_n)`.
 
 use crate::problem::{ContactProblem, State};
 use crate::units::Scaling;
 
-/// The layout of `z = (u, p_t, p_n)`. A contact node has a `p_t` only where there is friction and
-/// tangential freedom.
+/// The layout of `z = (u, p_t, p_o, p_n)`. A contact node has a `p_t` only where there is friction and
+/// freedom along that tangent, and likewise a `p_o`: two, one or no tangential unknowns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layout {
     displacements: usize,
-    /// For each contact node its place in `z`, if it has a tangential unknown.
-    tangential: Vec<Option<usize>>,
+    /// For each contact node the places of its `p_t` and `p_o` in `z`, if it has them.
+    tangential: Vec<[Option<usize>; 2]>,
     first_normal: usize,
 }
 
@@ -18,14 +18,15 @@ impl Layout {
     pub fn new(problem: &ContactProblem) -> Self {
         let displacements = problem.displacements();
         let mut next = displacements;
-        let tangential = (0..problem.contacts())
-            .map(|i| {
-                (problem.mu[i] > 0.0 && !problem.c_t.row(i).is_empty()).then(|| {
+        let mut tangential = vec![[None; 2]; problem.contacts()];
+        for (direction, map) in problem.tangential_maps().into_iter().enumerate() {
+            for (i, places) in tangential.iter_mut().enumerate() {
+                if problem.mu[i] > 0.0 && !map.row(i).is_empty() {
+                    places[direction] = Some(next);
                     next += 1;
-                    next - 1
-                })
-            })
-            .collect();
+                }
+            }
+        }
         Layout { displacements, tangential, first_normal: next }
     }
 
@@ -44,13 +45,23 @@ impl Layout {
         self.tangential.len()
     }
 
-    /// The number of tangential unknowns.
+    /// The number of tangential unknowns, `p_t` and `p_o`.
     pub fn tangentials(&self) -> usize {
         self.first_normal - self.displacements
     }
 
     /// The place of `p_t` of contact node `i`, if it has one.
     pub fn p_t(&self, i: usize) -> Option<usize> {
+        self.tangential[i][0]
+    }
+
+    /// The place of `p_o` of contact node `i`, if it has one.
+    pub fn p_o(&self, i: usize) -> Option<usize> {
+        self.tangential[i][1]
+    }
+
+    /// The places of `(p_t, p_o)` of contact node `i`.
+    pub fn tangential(&self, i: usize) -> [Option<usize>; 2] {
         self.tangential[i]
     }
 
@@ -66,8 +77,10 @@ impl Layout {
             *to = from / scaling.length;
         }
         for i in 0..self.contacts() {
-            if let Some(k) = self.tangential[i] {
-                z[k] = state.p_t[i] / scaling.force;
+            for (k, p) in self.tangential[i].into_iter().zip([state.p_t[i], state.p_o[i]]) {
+                if let Some(k) = k {
+                    z[k] = p / scaling.force;
+                }
             }
             z[self.p_n(i)] = state.p_n[i] / scaling.force;
         }
@@ -85,10 +98,15 @@ impl Layout {
 
     /// The state of a `z` that begins with this layout; the inverse of [`Layout::pack`].
     pub fn unpack(&self, z: &[f64], scaling: &Scaling) -> State {
+        let tangential = |direction: usize| {
+            let places = self.tangential.iter().map(|places| places[direction]);
+            places.map(|k| k.map_or(0.0, |k| z[k] * scaling.force)).collect()
+        };
         State {
             u: z[..self.displacements].iter().map(|x| x * scaling.length).collect(),
             u_rest: Vec::new(),
-            p_t: self.tangential.iter().map(|k| k.map_or(0.0, |k| z[k] * scaling.force)).collect(),
+            p_t: tangential(0),
+            p_o: tangential(1),
             p_n: z[self.first_normal..self.unknowns()].iter().map(|x| x * scaling.force).collect(),
         }
     }

@@ -28,8 +28,10 @@ pub(super) struct Path<'a> {
     force: Vec<f64>,
     gap: Vec<f64>,
     w_t_last: Vec<f64>,
-    /// `w̄_t` of the next part.
+    w_o_last: Vec<f64>,
+    /// `w̄_t` and `w̄_o` of the next part.
     w_t: Vec<f64>,
+    w_o: Vec<f64>,
 }
 
 /// What became of one part.
@@ -74,13 +76,16 @@ impl<'a> Path<'a> {
             force: vec![0.0; problem.displacements()],
             gap: vec![0.0; n_c],
             w_t_last: vec![0.0; n_c],
+            w_o_last: vec![0.0; n_c],
             w_t: vec![0.0; n_c],
+            w_o: vec![0.0; n_c],
         }
     }
 
     /// What drove the part tried last.
     pub(super) fn data(&self) -> Increment<'_> {
-        Increment { force: &self.force, gap: &self.gap, w_t_last: &self.w_t_last }
+        let Path { force, gap, w_t_last, w_o_last, .. } = self;
+        Increment { force, gap, w_t_last, w_o_last }
     }
 
     /// Goes on to `time`, in parts if need be.
@@ -135,7 +140,9 @@ impl<'a> Path<'a> {
         loading.force(time, &mut self.force);
         loading.gap_at(time, &mut self.gap);
         self.w_t_last.copy_from_slice(&self.w_t);
-        let increment = Increment { force: &self.force, gap: &self.gap, w_t_last: &self.w_t_last };
+        self.w_o_last.copy_from_slice(&self.w_o);
+        let increment =
+            Increment { force: &self.force, gap: &self.gap, w_t_last: &self.w_t_last, w_o_last: &self.w_o_last };
         let response = self.held.response(loading, self.reached, time);
         let first = self.reached.is_none();
         let task = Task { first, increment: &increment, response: &response, scales: &self.scales };
@@ -154,6 +161,7 @@ impl<'a> Path<'a> {
         self.reached = Some(time);
         self.scales = attempt.scales;
         self.w_t = self.problem.c_t.mul(&attempt.state.u);
+        self.w_o = self.problem.c_o.mul(&attempt.state.u);
     }
 
     /// Whether a smaller load could make the difference.

@@ -27,12 +27,13 @@ pub struct Keep {
     pub states: Vec<State>,
     pub forces: Vec<Vec<f64>>,
     pub w_t_last: Vec<Vec<f64>>,
+    pub w_o_last: Vec<Vec<f64>>,
 }
 
 impl Keep {
     /// The data of increment `k`, from 0.
     pub fn increment<'a>(&'a self, k: usize, gap: &'a [f64]) -> Increment<'a> {
-        Increment { force: &self.forces[k], gap, w_t_last: &self.w_t_last[k] }
+        Increment { force: &self.forces[k], gap, w_t_last: &self.w_t_last[k], w_o_last: &self.w_o_last[k] }
     }
 }
 
@@ -41,6 +42,7 @@ impl Observer for Keep {
         self.states.push(step.state.clone());
         self.forces.push(step.increment.force.to_vec());
         self.w_t_last.push(step.increment.w_t_last.to_vec());
+        self.w_o_last.push(step.increment.w_o_last.to_vec());
         stickslip::nonlinear::Flow::Continue
     }
 }
