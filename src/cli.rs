@@ -96,7 +96,7 @@ impl SceneArgs {
 fn discretise(scene: &Scene) -> Result<Model, Failure> {
     // The matrices alone, 27 entries of 16 bytes for each of two unknowns a node; the factors take
     // more. Asking first is kinder than being killed half-way.
-    let needed = scene.mesh.nodes() as u64 * 2 * 27 * 16;
+    let needed = scene.mesh.nodes().map_or(0, |nodes| nodes as u64 * 2 * 27 * 16);
     if let Some(available) = available_bytes().filter(|&available| available < needed) {
         let gigabytes = |bytes: u64| bytes as f64 * 1e-9;
         return Err(Failure::Machine(miette::miette!(

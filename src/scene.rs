@@ -70,7 +70,7 @@ pub struct Scene {
 }
 
 /// How the mesh is made.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Mesh {
     /// A rectangle with its lower left corner in the origin.
     Block {
@@ -83,6 +83,13 @@ pub enum Mesh {
     },
     /// A rectangle that stands for a half-plane pressed at the left end of its top.
     HalfPlane(HalfPlane),
+    /// From a file in the format MSH 4.1 of Gmsh.
+    Gmsh {
+        /// The file.
+        file: PathBuf,
+        /// The length of the file's unit, m.
+        scale: f64,
+    },
 }
 
 /// How the strain of an element follows from its corner displacements.
@@ -296,6 +303,8 @@ pub struct Time {
 pub struct Output {
     /// Times (s) whose contact lines are written: each at the first increment that reaches it.
     pub times: Vec<f64>,
+    /// Whether the fields of the body are written for the same times.
+    pub fields: bool,
 }
 
 impl Scene {
@@ -332,11 +341,12 @@ impl Scene {
 }
 
 impl Mesh {
-    /// The number of nodes.
-    pub fn nodes(&self) -> usize {
-        match *self {
-            Mesh::Block { elements: [nx, ny], .. } => (nx + 1) * (ny + 1),
-            Mesh::HalfPlane(m) => (m.contact_elements + m.outer_elements + 1) * (m.layers + 1),
+    /// The number of nodes; `None` if it is not known before a file is read.
+    pub fn nodes(&self) -> Option<usize> {
+        match self {
+            Mesh::Block { elements: [nx, ny], .. } => Some((nx + 1) * (ny + 1)),
+            Mesh::HalfPlane(m) => Some((m.contact_elements + m.outer_elements + 1) * (m.layers + 1)),
+            Mesh::Gmsh { .. } => None,
         }
     }
 }

@@ -1,12 +1,13 @@
 //! `stickslip check`.
 
 use std::collections::BTreeSet;
+use std::fmt::Write;
 
 use clap::Args;
 use stickslip::fem::RigidMotion;
 use stickslip::formulation::Layout;
 use stickslip::model::Model;
-use stickslip::scene::{Element, HalfPlane, Material, Mesh, Plane, Scene, Shape};
+use stickslip::scene::{Element, HalfPlane, Material, Mesh, Plane, Rotation, Scene, Shape};
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 
 use super::{Failure, SceneArgs, discretise};
@@ -48,7 +49,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 }
 
 fn body(scene: &Scene, model: &Model) {
-    let kind = match scene.mesh {
+    let kind = match &scene.mesh {
         Mesh::Block { size: [width, height], elements: [nx, ny], grading } => {
             let graded = match grading {
                 [1.0, 1.0] => String::new(),
@@ -59,6 +60,7 @@ fn body(scene: &Scene, model: &Model) {
         Mesh::HalfPlane(HalfPlane { size: [width, height], contact_elements, outer_elements, layers, .. }) => {
             format!("half-plane {width} m x {height} m, ({contact_elements} + {outer_elements}) x {layers}")
         }
+        Mesh::Gmsh { file, scale } => format!("{}, unit {scale} m,", file.display()),
     };
     let element = match scene.element {
         Element::Bilinear => "bilinear",
@@ -91,14 +93,19 @@ fn body(scene: &Scene, model: &Model) {
 
 fn contact(scene: &Scene, model: &Model) {
     for contact in &scene.contacts {
-        let shape = match contact.obstacle.shape {
-            Shape::Plane { gap } => format!("plane at {} m", number(gap)),
-            Shape::Cylinder { radius, apex: [x, y] } => format!("cylinder, radius {radius} m, apex ({x}, {y}) m"),
-        };
-        let moves = match contact.obstacle.approach.last() {
+        let shape = shape(model, &contact.obstacle.shape);
+        let mut moves = match contact.obstacle.approach.last() {
             Some([t, distance]) => format!(", moves in by {} m until {t} s", number(*distance)),
             None => String::new(),
         };
+        if let Some([t, x, y, z]) = contact.obstacle.translation.last() {
+            let _ = write!(moves, ", moves by {} m until {t} s", model.mesh.place([*x, *y, *z]));
+        }
+        if let Some(Rotation { history, .. }) = &contact.obstacle.rotation
+            && let Some([t, angle]) = history.last()
+        {
+            let _ = write!(moves, ", turns by {angle} rad until {t} s");
+        }
         say!("contact      {}: {shape}{moves}, mu = {}", contact.boundary, contact.friction);
     }
     let layout = Layout::new(&model.problem);
@@ -116,14 +123,24 @@ fn contact(scene: &Scene, model: &Model) {
     }
 }
 
+fn shape(model: &Model, shape: &Shape) -> String {
+    let place = |x: &[f64; 3]| model.mesh.place(*x);
+    match shape {
+        Shape::Plane { gap } => format!("plane at {} m", number(*gap)),
+        Shape::PlaneThrough { through } => format!("plane through {} m", place(through)),
+        Shape::Cylinder { radius, apex, .. } => format!("cylinder, radius {radius} m, apex {} m", place(apex)),
+        Shape::Sphere { radius, apex } => format!("sphere, radius {radius} m, apex {} m", place(apex)),
+        Shape::Wedge { apex, angle, .. } => format!("wedge, angle {angle} rad, apex {} m", place(apex)),
+        Shape::Formula(formula) => format!("gap {}", formula.text()),
+        Shape::Table { file } => format!("gap from {}", file.display()),
+    }
+}
+
 fn loads(scene: &Scene, model: &Model) {
     for (load, case) in scene.loads.iter().zip(&model.loading.cases) {
-        let [mut x, mut y] = [0.0; 2];
-        for node in 0..model.mesh.nodes.len() {
-            let [dx, dy] = model.dofs.node(node);
-            x += dx.map_or(0.0, |dof| case.force[dof]);
-            y += dy.map_or(0.0, |dof| case.force[dof]);
-        }
+        let [x, y, _] = model.dofs.displacements(&case.force).into_iter().fold([0.0; 3], |sum, force| {
+            [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]
+        });
         let mut history: Vec<String> = load.history.iter().map(|[t, factor]| format!("{factor} at {t} s")).collect();
         if history.len() > 8 {
             let left_out = format!("({} more)", history.len() - 7);
@@ -173,13 +190,13 @@ fn theorem(model: &Model) {
     }
     let nodes: BTreeSet<usize> = conditions.dependent.iter().map(|&i| model.contacts[i].node).collect();
     if let Some(&first) = nodes.first() {
-        let [x, y] = model.mesh.nodes[first];
+        let place = model.mesh.place(model.mesh.nodes[first]);
         let others = match nodes.len() - 1 {
             0 => String::new(),
             n => format!(" (and at {n} more)"),
         };
         say!(
-            "{label:<12} (b) violated: the contact rows at ({x}, {y}) m{others} depend on each other, so the contact \
+            "{label:<12} (b) violated: the contact rows at {place} m{others} depend on each other, so the contact \
              forces there are not unique; turn a normal, or take away a contact or a support"
         );
     }

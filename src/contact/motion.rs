@@ -2,6 +2,7 @@
 
 use super::obstacle::Facing;
 use super::surface::{across, plus};
+use crate::loading::piecewise_linear;
 use crate::scene;
 use crate::vector::{cross, dot, minus};
 
@@ -61,9 +62,25 @@ impl ObstacleMotion {
         motions
     }
 
+    /// The gap (m) at time `t` of a node at `x` (m) that sees the obstacle at rest as `facing` says.
+    pub fn gap(&self, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
+        let motions = self.rates(&[x], std::slice::from_ref(facing));
+        let added = motions.iter().map(|(rates, history)| rates[0].gap * piecewise_linear(history, t).unwrap_or(0.0));
+        added.fold(facing.gap, |gap, added| gap + added)
+    }
+
+    /// The smallest gap (m) of a node over all time.
+    pub fn smallest_gap(&self, x: [f64; 3], facing: &Facing) -> f64 {
+        let histories = self.translations.iter().map(|(_, history)| history);
+        let histories = histories.chain(self.rotation.iter().map(|rotation| &rotation.history));
+        // Gaps are linear in between.
+        let times = histories.flatten().map(|point| point[0]).chain([0.0]);
+        times.map(|t| self.gap(t, x, facing)).fold(f64::INFINITY, f64::min)
+    }
+
     /// Where `x` (m) was in the obstacle before it moved until time `t`, and what the direction `n` was.
     pub fn back(&self, t: f64, x: [f64; 3], n: [f64; 3]) -> ([f64; 3], [f64; 3]) {
-        let at = |history: &[[f64; 2]]| crate::loading::piecewise_linear(history, t).unwrap_or(0.0);
+        let at = |history: &[[f64; 2]]| piecewise_linear(history, t).unwrap_or(0.0);
         let mut x = x;
         for (direction, history) in &self.translations {
             x = plus(x, -at(history), *direction);

@@ -155,12 +155,13 @@ impl Check<'_> {
     }
 
     fn output(&self, output: document::Output, time: &Time) -> Result<Output, SceneError> {
-        let Some(times) = output.times else { return Ok(Output { times: vec![time.end] }) };
+        let fields = output.fields;
+        let Some(times) = output.times else { return Ok(Output { times: vec![time.end], fields }) };
         if let Some(t) = times.get_ref().iter().find(|&&t| t.is_nan() || t <= 0.0 || t > time.end) {
             let message = format!("output.times holds {t}, but the history runs from 0 to {}", time.end);
             return self.fail(times.span(), message, "give times after 0 and up to time.end, s");
         }
-        Ok(Output { times: times.into_inner() })
+        Ok(Output { times: times.into_inner(), fields })
     }
 }
 

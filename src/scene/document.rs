@@ -78,13 +78,16 @@ pub(super) struct Document {
 pub(super) enum MeshKind {
     Block,
     HalfPlane,
+    Gmsh,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Mesh {
     pub kind: Spanned<MeshKind>,
-    pub size: Spanned<Tuple<f64>>,
+    pub size: Option<Spanned<Tuple<f64>>>,
+    pub file: Option<Spanned<String>>,
+    pub scale: Option<Spanned<f64>>,
     pub element: Option<Spanned<Element>>,
     pub elements: Option<Spanned<Tuple<i64>>>,
     pub grading: Option<Spanned<Tuple<f64>>>,
@@ -207,6 +210,8 @@ pub(super) struct Solver {
 #[serde(deny_unknown_fields)]
 pub(super) struct Output {
     pub times: Option<Spanned<Vec<f64>>>,
+    #[serde(default)]
+    pub fields: bool,
 }
 
 /// What the TOML reader calls its types, and what the author of a scene does.

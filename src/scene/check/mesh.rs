@@ -11,12 +11,10 @@ const MOST_ELEMENTS: i64 = 50_000_000;
 
 impl Check<'_> {
     pub(super) fn mesh(&self, mesh: &document::Mesh) -> Result<Mesh, SceneError> {
-        let size = self.finite_pair("mesh.size", &mesh.size)?;
-        let sound = size.iter().all(|&x| x > 0.0);
-        self.demand(sound, "mesh.size", &mesh.size, "two positive lengths", "give width and height in m")?;
         match mesh.kind.get_ref() {
             MeshKind::Block => {
                 let kind = "a block";
+                let size = self.size(mesh, kind)?;
                 self.foreign("mesh.contact_width", mesh.contact_width.as_ref(), kind)?;
                 for (name, value) in [
                     ("mesh.contact_elements", &mesh.contact_elements),
@@ -34,8 +32,41 @@ impl Check<'_> {
                 let grading = self.grading(mesh)?;
                 Ok(Mesh::Block { size, elements: [nx as usize, ny as usize], grading })
             }
-            MeshKind::HalfPlane => self.half_plane(mesh, size),
+            MeshKind::HalfPlane => self.half_plane(mesh),
+            MeshKind::Gmsh => self.gmsh(mesh),
         }
+    }
+
+    /// The size of a mesh that is made here.
+    fn size(&self, mesh: &document::Mesh, kind: &str) -> Result<[f64; 2], SceneError> {
+        self.foreign("mesh.file", mesh.file.as_ref(), kind)?;
+        self.foreign("mesh.scale", mesh.scale.as_ref(), kind)?;
+        let given = self.needed("mesh.size", mesh.size.as_ref(), &mesh.kind.span(), kind)?;
+        let size = self.finite_pair("mesh.size", given)?;
+        let sound = size.iter().all(|&x| x > 0.0);
+        self.demand(sound, "mesh.size", given, "two positive lengths", "give width and height in m")?;
+        Ok(size)
+    }
+
+    fn gmsh(&self, mesh: &document::Mesh) -> Result<Mesh, SceneError> {
+        let kind = "a mesh from Gmsh";
+        self.foreign("mesh.size", mesh.size.as_ref(), kind)?;
+        self.foreign("mesh.elements", mesh.elements.as_ref(), kind)?;
+        self.foreign("mesh.grading", mesh.grading.as_ref(), kind)?;
+        self.foreign("mesh.contact_width", mesh.contact_width.as_ref(), kind)?;
+        for (name, value) in [
+            ("mesh.contact_elements", &mesh.contact_elements),
+            ("mesh.outer_elements", &mesh.outer_elements),
+            ("mesh.layers", &mesh.layers),
+        ] {
+            self.foreign(name, value.as_ref(), kind)?;
+        }
+        let file = self.needed("mesh.file", mesh.file.as_ref(), &mesh.kind.span(), kind)?;
+        let Some(given) = &mesh.scale else { return Ok(Mesh::Gmsh { file: self.source.beside(file.get_ref()), scale: 1.0 }) };
+        let scale = self.finite("mesh.scale", given)?;
+        let help = "give the length of the file's unit in m, 0.001 for mm";
+        self.demand(scale > 0.0, "mesh.scale", given, "positive", help)?;
+        Ok(Mesh::Gmsh { file: self.source.beside(file.get_ref()), scale })
     }
 
     fn grading(&self, mesh: &document::Mesh) -> Result<[f64; 2], SceneError> {
@@ -59,8 +90,9 @@ impl Check<'_> {
         Ok(element)
     }
 
-    fn half_plane(&self, mesh: &document::Mesh, size: [f64; 2]) -> Result<Mesh, SceneError> {
+    fn half_plane(&self, mesh: &document::Mesh) -> Result<Mesh, SceneError> {
         let kind = "a half-plane";
+        let size = self.size(mesh, kind)?;
         self.foreign("mesh.elements", mesh.elements.as_ref(), kind)?;
         self.foreign("mesh.grading", mesh.grading.as_ref(), kind)?;
         let name = "mesh.contact_width";
