@@ -52,3 +52,4 @@ pub mod sparse;
 pub mod tables;
 pub mod uniqueness;
 pub mod units;
+pub mod vector;

@@ -1,7 +1,7 @@
 //! From a scene to the discrete problem: mesh, `K`, contact maps, loads.
 
 use crate::contact::{ContactBoundary, ContactNode, Obstacle, contact_nodes, unreachable};
-use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, edge_load, rigid_motions};
+use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, facet_load, rigid_motions};
 use crate::linear::{Condensed, Direct, FaerLu, Umfpack};
 use crate::loading::{Approach, LoadCase, Loading};
 use crate::mesh::{self, Boundary, Mesh};
@@ -49,7 +49,7 @@ impl Model {
     /// the body inside the obstacle, or leaves nothing free.
     pub fn new(scene: &Scene) -> Result<Self, ModelError> {
         let mesh = match scene.mesh {
-            scene::Mesh::Block { size, elements, grading } => mesh::graded_block(size, elements, grading),
+            scene::Mesh::Block { size, elements, grading } => mesh::graded_block(&size, &elements, &grading),
             scene::Mesh::HalfPlane(m) => {
                 mesh::half_plane(m.size, m.contact_width, m.contact_elements, m.outer_elements, m.layers)
             }
@@ -95,18 +95,19 @@ impl Model {
             obstacles_at[contact.node] += 1;
         }
         for contact in contacts.iter_mut().filter(|contact| obstacles_at[contact.node] > 1) {
-            contact.tangent.clear();
+            contact.tangents = Default::default();
         }
         let (mut c_n, mut c_t) = (Csr::new(dofs.free()), Csr::new(dofs.free()));
         for contact in &contacts {
             c_n.push_row(contact.normal.iter().copied());
-            c_t.push_row(contact.tangent.iter().copied());
+            c_t.push_row(contact.tangents[0].iter().copied());
         }
 
         let mut loading = Loading { cases: Vec::new(), gap: contacts.iter().map(|c| c.gap).collect(), approaches };
         for load in &scene.loads {
             let boundary = find(scene, &mesh, &load.boundary)?;
-            let force = edge_load(&mesh, &dofs, boundary, load.traction);
+            let [x, y] = load.traction;
+            let force = facet_load(&mesh, &dofs, boundary, [x, y, 0.0]);
             loading.cases.push(LoadCase { force, history: load.history.clone() });
         }
 
@@ -140,7 +141,7 @@ impl Model {
 /// The material of each element: that of the layer that holds its centre.
 fn materials(scene: &Scene, mesh: &Mesh) -> Result<impl Fn(usize) -> Elasticity, SceneError> {
     let body = &scene.material;
-    let of_element: Vec<Option<usize>> = (0..mesh.quads.len()).map(|e| body.layer(mesh.centre(e)[1])).collect();
+    let of_element: Vec<Option<usize>> = (0..mesh.cells.len()).map(|e| body.layer(mesh.centre(e)[1])).collect();
     let mut filled = vec![false; body.layers.len()];
     of_element.iter().flatten().for_each(|&k| filled[k] = true);
     if let Some(k) = filled.iter().position(|filled| !filled) {
@@ -157,6 +158,10 @@ fn materials(scene: &Scene, mesh: &Mesh) -> Result<impl Fn(usize) -> Elasticity,
     Ok(move |e: usize| of_element[e].map_or(base, |k| layers[k]))
 }
 
+fn flat([x, y]: [f64; 2]) -> [f64; 3] {
+    [x, y, 0.0]
+}
+
 fn find<'a>(scene: &Scene, mesh: &'a Mesh, name: &scene::Name) -> Result<&'a Boundary, SceneError> {
     mesh.boundary(name.as_str()).ok_or_else(|| scene.unknown_boundary(name, &mesh.boundary_names()))
 }
@@ -169,7 +174,7 @@ fn contact_boundary(
 ) -> Result<Vec<ContactNode>, SceneError> {
     let boundary = find(scene, mesh, &contact.boundary)?;
     let scene::Obstacle { shape, normal, tangent, .. } = contact.obstacle.clone();
-    let obstacle = Obstacle::facing(mesh, boundary, shape, normal, tangent).ok_or_else(|| {
+    let obstacle = Obstacle::facing(mesh, boundary, shape, normal.map(flat), tangent.map(flat)).ok_or_else(|| {
         let message = format!("the boundary `{}` has no mean normal to face an obstacle with", contact.boundary);
         scene.error_at(contact.boundary.span(), message, "give the obstacle a `normal`")
     })?;
@@ -179,14 +184,14 @@ fn contact_boundary(
     }
     let nodes = boundary.nodes();
     if let Some((&node, _)) = nodes.iter().zip(obstacle.gaps(mesh, &nodes)).find(|(_, gap)| gap.is_nan()) {
-        let [x, y] = mesh.nodes[node];
-        let message = format!("the cylinder does not reach over the contact node at ({x}, {y}) m");
+        let place = mesh.place(mesh.nodes[node]);
+        let message = format!("the cylinder does not reach over the contact node at {place} m");
         return Err(scene.error_at(contact.obstacle.span.clone(), message, "use a larger radius"));
     }
     let furthest = contact.obstacle.approach.iter().fold(0.0_f64, |m, point| m.max(point[1]));
     if let Some(node) = unreachable(mesh, dofs, boundary, &obstacle, furthest) {
-        let [x, y] = mesh.nodes[node];
-        let message = format!("supports hold the body where the obstacle is or comes to be, at ({x}, {y}) m");
+        let place = mesh.place(mesh.nodes[node]);
+        let message = format!("supports hold the body where the obstacle is or comes to be, at {place} m");
         let help = "use a gap of at least 0, a shorter approach or fewer supports";
         return Err(scene.error_at(contact.boundary.span(), message, help));
     }

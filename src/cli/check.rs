@@ -118,12 +118,9 @@ fn contact(scene: &Scene, model: &Model) {
 
 fn loads(scene: &Scene, model: &Model) {
     for (load, case) in scene.loads.iter().zip(&model.loading.cases) {
-        let [mut x, mut y] = [0.0; 2];
-        for node in 0..model.mesh.nodes.len() {
-            let [dx, dy] = model.dofs.node(node);
-            x += dx.map_or(0.0, |dof| case.force[dof]);
-            y += dy.map_or(0.0, |dof| case.force[dof]);
-        }
+        let [x, y, _] = model.dofs.displacements(&case.force).into_iter().fold([0.0; 3], |sum, force| {
+            [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]
+        });
         let mut history: Vec<String> = load.history.iter().map(|[t, factor]| format!("{factor} at {t} s")).collect();
         if history.len() > 8 {
             let left_out = format!("({} more)", history.len() - 7);
@@ -173,13 +170,13 @@ fn theorem(model: &Model) {
     }
     let nodes: BTreeSet<usize> = conditions.dependent.iter().map(|&i| model.contacts[i].node).collect();
     if let Some(&first) = nodes.first() {
-        let [x, y] = model.mesh.nodes[first];
+        let place = model.mesh.place(model.mesh.nodes[first]);
         let others = match nodes.len() - 1 {
             0 => String::new(),
             n => format!(" (and at {n} more)"),
         };
         say!(
-            "{label:<12} (b) violated: the contact rows at ({x}, {y}) m{others} depend on each other, so the contact \
+            "{label:<12} (b) violated: the contact rows at {place} m{others} depend on each other, so the contact \
              forces there are not unique; turn a normal, or take away a contact or a support"
         );
     }

@@ -26,8 +26,8 @@ fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
     };
     let (law, error) = record.kkt.worst();
     let place = worst_node(model, outcome).map_or(String::new(), |worst| {
-        let [x, y] = worst.position;
-        format!(" at the node ({x}, {y}) m")
+        let place = model.mesh.place(model.mesh.nodes[worst.node]);
+        format!(" at the node {place} m")
     });
     let violated = format!("{law} is violated by {error:.1e} (tolerance {:.0e}){place}", scene.solver.tolerance);
     let why = match outcome.status {
@@ -112,6 +112,6 @@ fn worst_node(model: &Model, outcome: &HistoryOutcome) -> Option<WorstNode> {
         Law::Equilibrium => model.dofs.node_of(violation.place)?,
         _ => model.contacts.get(violation.place)?.node,
     };
-    let position = model.mesh.nodes[node];
+    let position = model.mesh.nodes[node][..model.mesh.dimension].to_vec();
     Some(WorstNode { law: violation.law, error: violation.error, node, position })
 }

@@ -56,7 +56,7 @@ pub struct Explanation {
 }
 
 /// A node where a law is violated.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorstNode {
     /// The law.
     pub law: Law,
@@ -64,8 +64,8 @@ pub struct WorstNode {
     pub error: f64,
     /// Its number in the mesh, from 0.
     pub node: usize,
-    /// Its position, m.
-    pub position: [f64; 2],
+    /// Its position, m: as many coordinates as there are dimensions.
+    pub position: Vec<f64>,
 }
 
 /// The numbers of unknowns.
