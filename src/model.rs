@@ -124,7 +124,7 @@ impl Model {
         let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(dofs.free()));
         for contact in &contacts {
             c_n.push_row(contact.normal.iter().copied());
-c_t.push_row(contact.tangents[0].iter().copied());
+            c_t.push_row(contact.tangents[0].iter().copied());
             c_o.push_row(contact.tangents[1].iter().copied());
         }
 

@@ -340,6 +340,22 @@ impl Scene {
     }
 }
 
+impl Obstacle {
+    /// An obstacle that faces the boundary and stands still.
+    pub fn at_rest(shape: Shape) -> Self {
+        Obstacle {
+            shape,
+            normal: None,
+            tangent: None,
+            direction: GapDirection::default(),
+            approach: Vec::new(),
+            translation: Vec::new(),
+            rotation: None,
+            span: 0..0,
+        }
+    }
+}
+
 impl Mesh {
     /// The number of nodes; `None` if it is not known before a file is read.
     pub fn nodes(&self) -> Option<usize> {

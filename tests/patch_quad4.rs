@@ -129,7 +129,7 @@ fn manufactured_solution_converges_at_second_order() {
         }
         let boundary = |x: [f64; 3]| x[..2].iter().any(|&c| c.abs() < 1e-12 || (c - 1.0).abs() < 1e-12);
         let dofs = Dofs::new(&mesh, |node, _| boundary(mesh.nodes[node]));
-        let point = |corners: &[[f64; 3]], n: Vec<f64>| {
+        let point = |corners: &[[f64; 3]], n: &[f64]| {
             [0, 1].map(|c| corners.iter().zip(n).map(|(x, n)| n * x[c]).sum::<f64>())
         };
         let mut force = vec![0.0; dofs.free()];
@@ -137,7 +137,7 @@ fn manufactured_solution_converges_at_second_order() {
             let corners = mesh.points(&cell.nodes);
             for (p, _) in quadrature(cell.kind) {
                 let (_, det) = gradients(cell.kind, p, &corners).unwrap();
-                let [x, y] = point(&corners, shape(QUAD, p));
+                let [x, y] = point(&corners, &shape(QUAD, p));
                 let b = body_force(x, y);
                 for (&node, n) in cell.nodes.iter().zip(shape(QUAD, p)) {
                     for (dof, b) in dofs.node(node).iter().zip(b) {
@@ -154,7 +154,7 @@ fn manufactured_solution_converges_at_second_order() {
             let corners = mesh.points(&cell.nodes);
             for (p, _) in quadrature(cell.kind) {
                 let (_, det) = gradients(cell.kind, p, &corners).unwrap();
-                let [x, y] = point(&corners, shape(QUAD, p));
+                let [x, y] = point(&corners, &shape(QUAD, p));
                 let exact = field(x, y);
                 for c in 0..2 {
                     let computed: f64 = cell.nodes.iter().zip(shape(QUAD, p)).map(|(&node, n)| n * u[node][c]).sum();

@@ -107,25 +107,27 @@ pub fn unreachable(
 mod tests {
     use super::*;
     use crate::mesh::block;
-    use crate::scene::Shape;
+    use crate::scene::{self, Shape};
 
     #[test]
     fn the_clamped_corner_is_no_contact_node() {
         let mesh = block(&[1.0, 1.0], &[4, 4]);
         let dofs = Dofs::new(&mesh, |node, _| mesh.nodes[node][0] == 0.0);
         let bottom = mesh.boundary("bottom").unwrap();
-        let plane = Obstacle::facing(&mesh, bottom, Shape::Plane { gap: 1e-5 }, None, None).unwrap();
+        let given = scene::Obstacle::at_rest(Shape::Plane { gap: 1e-5 });
+        let plane = Obstacle::new(&mesh, bottom, &given).unwrap();
         let contacts = contact_nodes(&mesh, &dofs, bottom, &plane);
         assert_eq!(contacts.iter().map(|c| c.position[0]).collect::<Vec<_>>(), [0.25, 0.5, 0.75, 1.0]);
         assert_eq!(contacts.iter().map(|c| c.weight).collect::<Vec<_>>(), [0.25, 0.25, 0.25, 0.125]);
         let [Some(x), Some(y)] = dofs.node(1)[..] else { panic!() };
         assert_eq!((&contacts[0].normal, &contacts[0].tangents), (&vec![(y, -1.0)], &[vec![(x, 1.0)], vec![]]));
-        assert_eq!(unreachable(&mesh, &dofs, bottom, &plane, 0.0), None);
-        assert_eq!(unreachable(&mesh, &dofs, bottom, &plane, 2e-5), Some(0));
-        assert_eq!(
-            unreachable(&mesh, &dofs, bottom, &Obstacle { shape: Shape::Plane { gap: -1e-9 }, ..plane }, 0.0),
-            Some(0)
-        );
+        let reached = |given: &scene::Obstacle| {
+            let plane = Obstacle::new(&mesh, bottom, given).unwrap();
+            unreachable(&mesh, &dofs, bottom, &plane, &ObstacleMotion::new(given, plane.normal))
+        };
+        assert_eq!(reached(&given), None);
+        assert_eq!(reached(&scene::Obstacle { approach: vec![[0.0, 0.0], [1.0, 2e-5], [2.0, 0.0]], ..given.clone() }), Some(0));
+        assert_eq!(reached(&scene::Obstacle { shape: Shape::Plane { gap: -1e-9 }, ..given }), Some(0));
     }
 
     /// Supports on the symmetry plane x = 0 and the roller y = 0 leave one tangent, both together none.
@@ -135,7 +137,8 @@ mod tests {
         let dofs = Dofs::new(&mesh, |node, c| c < 2 && mesh.nodes[node][c] == 0.0);
         let bottom = mesh.boundary("bottom").unwrap();
         for normal in [None, Some([0.0, 0.6, -0.8]), Some([0.36, 0.48, -0.8])] {
-            let plane = Obstacle::facing(&mesh, bottom, Shape::Plane { gap: 0.0 }, normal, None).unwrap();
+            let given = scene::Obstacle { normal, ..scene::Obstacle::at_rest(Shape::Plane { gap: 0.0 }) };
+            let plane = Obstacle::new(&mesh, bottom, &given).unwrap();
             let contacts = contact_nodes(&mesh, &dofs, bottom, &plane);
             assert!((contacts.iter().map(|c| c.weight).sum::<f64>() - 1.0).abs() < 1e-15);
             for contact in &contacts {
