@@ -50,19 +50,7 @@ fn values(attributes: &[Attribute], name: &str) -> (usize, Vec<f64>) {
         _ => None,
     });
     let array = array.unwrap_or_else(|| panic!("{name} is missing"));
-    let components = array.data.len() / array.num_elem_or(name);
-    (components, array.data.clone().cast_into().unwrap())
-}
-
-trait Counted {
-    fn num_elem_or(&self, name: &str) -> usize;
-}
-
-impl Counted for vtkio::model::DataArrayBase {
-    /// How many tuples the array has, by its own account.
-    fn num_elem_or(&self, _name: &str) -> usize {
-        self.data.len() / self.elem.num_comp() as usize
-    }
+    (array.num_comp(), array.data.cast_into().unwrap())
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::fmt::Write;
 use clap::Args;
 use stickslip::fem::RigidMotion;
 use stickslip::formulation::Layout;
+use stickslip::mesh::CellKind;
 use stickslip::model::Model;
 use stickslip::scene::{Element, HalfPlane, Material, Mesh, Plane, Rotation, Scene, Shape};
 use stickslip::solvability::{Conditions, rigid_equilibrium};
@@ -66,8 +67,17 @@ fn body(scene: &Scene, model: &Model) {
         Element::Bilinear => "bilinear",
         Element::BBar => "B-bar",
     };
+    let mut cells: Vec<CellKind> = model.mesh.cells.iter().map(|cell| cell.kind).collect();
+    cells.dedup();
+    let cells = match cells[..] {
+        [CellKind::Triangle] => "triangles",
+        [CellKind::Quadrilateral] => "quadrilaterals",
+        [CellKind::Tetrahedron] => "tetrahedra",
+        [CellKind::Hexahedron] => "hexahedra",
+        _ => "elements of several kinds",
+    };
     say!(
-        "mesh         {kind} {element} quadrilaterals, {} nodes, boundaries {}",
+        "mesh         {kind} {element} {cells}, {} nodes, boundaries {}",
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
     );

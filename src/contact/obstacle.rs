@@ -147,7 +147,7 @@ impl Obstacle {
     /// What there is at a place the obstacle does not reach, in words.
     pub fn out_of_reach(&self) -> (&'static str, &'static str) {
         match self.surface {
-            Surface::Formula(_) => ("the formula has no finite value", "mend the formula, or use a smaller boundary"),
+            Surface::Formula(_) => ("the formula has no finite value at", "mend the formula, or use a smaller boundary"),
             Surface::Table(_) => ("the table of gaps does not reach", "extend the table; outside it nothing is assumed"),
             _ => ("the obstacle does not reach over", "use a larger radius, a smaller boundary or direction = \"nearest\""),
         }
