@@ -92,11 +92,11 @@ fn only_rigid_motions_are_free_of_energy() {
             }
         }
         for p in 0..8 {
-            let pivot = a[p];
+            let pivot = a[p].clone();
             assert!(pivot[p] > 0.05, "pivot {p} is {:e} at nu = {poisson}", pivot[p]);
             for row in a.iter_mut().skip(p + 1) {
                 let factor = row[p] / pivot[p];
-                row.iter_mut().zip(pivot).for_each(|(x, y)| *x -= factor * y);
+                row.iter_mut().zip(&pivot).for_each(|(x, y)| *x -= factor * y);
             }
         }
     }
