@@ -1,5 +1,6 @@
 //! From a scene to the discrete problem: mesh, `K`, contact maps, loads.
 
+mod body;
 mod contact;
 mod range;
 mod stress;
@@ -8,7 +9,7 @@ use crate::contact::{ContactBoundary, ContactNode, Facing, Obstacle, ObstacleMot
 use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, facet_load, rigid_motions};
 use crate::linear::{Condensed, Direct, FaerLu, Umfpack};
 use crate::loading::{LoadCase, Loading, Motion};
-use crate::mesh::{self, Boundary, Mesh, MeshFileError};
+use crate::mesh::{Boundary, Mesh, MeshFileError};
 use crate::problem::ContactProblem;
 use crate::scene::{self, LinearBackend, Scene, SceneError};
 use crate::sparse::Csr;
@@ -64,34 +65,10 @@ impl Model {
     /// When the scene names a boundary the mesh does not have, asks for contact where supports hold
     /// the body inside the obstacle, or leaves nothing free.
     pub fn new(scene: &Scene) -> Result<Self, ModelError> {
-        let mesh = match &scene.mesh {
-            scene::Mesh::Block { size, elements, grading } => mesh::graded_block(size, elements, grading),
-            scene::Mesh::HalfPlane(m) => {
-                mesh::half_plane(m.size, m.contact_width, m.contact_elements, m.outer_elements, m.layers)
-            }
-            scene::Mesh::Gmsh { file, scale } => mesh::gmsh(file, *scale)?,
-        };
-
-        let mut fixed = vec![[false; 2]; mesh.nodes.len()];
-        for support in &scene.supports {
-            for node in find(scene, &mesh, &support.boundary)?.nodes() {
-                for (fixed, fix) in fixed[node].iter_mut().zip(support.fix) {
-                    *fixed |= fix;
-                }
-            }
-        }
-        let dofs = Dofs::new(&mesh, |node, component| fixed[node][component]);
-        if let (0, Some(support)) = (dofs.free(), scene.supports.first()) {
-            let help = "support fewer boundaries, or use a finer mesh";
-            let message = "the supports fix every node of the mesh, so nothing is left to solve";
-            return Err(scene.error_at(support.boundary.span(), message, help).into());
-        }
-
-        let element = match scene.element {
-            scene::Element::Bilinear => Element::Bilinear,
-            scene::Element::BBar => Element::BBar,
-        };
-        let materials = materials(scene, &mesh)?;
+        let mesh = body::mesh(scene)?;
+        let dofs = body::dofs(scene, &mesh)?;
+        let element = body::element(scene, &mesh)?;
+        let materials = body::materials(scene, &mesh)?;
         let stiffness = assemble(&mesh, &dofs, element, |e| materials[e])?;
 
         let (mut contacts, mut mu) = (Vec::<ContactNode>::new(), Vec::new());
@@ -131,8 +108,7 @@ impl Model {
         let mut loading = Loading { cases: Vec::new(), gap: contacts.iter().map(|c| c.facing.gap).collect(), motions };
         for load in &scene.loads {
             let boundary = find(scene, &mesh, &load.boundary)?;
-            let [x, y] = load.traction;
-            let force = facet_load(&mesh, &dofs, boundary, [x, y, 0.0]);
+            let force = facet_load(&mesh, &dofs, boundary, body::traction(scene, &mesh, load)?);
             loading.cases.push(LoadCase { force, history: load.history.clone() });
         }
 
@@ -163,26 +139,6 @@ impl Model {
     pub fn scaling(&self) -> Scaling {
         self.problem.scaling(self.loading.largest_force(), self.loading.largest_interference())
     }
-}
-
-/// The material of each element: that of the layer that holds its centre.
-fn materials(scene: &Scene, mesh: &Mesh) -> Result<Vec<Elasticity>, SceneError> {
-    let body = &scene.material;
-    let of_element: Vec<Option<usize>> = (0..mesh.cells.len()).map(|e| body.layer(mesh.centre(e)[1])).collect();
-    let mut filled = vec![false; body.layers.len()];
-    of_element.iter().flatten().for_each(|&k| filled[k] = true);
-    if let Some(k) = filled.iter().position(|filled| !filled) {
-        let message = format!("no element of the mesh has its centre in material.layers[{k}]");
-        let help = "use more elements, a thicker layer or fewer layers; thicknesses are in m, from the bottom up";
-        return Err(scene.error_at(body.layers[k].span.clone(), message, help));
-    }
-    let elasticity = |young, poisson| match body.plane {
-        scene::Plane::Strain => Elasticity::plane_strain(young, poisson),
-        scene::Plane::Stress => Elasticity::plane_stress(young, poisson),
-    };
-    let base = elasticity(body.young, body.poisson);
-    let layers: Vec<Elasticity> = body.layers.iter().map(|layer| elasticity(layer.young, layer.poisson)).collect();
-    Ok(of_element.into_iter().map(|layer| layer.map_or(base, |k| layers[k])).collect())
 }
 
 fn find<'a>(scene: &Scene, mesh: &'a Mesh, name: &scene::Name) -> Result<&'a Boundary, SceneError> {

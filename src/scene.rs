@@ -27,6 +27,7 @@ mod check;
 mod document;
 mod error;
 mod formula;
+mod mesh;
 mod overrides;
 mod solver;
 
@@ -38,6 +39,7 @@ use serde::{Deserialize, Serialize};
 
 pub use error::{Located, SceneError};
 pub use formula::Formula;
+pub use mesh::{CellShape, Element, HalfPlane, Mesh};
 pub use overrides::{Override, OverrideSyntax};
 pub use solver::{LinearBackend, Method, MethodName, NewtonSystem, Partition, Setting, Solver, Start};
 
@@ -52,6 +54,8 @@ pub struct Scene {
     pub mesh: Mesh,
     /// The elements of the mesh.
     pub element: Element,
+    /// Where the scene says which, if it does.
+    pub element_span: Option<Range<usize>>,
     /// The body's material.
     pub material: Material,
     /// Where the body is held.
@@ -69,71 +73,33 @@ pub struct Scene {
     source: Source,
 }
 
-/// How the mesh is made.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Mesh {
-    /// A rectangle with its lower left corner in the origin.
-    Block {
-        /// Width and height, m.
-        size: [f64; 2],
-        /// Elements along x and y.
-        elements: [usize; 2],
-        /// Size of the last element over that of the first along x and y, in geometric progression.
-        grading: [f64; 2],
-    },
-    /// A rectangle that stands for a half-plane pressed at the left end of its top.
-    HalfPlane(HalfPlane),
-    /// From a file in the format MSH 4.1 of Gmsh.
-    Gmsh {
-        /// The file.
-        file: PathBuf,
-        /// The length of the file's unit, m.
-        scale: f64,
-    },
-}
-
-/// How the strain of an element follows from its corner displacements.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Element {
-    /// As that of bilinear displacements; too stiff (it locks) when Poisson's ratio is close to 0.5 in
-    /// plane strain.
-    #[default]
-    Bilinear,
-    /// With the mean dilatation of the element in place of the local one: does not lock. Plane
-    /// strain only.
-    BBar,
-}
-
-/// A rectangle, fine under a contact zone at the left end of its top and coarser away from it:
-/// half of a body that is symmetric about its left side.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HalfPlane {
-    /// Width and height, m.
-    pub size: [f64; 2],
-    /// Width of the contact zone, m.
-    pub contact_width: f64,
-    /// Equal elements along the contact zone.
-    pub contact_elements: usize,
-    /// Equal elements along the rest of the top.
-    pub outer_elements: usize,
-    /// Layers of elements, in geometric progression from the top one, whose elements are square in
-    /// the contact zone, to the bottom.
-    pub layers: usize,
-}
-
-/// An isotropic linear elastic material in the plane, of unit thickness.
+/// The isotropic linear elastic materials of the body; in two dimensions it is of unit thickness.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Young's modulus, Pa.
     pub young: f64,
     /// Poisson's ratio, in (-1, 0.5).
     pub poisson: f64,
-    /// Plane strain or plane stress.
+    /// Plane strain or plane stress, in two dimensions.
     pub plane: Plane,
+    /// Where the scene says which, if it does.
+    pub plane_span: Option<Range<usize>>,
     /// Horizontal layers of other materials, from the bottom of the body up; above the last, the
     /// material itself.
     pub layers: Vec<Layer>,
+    /// Other materials of groups of elements; the other groups are of the material itself.
+    pub groups: Vec<MaterialGroup>,
+}
+
+/// The material of a group of elements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialGroup {
+    /// The group of the mesh.
+    pub name: Name,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio, in (-1, 0.5).
+    pub poisson: f64,
 }
 
 /// A horizontal layer of the body.
@@ -172,8 +138,10 @@ pub struct Name {
 pub struct Support {
     /// The boundary.
     pub boundary: Name,
-    /// Whether x and y are held.
-    pub fix: [bool; 2],
+    /// Whether x, y and z are held.
+    pub fix: [bool; 3],
+    /// Where the scene says it.
+    pub span: Range<usize>,
 }
 
 /// A boundary that can touch an obstacle.
@@ -283,8 +251,10 @@ pub enum Shape {
 pub struct Load {
     /// The boundary.
     pub boundary: Name,
-    /// Traction at factor 1, N/m².
-    pub traction: [f64; 2],
+    /// Traction at factor 1, N/m²: two components or three.
+    pub traction: Vec<f64>,
+    /// Where the scene says it.
+    pub traction_span: Range<usize>,
     /// Points `[time (s), factor]` with increasing times; linear between, constant outside.
     pub history: Vec<[f64; 2]>,
 }
@@ -352,17 +322,6 @@ impl Obstacle {
             translation: Vec::new(),
             rotation: None,
             span: 0..0,
-        }
-    }
-}
-
-impl Mesh {
-    /// The number of nodes; `None` if it is not known before a file is read.
-    pub fn nodes(&self) -> Option<usize> {
-        match self {
-            Mesh::Block { elements: [nx, ny], .. } => Some((nx + 1) * (ny + 1)),
-            Mesh::HalfPlane(m) => Some((m.contact_elements + m.outer_elements + 1) * (m.layers + 1)),
-            Mesh::Gmsh { .. } => None,
         }
     }
 }

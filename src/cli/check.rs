@@ -51,12 +51,15 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 
 fn body(scene: &Scene, model: &Model) {
     let kind = match &scene.mesh {
-        Mesh::Block { size: [width, height], elements: [nx, ny], grading } => {
-            let graded = match grading {
-                [1.0, 1.0] => String::new(),
-                [x, y] => format!(" (graded 1 : {x} and 1 : {y})"),
+        Mesh::Block { size, elements, grading, .. } => {
+            let lengths = size.iter().map(|length| format!("{length} m")).collect::<Vec<_>>().join(" x ");
+            let graded = if grading.iter().all(|&ratio| ratio == 1.0) {
+                String::new()
+            } else {
+                format!(" (graded {})", listed(grading.iter().map(|ratio| format!("1 : {ratio}")).collect()))
             };
-            format!("block {width} m x {height} m, {nx} x {ny}{graded}")
+            let elements = elements.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
+            format!("block {lengths}, {elements}{graded}")
         }
         Mesh::HalfPlane(HalfPlane { size: [width, height], contact_elements, outer_elements, layers, .. }) => {
             format!("half-plane {width} m x {height} m, ({contact_elements} + {outer_elements}) x {layers}")
@@ -81,23 +84,28 @@ fn body(scene: &Scene, model: &Model) {
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
     );
-    let Material { young, poisson, plane, layers } = &scene.material;
-    let state = match plane {
-        Plane::Strain => "plane strain",
-        Plane::Stress => "plane stress",
+    let Material { young, poisson, plane, layers, groups, .. } = &scene.material;
+    let state = match (model.mesh.dimension, plane) {
+        (2, Plane::Strain) => "plane strain, unit thickness",
+        (2, Plane::Stress) => "plane stress, unit thickness",
+        _ => "three dimensions",
     };
-    say!("material     E = {} Pa, nu = {poisson}, {state}, unit thickness", number(*young));
+    say!("material     E = {} Pa, nu = {poisson}, {state}", number(*young));
+    for group in groups {
+        say!("group        {}: E = {} Pa, nu = {}", group.name, number(group.young), group.poisson);
+    }
+    let height = if model.mesh.dimension == 2 { "y" } else { "z" };
     let mut bottom = 0.0;
     for layer in layers {
         // A height is a sum of thicknesses; fifteen digits hide its rounding.
         let top: f64 = format!("{:.14e}", layer.top).parse().unwrap_or(layer.top);
         let young = number(layer.young);
-        say!("layer        y = {bottom} to {top} m: E = {young} Pa, nu = {}", layer.poisson);
+        say!("layer        {height} = {bottom} to {top} m: E = {young} Pa, nu = {}", layer.poisson);
         bottom = top;
     }
     for support in &scene.supports {
-        let held = ["x", "y"].into_iter().zip(support.fix).filter(|&(_, fix)| fix).map(|(name, _)| name);
-        say!("support      {}: {} held", support.boundary, held.collect::<Vec<_>>().join(" and "));
+        let held = ["x", "y", "z"].into_iter().zip(support.fix).filter(|&(_, fix)| fix).map(|(name, _)| name.into());
+        say!("support      {}: {} held", support.boundary, listed(held.collect()));
     }
 }
 
@@ -148,24 +156,29 @@ fn shape(model: &Model, shape: &Shape) -> String {
 
 fn loads(scene: &Scene, model: &Model) {
     for (load, case) in scene.loads.iter().zip(&model.loading.cases) {
-        let [x, y, _] = model.dofs.displacements(&case.force).into_iter().fold([0.0; 3], |sum, force| {
+        let sum = model.dofs.displacements(&case.force).into_iter().fold([0.0; 3], |sum, force| {
             [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]
         });
+        let numbers = |x: &[f64]| x.iter().map(|&x| number(x)).collect::<Vec<_>>().join(", ");
         let mut history: Vec<String> = load.history.iter().map(|[t, factor]| format!("{factor} at {t} s")).collect();
         if history.len() > 8 {
             let left_out = format!("({} more)", history.len() - 7);
             history.splice(6..history.len() - 1, [left_out]);
         }
         say!(
-            "load         {}: ({}, {}) N/m2, in all ({}, {}) N on what is free; factor {}",
+            "load         {}: ({}) N/m2, in all ({}) N on what is free; factor {}",
             load.boundary,
-            number(load.traction[0]),
-            number(load.traction[1]),
-            number(x),
-            number(y),
+            numbers(&load.traction),
+            numbers(&sum[..model.mesh.dimension]),
             history.join(", ")
         );
     }
+}
+
+/// `a`, `a and b` or `a, b and c`.
+fn listed(mut names: Vec<String>) -> String {
+    let last = names.pop().unwrap_or_default();
+    if names.is_empty() { last } else { format!("{} and {last}", names.join(", ")) }
 }
 
 /// A number in few digits, 0 as 0.

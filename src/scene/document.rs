@@ -6,7 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::Source;
-use super::{Element, GapDirection, LinearBackend, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start};
+use super::{CellShape, Element, GapDirection, LinearBackend, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start};
 
 /// `N` values, two unless it says otherwise. An array type would do but for that the TOML reader passes over what is too many.
 #[derive(Clone, Copy, Deserialize)]
@@ -85,12 +85,13 @@ pub(super) enum MeshKind {
 #[serde(deny_unknown_fields)]
 pub(super) struct Mesh {
     pub kind: Spanned<MeshKind>,
-    pub size: Option<Spanned<Tuple<f64>>>,
+    pub size: Option<Spanned<Vec<f64>>>,
+    pub cells: Option<Spanned<CellShape>>,
     pub file: Option<Spanned<String>>,
     pub scale: Option<Spanned<f64>>,
     pub element: Option<Spanned<Element>>,
-    pub elements: Option<Spanned<Tuple<i64>>>,
-    pub grading: Option<Spanned<Tuple<f64>>>,
+    pub elements: Option<Spanned<Vec<i64>>>,
+    pub grading: Option<Spanned<Vec<f64>>>,
     pub contact_width: Option<Spanned<f64>>,
     pub contact_elements: Option<Spanned<i64>>,
     pub outer_elements: Option<Spanned<i64>>,
@@ -102,10 +103,19 @@ pub(super) struct Mesh {
 pub(super) struct Material {
     pub young: Spanned<f64>,
     pub poisson: Spanned<f64>,
-    #[serde(default)]
-    pub plane: Plane,
+    pub plane: Option<Spanned<Plane>>,
     #[serde(default)]
     pub layers: Vec<Spanned<Tuple<Spanned<f64>, 3>>>,
+    #[serde(default)]
+    pub group: Vec<MaterialGroup>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MaterialGroup {
+    pub name: Spanned<String>,
+    pub young: Spanned<f64>,
+    pub poisson: Spanned<f64>,
 }
 
 #[derive(Deserialize, PartialEq)]
@@ -113,6 +123,7 @@ pub(super) struct Material {
 pub(super) enum Direction {
     X,
     Y,
+    Z,
 }
 
 #[derive(Deserialize)]
@@ -179,7 +190,7 @@ pub(super) struct Rotation {
 #[serde(deny_unknown_fields)]
 pub(super) struct Load {
     pub boundary: Spanned<String>,
-    pub traction: Spanned<Tuple<f64>>,
+    pub traction: Spanned<Vec<f64>>,
     pub history: Option<Spanned<Vec<Tuple<f64>>>>,
 }
 
