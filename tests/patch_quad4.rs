@@ -129,9 +129,8 @@ fn manufactured_solution_converges_at_second_order() {
         }
         let boundary = |x: [f64; 3]| x[..2].iter().any(|&c| c.abs() < 1e-12 || (c - 1.0).abs() < 1e-12);
         let dofs = Dofs::new(&mesh, |node, _| boundary(mesh.nodes[node]));
-        let point = |corners: &[[f64; 3]], n: &[f64]| {
-            [0, 1].map(|c| corners.iter().zip(n).map(|(x, n)| n * x[c]).sum::<f64>())
-        };
+        let point =
+            |corners: &[[f64; 3]], n: &[f64]| [0, 1].map(|c| corners.iter().zip(n).map(|(x, n)| n * x[c]).sum::<f64>());
         let mut force = vec![0.0; dofs.free()];
         for cell in &mesh.cells {
             let corners = mesh.points(&cell.nodes);

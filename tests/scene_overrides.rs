@@ -69,7 +69,12 @@ fn what_is_not_key_equals_value_is_refused() {
 fn a_value_is_replaced() {
     assert_eq!(
         scene(&["mesh.elements=[7, 8]"]).mesh,
-        Mesh::Block { size: vec![1.0; 2], elements: vec![7, 8], grading: vec![1.0; 2], cells: CellShape::Quadrilateral }
+        Mesh::Block {
+            size: vec![1.0; 2],
+            elements: vec![7, 8],
+            grading: vec![1.0; 2],
+            cells: CellShape::Quadrilateral
+        }
     );
     assert_eq!(scene(&[" material.poisson = 0.25 "]).material.poisson, 0.25);
     assert_eq!(scene(&["time.end=3", "time.end=4"]).time.end, 4.0);

@@ -66,21 +66,20 @@ fn body(scene: &Scene, model: &Model) {
         }
         Mesh::Gmsh { file, scale } => format!("{}, unit {scale} m,", file.display()),
     };
-    let element = match scene.element {
-        Element::Bilinear => "bilinear",
-        Element::BBar => "B-bar",
-    };
     let mut cells: Vec<CellKind> = model.mesh.cells.iter().map(|cell| cell.kind).collect();
     cells.dedup();
-    let cells = match cells[..] {
-        [CellKind::Triangle] => "triangles",
-        [CellKind::Quadrilateral] => "quadrilaterals",
-        [CellKind::Tetrahedron] => "tetrahedra",
-        [CellKind::Hexahedron] => "hexahedra",
-        _ => "elements of several kinds",
+    let cells = match (&cells[..], scene.element) {
+        ([CellKind::Triangle], _) => "linear triangles",
+        ([CellKind::Tetrahedron], _) => "linear tetrahedra",
+        ([CellKind::Quadrilateral], Element::Bilinear) => "bilinear quadrilaterals",
+        ([CellKind::Quadrilateral], Element::BBar) => "B-bar quadrilaterals",
+        ([CellKind::Hexahedron], Element::Bilinear) => "trilinear hexahedra",
+        ([CellKind::Hexahedron], Element::BBar) => "B-bar hexahedra",
+        (_, Element::Bilinear) => "elements of several kinds",
+        (_, Element::BBar) => "B-bar elements of several kinds",
     };
     say!(
-        "mesh         {kind} {element} {cells}, {} nodes, boundaries {}",
+        "mesh         {kind} {cells}, {} nodes, boundaries {}",
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
     );
@@ -156,9 +155,11 @@ fn shape(model: &Model, shape: &Shape) -> String {
 
 fn loads(scene: &Scene, model: &Model) {
     for (load, case) in scene.loads.iter().zip(&model.loading.cases) {
-        let sum = model.dofs.displacements(&case.force).into_iter().fold([0.0; 3], |sum, force| {
-            [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]
-        });
+        let sum = model
+            .dofs
+            .displacements(&case.force)
+            .into_iter()
+            .fold([0.0; 3], |sum, force| [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]);
         let numbers = |x: &[f64]| x.iter().map(|&x| number(x)).collect::<Vec<_>>().join(", ");
         let mut history: Vec<String> = load.history.iter().map(|[t, factor]| format!("{factor} at {t} s")).collect();
         if history.len() > 8 {

@@ -50,9 +50,7 @@ impl Dofs {
 
     /// The displacement of every node (m) from the vector `u` of unknowns; 0 where supported.
     pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 3]> {
-        let node = |dofs: &[Option<usize>]| {
-            [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]))
-        };
+        let node = |dofs: &[Option<usize>]| [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]));
         self.numbers.chunks_exact(self.dimension).map(node).collect()
     }
 }

@@ -26,11 +26,7 @@ pub(super) fn strain_columns(dimension: usize, gradients: &[[f64; 3]], dilatatio
     let mut columns = Vec::with_capacity(dimension * gradients.len());
     for (&[gx, gy, gz], d) in gradients.iter().zip(dilatation) {
         let [cx, cy, cz] = [(d[0] - gx) / 3.0, (d[1] - gy) / 3.0, (d[2] - gz) / 3.0];
-        let corner = [
-            [gx + cx, cx, cx, gy, 0.0, gz],
-            [cy, gy + cy, cy, gx, gz, 0.0],
-            [cz, cz, gz + cz, 0.0, gy, gx],
-        ];
+        let corner = [[gx + cx, cx, cx, gy, 0.0, gz], [cy, gy + cy, cy, gx, gz, 0.0], [cz, cz, gz + cz, 0.0, gy, gx]];
         columns.extend_from_slice(&corner[..dimension]);
     }
     columns

@@ -100,8 +100,10 @@ pub(super) fn traction(scene: &Scene, mesh: &Mesh, load: &scene::Load) -> Result
         (3, &[x, y, z]) => Ok([x, y, z]),
         (dimension, components) => {
             let n = components.len();
-            let message =
-                format!("the traction on `{}` has {n} components, but the body has {dimension} dimensions", load.boundary);
+            let message = format!(
+                "the traction on `{}` has {n} components, but the body has {dimension} dimensions",
+                load.boundary
+            );
             let help = if dimension == 2 { "give [x, y], N/m²" } else { "give [x, y, z], N/m²" };
             Err(scene.error_at(load.traction_span.clone(), message, help))
         }
