@@ -96,7 +96,7 @@ impl Model {
             obstacles_at[contact.node] += 1;
         }
         for contact in contacts.iter_mut().filter(|contact| obstacles_at[contact.node] > 1) {
-            contact.tangents = Default::default();
+            contact.tangents.iter_mut().for_each(Vec::clear);
         }
         let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(dofs.free()));
         for contact in &contacts {

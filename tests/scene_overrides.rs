@@ -122,7 +122,7 @@ fn what_the_scene_leaves_out_is_added() {
     assert_eq!((solver.max_iterations, solver.tolerance), (7, 1e-6));
     let changed = scene(&["contact.obstacle.normal=[0, -2]"]);
     let obstacle = &changed.contacts[0].obstacle;
-    assert_eq!((gap(obstacle), obstacle.normal), (1e-5, Some([0.0, -1.0])));
+    assert_eq!((gap(obstacle), obstacle.normal), (1e-5, Some([0.0, -1.0, 0.0])));
     // An added table is checked as any other.
     let error = parse(&bare, &["output.times=[5]"]).unwrap_err().to_string();
     assert!(error.contains("output.times holds 5"), "{error}");
@@ -173,7 +173,7 @@ fn what_cannot_be_set_is_refused() {
 fn values_are_checked_where_they_stand() {
     for (set, marker, says) in [
         ("mesh.elements=[5,5", "elements =", "string \"[5,5\", expected a list"),
-        ("mesh.elements=[5, 5, 5]", "elements =", "invalid length 3"),
+        ("mesh.elements=[5, 5, 5]", "elements =", "mesh.elements is [5, 5, 5]"),
         ("material.poisson=0.7", "poisson =", "material.poisson is 0.7"),
         ("material.plane=sress", "plane =", "unknown variant `sress`"),
         ("contact.friction=-1", "friction =", "friction is -1.0"),
