@@ -147,7 +147,19 @@ impl Model {
             free_motions: rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect(),
         };
         let thin = mesh.dimension == 2 && scene.material.plane == scene::Plane::Stress;
-        Ok(Model { mesh, materials, element, thin, dofs, contacts, contact_boundaries, obstacles, problem, loading, rigid_motions })
+        Ok(Model {
+            mesh,
+            materials,
+            element,
+            thin,
+            dofs,
+            contacts,
+            contact_boundaries,
+            obstacles,
+            problem,
+            loading,
+            rigid_motions,
+        })
     }
 
     /// The linear algebra that a scene names.

@@ -148,9 +148,11 @@ fn shape(model: &Model, shape: &Shape) -> String {
 
 fn loads(scene: &Scene, model: &Model) {
     for (load, case) in scene.loads.iter().zip(&model.loading.cases) {
-        let [x, y, _] = model.dofs.displacements(&case.force).into_iter().fold([0.0; 3], |sum, force| {
-            [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]
-        });
+        let [x, y, _] = model
+            .dofs
+            .displacements(&case.force)
+            .into_iter()
+            .fold([0.0; 3], |sum, force| [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]);
         let mut history: Vec<String> = load.history.iter().map(|[t, factor]| format!("{factor} at {t} s")).collect();
         if history.len() > 8 {
             let left_out = format!("({} more)", history.len() - 7);

@@ -126,7 +126,10 @@ mod tests {
             unreachable(&mesh, &dofs, bottom, &plane, &ObstacleMotion::new(given, plane.normal))
         };
         assert_eq!(reached(&given), None);
-        assert_eq!(reached(&scene::Obstacle { approach: vec![[0.0, 0.0], [1.0, 2e-5], [2.0, 0.0]], ..given.clone() }), Some(0));
+        assert_eq!(
+            reached(&scene::Obstacle { approach: vec![[0.0, 0.0], [1.0, 2e-5], [2.0, 0.0]], ..given.clone() }),
+            Some(0)
+        );
         assert_eq!(reached(&scene::Obstacle { shape: Shape::Plane { gap: -1e-9 }, ..given }), Some(0));
     }
 
@@ -144,7 +147,10 @@ mod tests {
             for contact in &contacts {
                 let held = (0..2).filter(|&c| contact.position[c] == 0.0).count();
                 let rows = [&contact.normal, &contact.tangents[0], &contact.tangents[1]];
-                assert_eq!(rows.map(|row| usize::from(!row.is_empty())).iter().sum::<usize>(), 3 - held.max(if held == 2 { 2 } else { 0 }));
+                assert_eq!(
+                    rows.map(|row| usize::from(!row.is_empty())).iter().sum::<usize>(),
+                    3 - held.max(if held == 2 { 2 } else { 0 })
+                );
                 // Tangents are of unit length, orthogonal to each other and to the normal.
                 let dot = |a: &Row, b: &Row| -> f64 {
                     a.iter().flat_map(|x| b.iter().filter(|y| y.0 == x.0).map(|y| x.1 * y.1)).sum()

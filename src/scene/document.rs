@@ -6,7 +6,9 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::Source;
-use super::{Element, GapDirection, LinearBackend, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start};
+use super::{
+    Element, GapDirection, LinearBackend, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start,
+};
 
 /// `N` values, two unless it says otherwise. An array type would do but for that the TOML reader passes over what is too many.
 #[derive(Clone, Copy, Deserialize)]

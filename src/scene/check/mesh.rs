@@ -62,7 +62,9 @@ impl Check<'_> {
             self.foreign(name, value.as_ref(), kind)?;
         }
         let file = self.needed("mesh.file", mesh.file.as_ref(), &mesh.kind.span(), kind)?;
-        let Some(given) = &mesh.scale else { return Ok(Mesh::Gmsh { file: self.source.beside(file.get_ref()), scale: 1.0 }) };
+        let Some(given) = &mesh.scale else {
+            return Ok(Mesh::Gmsh { file: self.source.beside(file.get_ref()), scale: 1.0 });
+        };
         let scale = self.finite("mesh.scale", given)?;
         let help = "give the length of the file's unit in m, 0.001 for mm";
         self.demand(scale > 0.0, "mesh.scale", given, "positive", help)?;
