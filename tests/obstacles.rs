@@ -222,7 +222,7 @@ fn approach_and_translation_along_the_normal_are_the_same() {
     assert!(by_approach[3][0] > 1e4);
 }
 
-/// A sliding cylinder leaves the range of its linearised gaps, a turning one and a sliding plane do not.
+/// A cylinder that slides far leaves the range of its linearised gaps; one that turns and a plane that slides do not.
 #[test]
 fn only_what_changes_the_gap_leaves_the_range() {
     let cylinder = |motion: &str| {
@@ -234,8 +234,9 @@ fn only_what_changes_the_gap_leaves_the_range() {
     };
     assert!(left(&solve(BELT).0, BELT).is_none());
     assert!(cylinder("rotation = { through = [0.5, -10.0], history = [[0, 0], [2, 6.0]] }").is_none());
-    let share = cylinder("translation = [[0, 0, 0], [1, 0, 0], [2, 0.2, 0]]").unwrap();
-    assert!(share > 1.0, "{share}");
+    // Along the circle the gap bends by d² / 2R: 2e-3 and 2e-5 m, beside an indentation of some mm.
+    assert!(cylinder("translation = [[0, 0, 0], [1, 0, 0], [2, 0.2, 0]]").is_some());
+    assert!(cylinder("translation = [[0, 0, 0], [1, 0, 0], [2, 0.02, 0]]").is_none());
 }
 
 /// By how much the last state leaves the range.
