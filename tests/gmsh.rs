@@ -30,7 +30,8 @@ fn triangles_with_two_materials() {
     assert!(hard.clone().count() == 16 && hard.into_iter().all(|e| mesh.centre(e)[1] > 0.5));
     assert_eq!(mesh.boundary_names(), ["bottom", "right", "top", "left"]);
     // However an edge is drawn in the file, the outside is on its right.
-    for (name, outwards) in [("bottom", [0.0, -1.0]), ("right", [1.0, 0.0]), ("top", [0.0, 1.0]), ("left", [-1.0, 0.0])] {
+    for (name, outwards) in [("bottom", [0.0, -1.0]), ("right", [1.0, 0.0]), ("top", [0.0, 1.0]), ("left", [-1.0, 0.0])]
+    {
         assert_eq!(area(&mesh, name), [outwards[0], outwards[1], 0.0], "{name}");
         let facets = &mesh.boundary(name).unwrap().facets;
         assert!(facets.windows(2).all(|pair| pair[0][1] == pair[1][0]), "{name} in a row");
@@ -47,10 +48,9 @@ fn quadrilaterals_in_millimetres() {
 
 #[test]
 fn hexahedra_and_tetrahedra() {
-    for (name, kind, cells, facets) in [
-        ("cube_hexahedra.msh", CellKind::Hexahedron, 8, 4),
-        ("cube_tetrahedra.msh", CellKind::Tetrahedron, 48, 8),
-    ] {
+    for (name, kind, cells, facets) in
+        [("cube_hexahedra.msh", CellKind::Hexahedron, 8, 4), ("cube_tetrahedra.msh", CellKind::Tetrahedron, 48, 8)]
+    {
         let mesh = read(name, 1.0);
         assert_eq!((mesh.dimension, mesh.nodes.len(), mesh.cells.len()), (3, 27, cells));
         assert!(mesh.cells.iter().all(|cell| cell.kind == kind));
@@ -93,12 +93,24 @@ fn what_is_no_such_file_is_refused_with_its_line() {
         (without("Nodes"), "$Elements comes before $Nodes", "export"),
         (cut("$EndNodes"), "the file ends within $Nodes", "copy"),
         (cut("$EndElements"), "the file ends within $Elements", "copy"),
-        (TRIANGLES.replace("1 1 1 4\n", "1 1 8 4\n"), "the type 8 (second order), which is not supported", "first-order"),
-        (TRIANGLES.replace("2 1 2 16\n", "2 1 9 16\n"), "the type 9 (second order), which is not supported", "first-order"),
+        (
+            TRIANGLES.replace("1 1 1 4\n", "1 1 8 4\n"),
+            "the type 8 (second order), which is not supported",
+            "first-order",
+        ),
+        (
+            TRIANGLES.replace("2 1 2 16\n", "2 1 9 16\n"),
+            "the type 9 (second order), which is not supported",
+            "first-order",
+        ),
         (TRIANGLES.replace("2 1 2 16\n", "2 1 3 16\n"), "has 3 nodes, but a quadrilateral has 4", "export"),
         (TRIANGLES.replace("1 25 10 34", "1 26 10 34"), "$Nodes announces 26 nodes, but has 25", "export"),
         (TRIANGLES.replace("6 48 1 48", "6 49 1 48"), "$Elements announces 49 elements, but has 48", "export"),
-        (TRIANGLES.replace("1 11 10\n", "1 11 99\n"), "element 1 names the node 99, which $Nodes does not have", "export"),
+        (
+            TRIANGLES.replace("1 11 10\n", "1 11 99\n"),
+            "element 1 names the node 99, which $Nodes does not have",
+            "export",
+        ),
         (TRIANGLES.replace("1 25 10 34", "one 25 10 34"), "$Nodes: 4 whole numbers expected", "export"),
         (TRIANGLES.replacen("\n11\n", "\n10\n", 1), "the node 10 is there twice", "export"),
         (TRIANGLES.replacen("0 0 0.25\n", "0 nan 0.25\n", 1), "three finite coordinates", "export"),
@@ -129,7 +141,11 @@ fn meshes_that_are_not_sound_are_refused_with_their_elements() {
         (QUADS.replace("11 1 2 7 6", "11 1 2 6 7"), "element 11 is inverted", "reverse"),
         (QUADS.replace("\n10 10 0\n", "\n10 0 0\n"), "the elements 11, 12 are degenerate", "slivers"),
         (more(QUADS, "16\n", "70 70 0\n", ""), "nodes belong to no element of the body: 16", "physical groups"),
-        (more(QUADS, "16\n17\n18\n19\n", far, square), "in 2 pieces that share no node; an element of each: 11, 19", "Coherence"),
+        (
+            more(QUADS, "16\n17\n18\n19\n", far, square),
+            "in 2 pieces that share no node; an element of each: 11, 19",
+            "Coherence",
+        ),
         (
             more(QUADS, "16\n17\n18\n19\n", &far.replace("50 50 0", "40 20 0"), square),
             "nodes coincide in pairs: 15 and 16",
@@ -138,7 +154,11 @@ fn meshes_that_are_not_sound_are_refused_with_their_elements() {
         (QUADS.replace("\n2 2 3\n", "\n2 2 7\n"), "element 2 of the boundary `bottom` lies inside the body", "outline"),
         (QUADS.replace("\n2 2 3\n", "\n2 2 4\n"), "element 2 of the boundary `bottom` is no side", "outline"),
         (HEXAHEDRA.replace("13 1 2 5 4 10 11 14 13", "13 10 11 14 13 1 2 5 4"), "element 13 is inverted", "reverse"),
-        (TRIANGLES.replacen("1 1 0.25\n", "1 1 0.5\n", 1), "the mesh is a surface that is not plane: node 34", "gmsh -3"),
+        (
+            TRIANGLES.replacen("1 1 0.25\n", "1 1 0.5\n", 1),
+            "the mesh is a surface that is not plane: node 34",
+            "gmsh -3",
+        ),
     ];
     for (text, message, help) in faults {
         let (said, advice) = refused(&text);

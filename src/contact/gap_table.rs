@@ -46,7 +46,9 @@ pub enum TableError {
         columns: usize,
     },
     /// Points are missing, or there twice.
-    #[error("{file}: {points} points are not every point of a grid of {grid}, each once, with two values of each coordinate at least")]
+    #[error(
+        "{file}: {points} points are not every point of a grid of {grid}, each once, with two values of each coordinate at least"
+    )]
     Grid {
         /// The file.
         file: String,
@@ -95,7 +97,10 @@ impl GapTable {
             }
         }
         let order = |a: &Vec<f64>, b: &Vec<f64>| {
-            (0..coordinates.len()).map(|c| a[c].total_cmp(&b[c])).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+            (0..coordinates.len())
+                .map(|c| a[c].total_cmp(&b[c]))
+                .find(|o| o.is_ne())
+                .unwrap_or(std::cmp::Ordering::Equal)
         };
         rows.sort_by(order);
         let knots: Vec<Vec<f64>> = (0..coordinates.len())

@@ -126,7 +126,10 @@ mod tests {
             unreachable(&mesh, &dofs, bottom, &plane, &ObstacleMotion::new(given, plane.normal))
         };
         assert_eq!(reached(&given), None);
-        assert_eq!(reached(&scene::Obstacle { approach: vec![[0.0, 0.0], [1.0, 2e-5], [2.0, 0.0]], ..given.clone() }), Some(0));
+        assert_eq!(
+            reached(&scene::Obstacle { approach: vec![[0.0, 0.0], [1.0, 2e-5], [2.0, 0.0]], ..given.clone() }),
+            Some(0)
+        );
         assert_eq!(reached(&scene::Obstacle { shape: Shape::Plane { gap: -1e-9 }, ..given }), Some(0));
     }
 

@@ -41,16 +41,18 @@ impl ObstacleMotion {
     /// obstacle as `facings` says.
     ///
     /// A turning surface passes a node that stands still with `ω × (x - c)`, so its displacement there
-    /// is the angle times `a × (x - c)`: not the chord, however far it turns. Gaps follow the motion along
-    /// the normal.
+    /// is the angle times `a × (x - c)`: not the chord, however far it turns. A gap follows the motion of
+    /// the surface in front of the node, as that leans.
     pub fn rates(&self, positions: &[[f64; 3]], facings: &[Facing]) -> Vec<(Vec<Rates>, Vec<[f64; 2]>)> {
         let of = |surface: &dyn Fn([f64; 3]) -> [f64; 3]| {
             let rates = |(x, facing): (&[f64; 3], &Facing)| {
                 let d = surface(*x);
                 // A normal against its own direction is -1 to the last bit.
-                let against = d.iter().zip(facing.normal).all(|(d, n)| *d == -n);
-                let gap = if against { -1.0 } else { dot(d, facing.normal) };
-                Rates { gap, drift: if against { [0.0; 2] } else { facing.tangents.map(|t| dot(d, t)) } }
+                if d.iter().zip(facing.normal).all(|(d, n)| *d == -n) {
+                    return Rates { gap: -1.0, drift: [0.0; 2] };
+                }
+                let in_front = surface(plus(*x, facing.gap, facing.normal));
+                Rates { gap: dot(in_front, facing.inward), drift: facing.tangents.map(|t| dot(d, t)) }
             };
             positions.iter().zip(facings).map(rates).collect::<Vec<_>>()
         };

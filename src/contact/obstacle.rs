@@ -12,6 +12,8 @@ use crate::vector::{cross, dot, norm, unit};
 pub struct Obstacle {
     surface: Surface,
     direction: GapDirection,
+    /// The size of the boundary, m.
+    extent: f64,
     /// Unit vector out of the body, towards the obstacle.
     pub normal: [f64; 3],
     /// Orthonormal vectors along the obstacle: the positive directions of `w_t` and `w_o`. In two dimensions
@@ -28,6 +30,9 @@ pub struct Facing {
     pub normal: [f64; 3],
     /// Orthonormal vectors at right angles to it.
     pub tangents: [[f64; 3]; 2],
+    /// At right angles to the surface in front of the node, into the obstacle, with a component 1 along the
+    /// normal: a surface that moves by `d` adds `d · inward` to the gap.
+    pub inward: [f64; 3],
 }
 
 /// Why a scene's obstacle does not fit its boundary.
@@ -110,7 +115,8 @@ impl Obstacle {
             Shape::Formula(formula) => Surface::Formula(formula.clone()),
             Shape::Table { file } => Surface::Table(GapTable::read(file)?),
         };
-        Ok(Obstacle { surface, direction: given.direction, normal, tangents: [first, cross(normal, first)] })
+        let extent = extent(mesh, boundary);
+        Ok(Obstacle { surface, direction: given.direction, extent, normal, tangents: [first, cross(normal, first)] })
     }
 
     /// What a node at `x` (m) sees.
@@ -118,14 +124,19 @@ impl Obstacle {
         match self.direction {
             GapDirection::Normal => {
                 let gap = self.surface.along(self.normal, x, self.normal, x);
-                Facing { gap, normal: self.normal, tangents: self.tangents }
+                let [t, o] = self.tangents;
+                // Steps of 1e-6 leave half the digits of a slope in double precision.
+                let step = 1e-6 * self.extent;
+                let inward = self.surface.inward([self.normal, t, o], x, (gap, self.normal), step);
+                let closing = dot(inward, self.normal);
+                Facing { gap, normal: self.normal, tangents: self.tangents, inward: inward.map(|c| c / closing) }
             }
             GapDirection::Nearest => {
                 let (gap, normal) = self.surface.nearest(self.normal, x);
                 let first = across(self.tangents[0], normal);
                 // A tangent that has become the normal gives way to the other one.
                 let first = if norm(first) > SKEW { unit(first) } else { cross(self.tangents[1], normal) };
-                Facing { gap, normal, tangents: [first, cross(normal, first)] }
+                Facing { gap, normal, tangents: [first, cross(normal, first)], inward: normal }
             }
         }
     }
@@ -147,9 +158,16 @@ impl Obstacle {
     /// What there is at a place the obstacle does not reach, in words.
     pub fn out_of_reach(&self) -> (&'static str, &'static str) {
         match self.surface {
-            Surface::Formula(_) => ("the formula has no finite value at", "mend the formula, or use a smaller boundary"),
-            Surface::Table(_) => ("the table of gaps does not reach", "extend the table; outside it nothing is assumed"),
-            _ => ("the obstacle does not reach over", "use a larger radius, a smaller boundary or direction = \"nearest\""),
+            Surface::Formula(_) => {
+                ("the formula has no finite value at", "mend the formula, or use a smaller boundary")
+            }
+            Surface::Table(_) => {
+                ("the table of gaps does not reach", "extend the table; outside it nothing is assumed")
+            }
+            _ => (
+                "the obstacle does not reach over",
+                "use a larger radius, a smaller boundary or direction = \"nearest\"",
+            ),
         }
     }
 }
@@ -178,6 +196,16 @@ fn lies_in_plane(given: &scene::Obstacle) -> Result<(), ObstacleError> {
         }
     }
     Ok(())
+}
+
+/// The longest side of the box around a boundary, m.
+fn extent(mesh: &Mesh, boundary: &Boundary) -> f64 {
+    let points = mesh.points(&boundary.nodes());
+    let side = |c: usize| {
+        let along = || points.iter().map(|x| x[c]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    };
+    (0..3).map(side).fold(0.0, f64::max)
 }
 
 fn mean_normal(mesh: &Mesh, boundary: &Boundary) -> Option<[f64; 3]> {

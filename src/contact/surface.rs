@@ -73,6 +73,40 @@ impl Surface {
         }
     }
 
+    /// A vector into the obstacle, at right angles to the surface where the line from `x` along the unit vector
+    /// `n` meets it after `gap` (m). The slopes of fields are differences over `step` (m) along `tangents`.
+    pub(super) fn inward(
+        &self,
+        [facing, tangents @ ..]: [[f64; 3]; 3],
+        x: [f64; 3],
+        (gap, n): (f64, [f64; 3]),
+        step: f64,
+    ) -> [f64; 3] {
+        let foot = plus(x, gap, n);
+        match self {
+            Surface::Plane { .. } => facing,
+            Surface::Round { radius, apex, axis } => {
+                let to_centre = minus(plus(*apex, *radius, facing), foot);
+                axis.map_or(to_centre, |axis| across(to_centre, axis))
+            }
+            Surface::Wedge { apex, aside, slope } => {
+                let side = if dot(minus(foot, *apex), *aside) < 0.0 { -1.0 } else { 1.0 };
+                plus(facing, -side * slope, *aside)
+            }
+            Surface::Formula(_) | Surface::Table(_) => tangents.into_iter().fold(facing, |inward, tangent| {
+                let at = |s: f64| {
+                    let x = plus(x, s, tangent);
+                    self.along(facing, x, facing, x)
+                };
+                let (before, here, after) = (at(-step), at(0.0), at(step));
+                // At the rim of a table one side has no gap; across it there is no slope to speak of.
+                let slopes = [(after - before) / (2.0 * step), (after - here) / step, (here - before) / step];
+                let slope = slopes.into_iter().find(|slope| slope.is_finite()).unwrap_or(0.0);
+                plus(inward, -slope, tangent)
+            }),
+        }
+    }
+
     /// The distance (m) from `x` to the nearest point of the surface, negative inside, and the unit
     /// vector in which that is.
     pub(super) fn nearest(&self, facing: [f64; 3], x: [f64; 3]) -> (f64, [f64; 3]) {

@@ -126,7 +126,9 @@ impl Mesh {
         let points = self.points(&cell.nodes);
         let n = points.len();
         let neighbours: Vec<Vec<usize>> = match cell.kind {
-            CellKind::Triangle | CellKind::Quadrilateral => (0..n).map(|k| vec![(k + 1) % n, (k + n - 1) % n]).collect(),
+            CellKind::Triangle | CellKind::Quadrilateral => {
+                (0..n).map(|k| vec![(k + 1) % n, (k + n - 1) % n]).collect()
+            }
             CellKind::Tetrahedron => vec![vec![1, 2, 3]],
             CellKind::Hexahedron => {
                 let lower = |k: usize| vec![(k + 1) % 4, (k + 3) % 4, k + 4];
@@ -141,8 +143,7 @@ impl Mesh {
         });
         let corners: Vec<f64> = corners.collect();
         let edge = |k: usize| neighbours[k].iter().map(|&other| minus(points[other], points[k])).collect::<Vec<_>>();
-        let longest =
-            (0..neighbours.len()).flat_map(edge).map(|edge| dot(edge, edge)).fold(0.0, f64::max).sqrt();
+        let longest = (0..neighbours.len()).flat_map(edge).map(|edge| dot(edge, edge)).fold(0.0, f64::max).sqrt();
         let size = longest.powi(cell.kind.dimension() as i32);
         corners.into_iter().map(|volume| (volume, size)).collect()
     }

@@ -47,8 +47,13 @@ pub(super) fn mesh(file: File, name: &str) -> Result<(Mesh, Vec<usize>), GmshErr
         let level = nodes.first().map_or(0.0, |x| x[2]);
         // Coordinates are written with about sixteen digits; nine leave room for what made them.
         if let Some(k) = nodes.iter().position(|x| (x[2] - level).abs() > 1e-9 * extent) {
-            let message = format!("the mesh is a surface that is not plane: node {} has z = {}", file.numbers[k], nodes[k][2]);
-            return Err(at(1, message, "a plane mesh has to lie in a plane z = const; a body needs volume elements (gmsh -3)"));
+            let message =
+                format!("the mesh is a surface that is not plane: node {} has z = {}", file.numbers[k], nodes[k][2]);
+            return Err(at(
+                1,
+                message,
+                "a plane mesh has to lie in a plane z = const; a body needs volume elements (gmsh -3)",
+            ));
         }
         nodes.iter_mut().for_each(|x| x[2] = 0.0);
     }

@@ -75,7 +75,9 @@ impl<'a> Lines<'a> {
         let help = "export or copy the file again";
         match self.advance() {
             Some(line) if line.strip_prefix("$End") == Some(section) => Ok(()),
-            Some(line) => Err(self.error(format!("$End{section} was expected, but there is `{}`", shortened(line)), help)),
+            Some(line) => {
+                Err(self.error(format!("$End{section} was expected, but there is `{}`", shortened(line)), help))
+            }
             None => Err(self.error(format!("the file ends within ${section}"), help)),
         }
     }

@@ -125,10 +125,7 @@ fn physical_names(lines: &mut Lines<'_>) -> Result<HashMap<Entity, String>, Gmsh
 }
 
 /// The physical groups of every entity; a group without a name is called by its number.
-fn entities(
-    lines: &mut Lines<'_>,
-    names: &HashMap<Entity, String>,
-) -> Result<HashMap<Entity, Vec<String>>, GmshError> {
+fn entities(lines: &mut Lines<'_>, names: &HashMap<Entity, String>) -> Result<HashMap<Entity, Vec<String>>, GmshError> {
     let section = "Entities";
     let counts: [usize; 4] = lines.numbers(section)?;
     let mut groups = HashMap::new();
@@ -210,7 +207,8 @@ fn elements(
         let [dimension, entity, kind, here] = lines.numbers::<4, i64>(section)?;
         let line = lines.number();
         let kind = ElementKind::from_gmsh(kind).map_err(|name| {
-            let help = "mesh with first-order triangles, quadrilaterals, tetrahedra or hexahedra (Mesh.ElementOrder = 1)";
+            let help =
+                "mesh with first-order triangles, quadrilaterals, tetrahedra or hexahedra (Mesh.ElementOrder = 1)";
             lines.error(format!("the mesh has elements of the type {name}, which is not supported"), help)
         })?;
         let groups = groups.get(&(dimension as usize, entity)).cloned().unwrap_or_default();
