@@ -98,9 +98,10 @@ impl SceneArgs {
 
 /// Discretises a scene, unless the machine has no room for it.
 fn discretise(scene: &Scene) -> Result<Model, Failure> {
-    // The matrices alone, 27 entries of 16 bytes for each of two unknowns a node; the factors take
-    // more. Asking first is kinder than being killed half-way.
-    let needed = scene.mesh.nodes() as u64 * 2 * 27 * 16;
+    // The matrices alone, 16 bytes an entry, and for each unknown 27 of them in two dimensions and 81 in
+    // three; the factors take more. Asking first is kinder than being killed half-way.
+    let bytes = |(nodes, d): (usize, usize)| (nodes * d * 3_usize.pow(d as u32 + 1) * 16) as u64;
+    let needed = scene.mesh.nodes().map_or(0, bytes);
     if let Some(available) = available_bytes().filter(|&available| available < needed) {
         let gigabytes = |bytes: u64| bytes as f64 * 1e-9;
         return Err(Failure::Machine(miette::miette!(

@@ -1,11 +1,18 @@
-//! Contact: obstacles, the maps `C_n` and `C_t`, the laws of Signorini and Coulomb, and the error
+//! Contact: obstacles, the maps `C_n`, `C_t` and `C_o`, the laws of Signorini and Coulomb, and the error
 //! measure that judges every solution.
 
 pub mod coulomb;
+mod gap_table;
 mod kinematics;
 mod kkt;
+mod motion;
 mod obstacle;
+mod range;
+mod surface;
 
-pub use kinematics::{ContactBoundary, ContactNode, contact_nodes, unreachable};
+pub use gap_table::{GapTable, TableError};
+pub use kinematics::{ContactBoundary, ContactNode, Row, contact_nodes, unreachable};
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, rounding_level, statuses};
-pub use obstacle::Obstacle;
+pub use motion::{ObstacleMotion, Rates};
+pub use obstacle::{Facing, Obstacle, ObstacleError};
+pub use range::{DeformedNode, RangeLeft, TOLERATED_SHARE, range_left};

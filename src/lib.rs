@@ -54,3 +54,4 @@ pub mod sparse;
 pub mod tables;
 pub mod uniqueness;
 pub mod units;
+pub mod vector;

@@ -11,12 +11,17 @@ pub struct LoadCase {
     pub history: Vec<[f64; 2]>,
 }
 
-/// An obstacle that moves along its normal, towards the body where the distance grows.
+/// A motion of an obstacle in one direction, or about one axis.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Approach {
+pub struct Motion {
     /// The contact nodes in front of it.
     pub nodes: Range<usize>,
-    /// Points `[time (s), distance (m)]` with increasing times; linear between, constant outside.
+    /// What a unit of it adds to the gap of each of them, m per unit.
+    pub gap: Vec<f64>,
+    /// The displacement of the surface at each of them along both tangents, m per unit.
+    pub drift: Vec<[f64; 2]>,
+    /// Points `[time (s), distance (m) or angle (rad)]` with increasing times; linear between, constant
+    /// outside.
     pub history: Vec<[f64; 2]>,
 }
 
@@ -27,12 +32,12 @@ pub struct Loading {
     pub cases: Vec<LoadCase>,
     /// `g`, gaps before any obstacle moves, n_c, m.
     pub gap: Vec<f64>,
-    /// The obstacles that move.
-    pub approaches: Vec<Approach>,
+    /// The motions of obstacles, which add up.
+    pub motions: Vec<Motion>,
 }
 
 /// The value at time `t` of a history: linear between its points, constant outside.
-fn piecewise_linear(history: &[[f64; 2]], t: f64) -> Option<f64> {
+pub(crate) fn piecewise_linear(history: &[[f64; 2]], t: f64) -> Option<f64> {
     let after = history.partition_point(|[time, _]| *time <= t);
     match (after.checked_sub(1).map(|k| history[k]), history.get(after)) {
         (Some([_, value]), None) => Some(value),
@@ -45,6 +50,13 @@ impl LoadCase {
     /// The factor at time `t`.
     pub fn factor(&self, t: f64) -> f64 {
         piecewise_linear(&self.history, t).unwrap_or(1.0)
+    }
+}
+
+impl Motion {
+    /// How far it has gone at time `t`.
+    fn at(&self, t: f64) -> f64 {
+        piecewise_linear(&self.history, t).unwrap_or(0.0)
     }
 }
 
@@ -63,19 +75,37 @@ impl Loading {
     /// The gaps (n_c, m) at time `t`.
     pub fn gap_at(&self, t: f64, gap: &mut [f64]) {
         gap.copy_from_slice(&self.gap);
-        for approach in &self.approaches {
-            let distance = piecewise_linear(&approach.history, t).unwrap_or(0.0);
-            gap[approach.nodes.clone()].iter_mut().for_each(|g| *g -= distance);
+        for motion in &self.motions {
+            let distance = motion.at(t);
+            let nodes = gap[motion.nodes.clone()].iter_mut();
+            nodes.zip(&motion.gap).for_each(|(g, rate)| *g += distance * rate);
         }
+    }
+
+    /// How far the surfaces of the obstacles have moved past the contact nodes along their first (`k` = 0)
+    /// or second tangents until time `t`, n_c, m. What slips is `w - drift`.
+    pub fn drift_at(&self, t: f64, k: usize) -> Vec<f64> {
+        let mut drift = vec![0.0; self.gap.len()];
+        for motion in &self.motions {
+            let distance = motion.at(t);
+            let nodes = drift[motion.nodes.clone()].iter_mut();
+            nodes.zip(&motion.drift).for_each(|(d, rate)| *d += distance * rate[k]);
+        }
+        drift
     }
 
     /// The largest interference over all time, m: how deep an obstacle goes into the undeformed body.
     pub fn largest_interference(&self) -> f64 {
-        let mut deepest = self.gap.iter().fold(0.0_f64, |m, g| m.max(-g));
-        for approach in &self.approaches {
-            let nearest = self.gap[approach.nodes.clone()].iter().fold(f64::INFINITY, |m, g| m.min(*g));
-            let furthest = approach.history.iter().fold(0.0_f64, |m, point| m.max(point[1]));
-            deepest = deepest.max(furthest - nearest);
+        // Gaps are linear between the points of all histories together.
+        let mut times = vec![0.0];
+        times.extend(self.motions.iter().flat_map(|motion| motion.history.iter().map(|point| point[0])));
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let mut gap = vec![0.0; self.gap.len()];
+        let mut deepest = 0.0_f64;
+        for t in times {
+            self.gap_at(t, &mut gap);
+            deepest = gap.iter().fold(deepest, |m, g| m.max(-g));
         }
         deepest
     }
@@ -109,12 +139,20 @@ mod tests {
     }
 
     #[test]
-    fn an_obstacle_takes_its_nodes_gaps_away() {
-        let approach = Approach { nodes: 1..3, history: vec![[0.0, 0.0], [2.0, 4.0]] };
-        let loading = Loading { gap: vec![1.0, 2.0, 3.0], approaches: vec![approach], ..Loading::default() };
+    fn an_obstacle_takes_its_nodes_gaps_away_and_drifts_past_them() {
+        let motion = Motion {
+            nodes: 1..3,
+            gap: vec![-1.0, -0.5],
+            drift: vec![[0.0, 2.0], [1.0, 0.0]],
+            history: vec![[0.0, 0.0], [2.0, 4.0]],
+        };
+        let back = Motion { history: vec![[2.0, 0.0], [4.0, -4.0]], ..motion.clone() };
+        let loading = Loading { gap: vec![1.0, 2.0, 3.0], motions: vec![motion, back], ..Loading::default() };
         let mut gap = [0.0; 3];
         loading.gap_at(1.5, &mut gap);
-        assert_eq!(gap, [1.0, -1.0, 0.0]);
+        assert_eq!(gap, [1.0, -1.0, 1.5]);
+        assert_eq!([0, 1].map(|k| loading.drift_at(1.0, k)), [[0.0, 0.0, 2.0], [0.0, 4.0, 0.0]]);
+        assert_eq!(loading.drift_at(5.0, 0), [0.0; 3]);
         assert_eq!(loading.largest_interference(), 2.0);
     }
 }

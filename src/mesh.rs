@@ -1,29 +1,87 @@
-//! Meshes of quadrilaterals with named boundaries.
+//! Meshes in two and three dimensions with named boundaries and material groups.
 
 mod block;
+mod check;
+mod gmsh;
 mod half_plane;
+mod simplices;
 
 pub use block::{block, graded_block};
+pub use check::{MeshFault, Numbers};
+pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
 pub use half_plane::half_plane;
 
-/// A two-dimensional mesh of four-node quadrilaterals.
+use crate::vector::{cross, minus};
+
+/// A mesh of the plane or of space. The dimension is data: points always have three coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// Node coordinates, m.
-    pub nodes: Vec<[f64; 2]>,
-    /// The corner nodes of each element, counterclockwise.
-    pub quads: Vec<[usize; 4]>,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Node coordinates, m; z = 0 in two dimensions.
+    pub nodes: Vec<[f64; 3]>,
+    /// The cells, each of the mesh's dimension.
+    pub cells: Vec<Cell>,
+    /// The names of the material groups.
+    pub groups: Vec<String>,
     /// The parts of the boundary that a scene can name.
     pub boundaries: Vec<Boundary>,
 }
+
+/// A cell of a mesh.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cell {
+    /// Its kind.
+    pub kind: CellKind,
+    /// Its corners, as many as the kind has, in the order of [`CellKind`].
+    pub nodes: Vec<usize>,
+    /// Its material group, an index of [`Mesh::groups`].
+    pub group: usize,
+}
+
+/// The kinds of cells. Corners are in the order of VTK and Gmsh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CellKind {
+    /// Three corners, counterclockwise.
+    Triangle,
+    /// Four corners, counterclockwise.
+    Quadrilateral,
+    /// Four corners: the first three are counterclockwise seen from the fourth.
+    Tetrahedron,
+    /// Eight corners: four counterclockwise seen from inside, then those above them.
+    Hexahedron,
+}
+
+/// The corners of a part of the boundary: an edge in two dimensions, a triangle or a quadrilateral
+/// in three. An edge has the body on its left; a face is counterclockwise seen from outside.
+pub type Facet = Vec<usize>;
 
 /// A named part of the boundary.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Boundary {
     /// The name a scene uses.
     pub name: String,
-    /// Edges in a row, each with the body on its left, so that `(dy, -dx)` points outwards.
-    pub edges: Vec<[usize; 2]>,
+    /// Its facets; in two dimensions in a row.
+    pub facets: Vec<Facet>,
+}
+
+impl CellKind {
+    /// 2 or 3.
+    pub fn dimension(self) -> usize {
+        match self {
+            CellKind::Triangle | CellKind::Quadrilateral => 2,
+            CellKind::Tetrahedron | CellKind::Hexahedron => 3,
+        }
+    }
+
+    /// The number of corners.
+    pub fn corners(self) -> usize {
+        match self {
+            CellKind::Triangle => 3,
+            CellKind::Quadrilateral | CellKind::Tetrahedron => 4,
+            CellKind::Hexahedron => 8,
+        }
+    }
 }
 
 impl Mesh {
@@ -37,31 +95,53 @@ impl Mesh {
         self.boundaries.iter().map(|boundary| boundary.name.as_str()).collect()
     }
 
-    /// The vector along `edge`, m.
-    pub fn edge_vector(&self, edge: [usize; 2]) -> [f64; 2] {
-        let [a, b] = edge.map(|node| self.nodes[node]);
-        [b[0] - a[0], b[1] - a[1]]
+    /// The coordinates of `nodes`, m.
+    pub fn points(&self, nodes: &[usize]) -> Vec<[f64; 3]> {
+        nodes.iter().map(|&node| self.nodes[node]).collect()
     }
 
-    /// The corner coordinates of element `e`, m.
-    pub fn corners(&self, e: usize) -> [[f64; 2]; 4] {
-        self.quads[e].map(|node| self.nodes[node])
+    /// The centre of cell `e`, the mean of its corners, m.
+    pub fn centre(&self, e: usize) -> [f64; 3] {
+        let corners = self.points(&self.cells[e].nodes);
+        [0, 1, 2].map(|c| corners.iter().map(|x| x[c]).sum::<f64>() / corners.len() as f64)
     }
 
-    /// The centre of element `e`, the mean of its corners, m.
-    pub fn centre(&self, e: usize) -> [f64; 2] {
-        let corners = self.corners(e);
-        [0, 1].map(|c| corners.iter().map(|x| x[c]).sum::<f64>() / 4.0)
+    /// The outward normal of a facet times its length (m) or area (m²): exact for curved bilinear faces,
+    /// too, since the integral of the normal depends on the edges alone.
+    pub fn area_vector(&self, facet: &[usize]) -> [f64; 3] {
+        let corners = self.points(facet);
+        let from = |k: usize| minus(corners[k], corners[0]);
+        if self.dimension == 2 {
+            let [dx, dy, _] = from(1);
+            return [dy, -dx, 0.0];
+        }
+        let mut sum = [0.0; 3];
+        for k in 2..corners.len() {
+            let triangle = cross(from(k - 1), from(k));
+            sum.iter_mut().zip(triangle).for_each(|(sum, c)| *sum += 0.5 * c);
+        }
+        sum
+    }
+
+    /// A point in words: `(x, y)` or `(x, y, z)`.
+    pub fn place(&self, x: [f64; 3]) -> String {
+        let [x, y, z] = x;
+        if self.dimension == 2 { format!("({x}, {y})") } else { format!("({x}, {y}, {z})") }
     }
 }
 
 impl Boundary {
-    /// The nodes of the boundary, each once, in the order of its edges. Edges may be listed along
+    /// The nodes of the boundary, each once, in the order of its facets. Edges may be listed along
     /// their direction or against it.
     pub fn nodes(&self) -> Vec<usize> {
         let mut seen = std::collections::HashSet::new();
-        let against = self.edges.windows(2).any(|pair| pair[0][0] == pair[1][1]);
-        let ends = self.edges.iter().flat_map(|&[a, b]| if against { [b, a] } else { [a, b] });
-        ends.filter(|&node| seen.insert(node)).collect()
+        let against = self.facets.windows(2).any(|pair| pair[0].len() == 2 && pair[0][0] == pair[1][1]);
+        let mut nodes = Vec::new();
+        for facet in &self.facets {
+            let in_order: &mut dyn Iterator<Item = &usize> =
+                if against { &mut facet.iter().rev() } else { &mut facet.iter() };
+            nodes.extend(in_order.copied().filter(|&node| seen.insert(node)));
+        }
+        nodes
     }
 }

@@ -26,6 +26,9 @@
 mod check;
 mod document;
 mod error;
+mod formula;
+mod mesh;
+mod obstacle;
 mod overrides;
 mod solver;
 
@@ -36,6 +39,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 pub use error::{Located, SceneError};
+pub use formula::Formula;
+pub use mesh::{CellShape, Element, HalfPlane, Mesh};
+pub use obstacle::{GapDirection, Obstacle, Rotation, Shape};
 pub use overrides::{Override, OverrideSyntax};
 pub use solver::{LinearBackend, Method, MethodName, NewtonSystem, Partition, Setting, Solver, Start};
 
@@ -50,6 +56,8 @@ pub struct Scene {
     pub mesh: Mesh,
     /// The elements of the mesh.
     pub element: Element,
+    /// Where the scene says which, if it does.
+    pub element_span: Option<Range<usize>>,
     /// The body's material.
     pub material: Material,
     /// Where the body is held.
@@ -67,64 +75,33 @@ pub struct Scene {
     source: Source,
 }
 
-/// How the mesh is made.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Mesh {
-    /// A rectangle with its lower left corner in the origin.
-    Block {
-        /// Width and height, m.
-        size: [f64; 2],
-        /// Elements along x and y.
-        elements: [usize; 2],
-        /// Size of the last element over that of the first along x and y, in geometric progression.
-        grading: [f64; 2],
-    },
-    /// A rectangle that stands for a half-plane pressed at the left end of its top.
-    HalfPlane(HalfPlane),
-}
-
-/// How the strain of an element follows from its corner displacements.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Element {
-    /// As that of bilinear displacements; too stiff (it locks) when Poisson's ratio is close to 0.5 in
-    /// plane strain.
-    #[default]
-    Bilinear,
-    /// With the mean dilatation of the element in place of the local one: does not lock. Plane
-    /// strain only.
-    BBar,
-}
-
-/// A rectangle, fine under a contact zone at the left end of its top and coarser away from it:
-/// half of a body that is symmetric about its left side.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HalfPlane {
-    /// Width and height, m.
-    pub size: [f64; 2],
-    /// Width of the contact zone, m.
-    pub contact_width: f64,
-    /// Equal elements along the contact zone.
-    pub contact_elements: usize,
-    /// Equal elements along the rest of the top.
-    pub outer_elements: usize,
-    /// Layers of elements, in geometric progression from the top one, whose elements are square in
-    /// the contact zone, to the bottom.
-    pub layers: usize,
-}
-
-/// An isotropic linear elastic material in the plane, of unit thickness.
+/// The isotropic linear elastic materials of the body; in two dimensions it is of unit thickness.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Young's modulus, Pa.
     pub young: f64,
     /// Poisson's ratio, in (-1, 0.5).
     pub poisson: f64,
-    /// Plane strain or plane stress.
+    /// Plane strain or plane stress, in two dimensions.
     pub plane: Plane,
+    /// Where the scene says which, if it does.
+    pub plane_span: Option<Range<usize>>,
     /// Horizontal layers of other materials, from the bottom of the body up; above the last, the
     /// material itself.
     pub layers: Vec<Layer>,
+    /// Other materials of groups of elements; the other groups are of the material itself.
+    pub groups: Vec<MaterialGroup>,
+}
+
+/// The material of a group of elements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialGroup {
+    /// The group of the mesh.
+    pub name: Name,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio, in (-1, 0.5).
+    pub poisson: f64,
 }
 
 /// A horizontal layer of the body.
@@ -163,8 +140,10 @@ pub struct Name {
 pub struct Support {
     /// The boundary.
     pub boundary: Name,
-    /// Whether x and y are held.
-    pub fix: [bool; 2],
+    /// Whether x, y and z are held.
+    pub fix: [bool; 3],
+    /// Where the scene says it.
+    pub span: Range<usize>,
 }
 
 /// A boundary that can touch an obstacle.
@@ -178,46 +157,15 @@ pub struct Contact {
     pub obstacle: Obstacle,
 }
 
-/// A rigid obstacle.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Obstacle {
-    /// Its shape and place.
-    pub shape: Shape,
-    /// Unit vector out of the body towards the obstacle; without it, the boundary's outward normal.
-    pub normal: Option<[f64; 2]>,
-    /// Unit vector of positive slip; without it, the normal turned by +90°.
-    pub tangent: Option<[f64; 2]>,
-    /// How far it has moved towards the body, against the normal: points `[time (s), distance (m)]`
-    /// with increasing times; linear between, constant outside. Empty if it does not move.
-    pub approach: Vec<[f64; 2]>,
-    /// Where the scene says it.
-    pub span: Range<usize>,
-}
-
-/// The shape of an obstacle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shape {
-    /// A plane.
-    Plane {
-        /// Distance to the nearest point of the boundary, m; negative for interference.
-        gap: f64,
-    },
-    /// A cylinder, its axis across the plane of the body.
-    Cylinder {
-        /// Radius, m.
-        radius: f64,
-        /// Its point nearest to the body, m.
-        apex: [f64; 2],
-    },
-}
-
 /// A uniform traction on a boundary, times a factor that changes in time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Load {
     /// The boundary.
     pub boundary: Name,
-    /// Traction at factor 1, N/m².
-    pub traction: [f64; 2],
+    /// Traction at factor 1, N/m²: two components or three.
+    pub traction: Vec<f64>,
+    /// Where the scene says it.
+    pub traction_span: Range<usize>,
     /// Points `[time (s), factor]` with increasing times; linear between, constant outside.
     pub history: Vec<[f64; 2]>,
 }
@@ -236,6 +184,8 @@ pub struct Time {
 pub struct Output {
     /// Times (s) whose contact lines are written: each at the first increment that reaches it.
     pub times: Vec<f64>,
+    /// Whether the fields of the body are written for the same times.
+    pub fields: bool,
 }
 
 impl Scene {
@@ -276,16 +226,6 @@ impl Scene {
     pub fn unknown_boundary(&self, name: &Name, known: &[&str]) -> SceneError {
         let help = format!("the mesh has the boundaries {}", known.join(", "));
         self.error_at(name.span(), format!("the mesh has no boundary `{name}`"), help)
-    }
-}
-
-impl Mesh {
-    /// The number of nodes.
-    pub fn nodes(&self) -> usize {
-        match *self {
-            Mesh::Block { elements: [nx, ny], .. } => (nx + 1) * (ny + 1),
-            Mesh::HalfPlane(m) => (m.contact_elements + m.outer_elements + 1) * (m.layers + 1),
-        }
     }
 }
 

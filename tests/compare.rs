@@ -7,7 +7,7 @@ use stickslip::compare::{
     friction_work, front,
 };
 use stickslip::history::{self, HistorySettings, Observer, Status, Step};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::problem::ContactProblem;
@@ -118,7 +118,7 @@ fn friction_dissipates_what_the_loads_do_beyond_the_strain_energy() {
         let zero = vec![0.0; problem.displacements()];
         let mut works = Works { problem, friction: Vec::new(), external: 0.0, force: zero.clone(), u: zero.clone() };
         let settings = HistorySettings::bn(problem, model.scaling(), 100, 1e-10);
-        let mut linear = Direct::new(Box::new(Umfpack::default()));
+        let mut linear = Direct::default();
         let times = scene.time.all();
         let outcome = history::run(problem, &model.loading, &times, &settings, &mut linear, &mut works).unwrap();
         assert_eq!(outcome.status, Status::Converged);

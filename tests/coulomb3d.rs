@@ -7,7 +7,7 @@ use common::random::{self, Random};
 use stickslip::contact::{ContactStatus, KktErrors, KktScales, statuses};
 use stickslip::formulation::{Bdiff, Conventions, Formulation};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::problem::{ContactProblem, Increment, State};
 use stickslip::units::Scaling;
@@ -15,7 +15,7 @@ use stickslip::units::Scaling;
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 
 fn run(problem: &ContactProblem, loading: &Loading, settings: &HistorySettings) -> HistoryOutcome {
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     history::run(problem, loading, &TIMES, settings, &mut linear, &mut ()).unwrap()
 }
 

@@ -5,17 +5,17 @@ mod common;
 
 use std::sync::Arc;
 
-use stickslip::fem::{Dofs, Elasticity, Element, assemble, edge_load, element_stiffness};
+use stickslip::fem::{Dofs, Elasticity, Element, assemble, element_stiffness, facet_load};
 use stickslip::history::Status;
 use stickslip::linear::Direct;
-use stickslip::mesh::{Mesh, block};
+use stickslip::mesh::{CellKind, Mesh, block};
 use stickslip::model::Model;
 use stickslip::sparse::{Csc, Pattern};
 
 /// A quadrilateral without parallel sides.
-const DISTORTED: [[f64; 2]; 4] = [[0.0, 0.0], [2.0, 0.3], [1.7, 1.4], [-0.2, 1.1]];
+const DISTORTED: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [2.0, 0.3, 0.0], [1.7, 1.4, 0.0], [-0.2, 1.1, 0.0]];
 
-fn solve(mesh: &Mesh, dofs: &Dofs, element: Element, material: Elasticity, force: &[f64]) -> Vec<[f64; 2]> {
+fn solve(mesh: &Mesh, dofs: &Dofs, element: Element, material: Elasticity, force: &[f64]) -> Vec<[f64; 3]> {
     let half = assemble(mesh, dofs, element, |_| material).unwrap();
     let n = dofs.free();
     let pattern = Pattern::from_entries(n, n, |take| half.entries().for_each(|(i, j, _)| take(i, j)));
@@ -37,28 +37,28 @@ fn solve(mesh: &Mesh, dofs: &Dofs, element: Element, material: Elasticity, force
 #[test]
 fn patch_test_of_b_bar() {
     let n = 5;
-    let mut mesh = block([1.0, 1.0], [n, n]);
+    let mut mesh = block(&[1.0, 1.0], &[n, n]);
     let h = 1.0 / n as f64;
-    let inner = |x: [f64; 2]| x.iter().all(|&c| c > 0.5 * h && c < 1.0 - 0.5 * h);
+    let inner = |x: [f64; 3]| x[..2].iter().all(|&c| c > 0.5 * h && c < 1.0 - 0.5 * h);
     for (k, x) in mesh.nodes.iter_mut().enumerate().filter(|(_, x)| inner(**x)) {
         let phase = k as f64 * 2.399_963;
-        *x = [x[0] + 0.3 * h * phase.cos(), x[1] + 0.3 * h * (1.7 * phase).sin()];
+        *x = [x[0] + 0.3 * h * phase.cos(), x[1] + 0.3 * h * (1.7 * phase).sin(), 0.0];
     }
     let dofs = Dofs::new(&mesh, |_, _| false);
     for poisson in [0.0, 0.3, 0.4999, 0.499_999] {
         let material = Elasticity::plane_strain(1.0, poisson);
         let k = assemble(&mesh, &dofs, Element::BBar, |_| material).unwrap();
         let [ux, uy] = [[0.3, -0.2], [0.7, 0.4]];
-        let u: Vec<f64> = mesh.nodes.iter().flat_map(|[x, y]| [ux, uy].map(|g| 0.1 + g[0] * x + g[1] * y)).collect();
+        let u: Vec<f64> = mesh.nodes.iter().flat_map(|[x, y, _]| [ux, uy].map(|g| 0.1 + g[0] * x + g[1] * y)).collect();
         let mut force = vec![0.0; u.len()];
         k.mul(&u, &mut force);
         // The forces of the uniform stress on the sides are all there are.
-        let [sx, sy, _, txy] = material.stress([ux[0], uy[1], 0.0, ux[1] + uy[0]]);
+        let [sx, sy, _, txy, _, _] = material.stress([ux[0], uy[1], 0.0, ux[1] + uy[0], 0.0, 0.0]);
         for (side, [nx, ny]) in
             [("bottom", [0.0, -1.0]), ("right", [1.0, 0.0]), ("top", [0.0, 1.0]), ("left", [-1.0, 0.0])]
         {
-            let traction = [sx * nx + txy * ny, txy * nx + sy * ny];
-            let load = edge_load(&mesh, &dofs, mesh.boundary(side).unwrap(), traction);
+            let traction = [sx * nx + txy * ny, txy * nx + sy * ny, 0.0];
+            let load = facet_load(&mesh, &dofs, mesh.boundary(side).unwrap(), traction);
             force.iter_mut().zip(load).for_each(|(sum, f)| *sum -= f);
         }
         let worst = force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
@@ -77,7 +77,7 @@ fn only_rigid_motions_are_free_of_energy() {
     let rigid = [translation(0), translation(1), rotation.iter().map(|r| r / length).collect()];
     for poisson in [0.0, 0.3, 0.4999, 0.499_999] {
         let material = Elasticity::plane_strain(1.0, poisson);
-        let mut a = element_stiffness(&DISTORTED, Element::BBar, &material).unwrap();
+        let mut a = element_stiffness(CellKind::Quadrilateral, &DISTORTED, Element::BBar, &material).unwrap();
         for r in &rigid {
             for row in &a {
                 let force: f64 = row.iter().zip(r).map(|(k, r)| k * r).sum();
@@ -92,11 +92,11 @@ fn only_rigid_motions_are_free_of_energy() {
             }
         }
         for p in 0..8 {
-            let pivot = a[p];
+            let pivot = a[p].clone();
             assert!(pivot[p] > 0.05, "pivot {p} is {:e} at nu = {poisson}", pivot[p]);
             for row in a.iter_mut().skip(p + 1) {
                 let factor = row[p] / pivot[p];
-                row.iter_mut().zip(pivot).for_each(|(x, y)| *x -= factor * y);
+                row.iter_mut().zip(&pivot).for_each(|(x, y)| *x -= factor * y);
             }
         }
     }
@@ -105,13 +105,13 @@ fn only_rigid_motions_are_free_of_energy() {
 /// Cook's membrane: the corners (0, 0), (48, 44), (48, 60), (0, 44), clamped at x = 0, with a shear
 /// force of 1 in all on x = 48. Returns the displacement upwards of the middle of that side.
 fn cook(n: usize, element: Element, material: Elasticity) -> f64 {
-    let mut mesh = block([1.0, 1.0], [n, n]);
+    let mut mesh = block(&[1.0, 1.0], &[n, n]);
     for x in &mut mesh.nodes {
         let (bottom, top) = (44.0 * x[0], 44.0 + 16.0 * x[0]);
-        *x = [48.0 * x[0], bottom + (top - bottom) * x[1]];
+        *x = [48.0 * x[0], bottom + (top - bottom) * x[1], 0.0];
     }
     let dofs = Dofs::new(&mesh, |node, _| mesh.nodes[node][0] == 0.0);
-    let force = edge_load(&mesh, &dofs, mesh.boundary("right").unwrap(), [0.0, 1.0 / 16.0]);
+    let force = facet_load(&mesh, &dofs, mesh.boundary("right").unwrap(), [0.0, 1.0 / 16.0, 0.0]);
     let u = solve(&mesh, &dofs, element, material, &force);
     u[(n / 2) * (n + 1) + n][1]
 }
@@ -143,7 +143,7 @@ fn cooks_membrane_nearly_incompressible() {
 
 /// The displacement (m) of the upper right corner of the paper's block at the end of its history, with
 /// nu = 0.4999.
-fn block_corner(n: usize, element: &str) -> [f64; 2] {
+fn block_corner(n: usize, element: &str) -> [f64; 3] {
     let overrides = [
         format!("mesh.elements=[{n}, {n}]"),
         format!("mesh.element=\"{element}\""),
@@ -160,7 +160,7 @@ fn block_corner(n: usize, element: &str) -> [f64; 2] {
 #[test]
 fn the_block_in_contact() {
     let fine = block_corner(40, "b-bar");
-    let off = |[x, y]: [f64; 2]| (x - fine[0]).hypot(y - fine[1]) / fine[0].hypot(fine[1]);
+    let off = |[x, y, _]: [f64; 3]| (x - fine[0]).hypot(y - fine[1]) / fine[0].hypot(fine[1]);
     let [coarse, locked] = ["b-bar", "bilinear"].map(|element| off(block_corner(20, element)));
     assert!(coarse < 0.005, "b-bar is off by {coarse}");
     assert!(locked > 0.3, "bilinear is off by {locked}");

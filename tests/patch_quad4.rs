@@ -4,20 +4,22 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use stickslip::fem::{Dofs, Elasticity, Element, GAUSS_2X2, assemble, edge_load, gradients, shape};
+use stickslip::fem::{Dofs, Elasticity, Element, assemble, facet_load, gradients, quadrature, shape};
 use stickslip::linear::Direct;
-use stickslip::mesh::{Mesh, block};
+use stickslip::mesh::{CellKind, Mesh, block};
 use stickslip::sparse::{Csc, Pattern};
+
+const QUAD: CellKind = CellKind::Quadrilateral;
 
 /// A block whose inner nodes are moved about by up to 0.3 of an element, the same way every time.
 fn distorted(n: usize) -> Mesh {
-    let mut mesh = block([1.0, 1.0], [n, n]);
+    let mut mesh = block(&[1.0, 1.0], &[n, n]);
     let h = 1.0 / n as f64;
     for (k, x) in mesh.nodes.iter_mut().enumerate() {
         let inner = |c: f64| c > 0.5 * h && c < 1.0 - 0.5 * h;
         if inner(x[0]) && inner(x[1]) {
             let phase = k as f64 * 2.399_963;
-            *x = [x[0] + 0.3 * h * phase.cos(), x[1] + 0.3 * h * (1.7 * phase).sin()];
+            *x = [x[0] + 0.3 * h * phase.cos(), x[1] + 0.3 * h * (1.7 * phase).sin(), 0.0];
         }
     }
     mesh
@@ -64,8 +66,8 @@ fn patch_test() {
         for (side, [nx, ny]) in
             [("bottom", [0.0, -1.0]), ("right", [1.0, 0.0]), ("top", [0.0, 1.0]), ("left", [-1.0, 0.0])]
         {
-            let traction = [sx * nx + txy * ny, txy * nx + sy * ny];
-            let load = edge_load(&mesh, &dofs, mesh.boundary(side).unwrap(), traction);
+            let traction = [sx * nx + txy * ny, txy * nx + sy * ny, 0.0];
+            let load = facet_load(&mesh, &dofs, mesh.boundary(side).unwrap(), traction);
             force.iter_mut().zip(load).for_each(|(sum, f)| *sum += f);
         }
         let u = dofs.displacements(&solve(&mesh, &dofs, &material, &force));
@@ -85,8 +87,8 @@ fn rigid_motions_are_the_null_space() {
     let mesh = distorted(4);
     let dofs = Dofs::new(&mesh, |_, _| false);
     let k = assemble(&mesh, &dofs, Element::Bilinear, |_| Elasticity::plane_strain(1.0, 0.3)).unwrap();
-    let energy = |field: &dyn Fn([f64; 2]) -> [f64; 2]| {
-        let u: Vec<f64> = mesh.nodes.iter().flat_map(|&x| field(x)).collect();
+    let energy = |field: &dyn Fn([f64; 3]) -> [f64; 3]| {
+        let u: Vec<f64> = mesh.nodes.iter().flat_map(|&x| field(x).into_iter().take(2)).collect();
         let mut ku = vec![0.0; u.len()];
         k.mul(&u, &mut ku);
         u.iter().zip(&ku).map(|(a, b)| a * b).sum::<f64>()
@@ -96,10 +98,10 @@ fn rigid_motions_are_the_null_space() {
     for motion in &motions {
         assert!(energy(&|x| motion.at(x)).abs() < 1e-14);
     }
-    assert!(energy(&|x| [x[0], 0.0]) > 0.1);
-    assert!(energy(&|x| [x[1], x[0]]) > 0.1);
+    assert!(energy(&|x| [x[0], 0.0, 0.0]) > 0.1);
+    assert!(energy(&|x| [x[1], x[0], 0.0]) > 0.1);
     // An hourglass pattern is no mechanism with 2 × 2 points.
-    assert!(energy(&|x| [(4.0 * PI * x[0]).cos() * (4.0 * PI * x[1]).cos(), 0.0]) > 0.1);
+    assert!(energy(&|x| [(4.0 * PI * x[0]).cos() * (4.0 * PI * x[1]).cos(), 0.0, 0.0]) > 0.1);
 }
 
 /// With the body force of u = sin(πx) sin(πy) (1, 2), the L2 error falls by four when h is halved.
@@ -120,26 +122,25 @@ fn manufactured_solution_converges_at_second_order() {
     };
     let error = |n: usize| {
         // A smooth map of the block keeps the element shapes the same as h falls.
-        let mut mesh = block([1.0, 1.0], [n, n]);
-        for [x, y] in &mut mesh.nodes {
+        let mut mesh = block(&[1.0, 1.0], &[n, n]);
+        for [x, y, _] in &mut mesh.nodes {
             let bump = 0.08 * (2.0 * PI * *x).sin() * (2.0 * PI * *y).sin();
             [*x, *y] = [*x + bump, *y - bump];
         }
-        let boundary = |x: [f64; 2]| x.iter().any(|&c| c.abs() < 1e-12 || (c - 1.0).abs() < 1e-12);
+        let boundary = |x: [f64; 3]| x[..2].iter().any(|&c| c.abs() < 1e-12 || (c - 1.0).abs() < 1e-12);
         let dofs = Dofs::new(&mesh, |node, _| boundary(mesh.nodes[node]));
-        let point = |corners: &[[f64; 2]; 4], n: [f64; 4]| {
-            [0, 1].map(|c| corners.iter().zip(n).map(|(x, n)| n * x[c]).sum::<f64>())
-        };
+        let point =
+            |corners: &[[f64; 3]], n: &[f64]| [0, 1].map(|c| corners.iter().zip(n).map(|(x, n)| n * x[c]).sum::<f64>());
         let mut force = vec![0.0; dofs.free()];
-        for (e, quad) in mesh.quads.iter().enumerate() {
-            let corners = mesh.corners(e);
-            for p in GAUSS_2X2 {
-                let (_, det) = gradients(p, &corners);
-                let [x, y] = point(&corners, shape(p));
+        for cell in &mesh.cells {
+            let corners = mesh.points(&cell.nodes);
+            for (p, _) in quadrature(cell.kind) {
+                let (_, det) = gradients(cell.kind, p, &corners).unwrap();
+                let [x, y] = point(&corners, &shape(QUAD, p));
                 let b = body_force(x, y);
-                for (&node, n) in quad.iter().zip(shape(p)) {
-                    for (dof, b) in dofs.node(node).into_iter().zip(b) {
-                        if let Some(dof) = dof {
+                for (&node, n) in cell.nodes.iter().zip(shape(QUAD, p)) {
+                    for (dof, b) in dofs.node(node).iter().zip(b) {
+                        if let Some(dof) = *dof {
                             force[dof] += n * det * b;
                         }
                     }
@@ -148,14 +149,14 @@ fn manufactured_solution_converges_at_second_order() {
         }
         let u = dofs.displacements(&solve(&mesh, &dofs, &material, &force));
         let mut sum = 0.0;
-        for (e, quad) in mesh.quads.iter().enumerate() {
-            let corners = mesh.corners(e);
-            for p in GAUSS_2X2 {
-                let (_, det) = gradients(p, &corners);
-                let [x, y] = point(&corners, shape(p));
+        for cell in &mesh.cells {
+            let corners = mesh.points(&cell.nodes);
+            for (p, _) in quadrature(cell.kind) {
+                let (_, det) = gradients(cell.kind, p, &corners).unwrap();
+                let [x, y] = point(&corners, &shape(QUAD, p));
                 let exact = field(x, y);
                 for c in 0..2 {
-                    let computed: f64 = quad.iter().zip(shape(p)).map(|(&node, n)| n * u[node][c]).sum();
+                    let computed: f64 = cell.nodes.iter().zip(shape(QUAD, p)).map(|(&node, n)| n * u[node][c]).sum();
                     sum += det * (computed - exact[c]).powi(2);
                 }
             }

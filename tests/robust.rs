@@ -157,7 +157,7 @@ impl Random {
 /// Gives every element a modulus of its own, over so many decades.
 fn randomise_stiffness(model: &mut Model, decades: f64, random: &mut Random) {
     let young: Vec<f64> =
-        model.mesh.quads.iter().map(|_| 210e9 * 10_f64.powf(decades * (random.next() - 0.5))).collect();
+        model.mesh.cells.iter().map(|_| 210e9 * 10_f64.powf(decades * (random.next() - 0.5))).collect();
     let material = |element| Elasticity::plane_strain(young[element], 0.3);
     model.problem.stiffness = assemble(&model.mesh, &model.dofs, Element::Bilinear, material).unwrap();
 }

@@ -56,7 +56,10 @@ fn violations(scene: &Scene) -> (Option<String>, Vec<[f64; 2]>) {
         assert!(w_n.iter().all(|&w| w <= 1e-12), "{motion}: {w_n:?}");
     }
     let motion = conditions.leaving.map(|weights| named(&model, &weights));
-    (motion, conditions.dependent.iter().map(|&i| model.contacts[i].position).collect())
+    (
+        motion,
+        conditions.dependent.iter().map(|&i| [model.contacts[i].position[0], model.contacts[i].position[1]]).collect(),
+    )
 }
 
 /// The motion that the load at the end drives, in words.

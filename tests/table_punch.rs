@@ -47,7 +47,7 @@ fn resultants_converge_to_the_exact_ones() {
         let overrides = [format!("time.increments={increments}").parse().unwrap()];
         let scene = Scene::parse("punch.toml", include_str!("../data/scenes/punch.toml"), &overrides).unwrap();
         let model = Model::new(&scene).unwrap();
-        assert_eq!((model.mesh.quads.len(), model.contacts.len()), (880, 31));
+        assert_eq!((model.mesh.cells.len(), model.contacts.len()), (880, 31));
         let outcome = common::run(&scene, &model, &mut ());
         assert_eq!(outcome.status, Status::Converged);
         assert_eq!(outcome.records.last().unwrap().contact.open, 8);

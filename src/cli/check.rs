@@ -1,12 +1,14 @@
 //! `stickslip check`.
 
 use std::collections::BTreeSet;
+use std::fmt::Write;
 
 use clap::Args;
 use stickslip::fem::RigidMotion;
 use stickslip::formulation::Layout;
+use stickslip::mesh::CellKind;
 use stickslip::model::Model;
-use stickslip::scene::{Element, HalfPlane, Material, Mesh, Plane, Scene, Shape};
+use stickslip::scene::{Element, HalfPlane, Material, Mesh, Plane, Rotation, Scene, Shape};
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 
 use super::{Failure, SceneArgs, discretise};
@@ -48,57 +50,79 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 }
 
 fn body(scene: &Scene, model: &Model) {
-    let kind = match scene.mesh {
-        Mesh::Block { size: [width, height], elements: [nx, ny], grading } => {
-            let graded = match grading {
-                [1.0, 1.0] => String::new(),
-                [x, y] => format!(" (graded 1 : {x} and 1 : {y})"),
+    let kind = match &scene.mesh {
+        Mesh::Block { size, elements, grading, .. } => {
+            let lengths = size.iter().map(|length| format!("{length} m")).collect::<Vec<_>>().join(" x ");
+            let graded = if grading.iter().all(|&ratio| ratio == 1.0) {
+                String::new()
+            } else {
+                format!(" (graded {})", listed(grading.iter().map(|ratio| format!("1 : {ratio}")).collect()))
             };
-            format!("block {width} m x {height} m, {nx} x {ny}{graded}")
+            let elements = elements.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
+            format!("block {lengths}, {elements}{graded}")
         }
         Mesh::HalfPlane(HalfPlane { size: [width, height], contact_elements, outer_elements, layers, .. }) => {
             format!("half-plane {width} m x {height} m, ({contact_elements} + {outer_elements}) x {layers}")
         }
+        Mesh::Gmsh { file, scale } => format!("{}, unit {scale} m,", file.display()),
     };
-    let element = match scene.element {
-        Element::Bilinear => "bilinear",
-        Element::BBar => "B-bar",
+    let mut cells: Vec<CellKind> = model.mesh.cells.iter().map(|cell| cell.kind).collect();
+    cells.dedup();
+    let cells = match (&cells[..], scene.element) {
+        ([CellKind::Triangle], _) => "linear triangles",
+        ([CellKind::Tetrahedron], _) => "linear tetrahedra",
+        ([CellKind::Quadrilateral], Element::Bilinear) => "bilinear quadrilaterals",
+        ([CellKind::Quadrilateral], Element::BBar) => "B-bar quadrilaterals",
+        ([CellKind::Hexahedron], Element::Bilinear) => "trilinear hexahedra",
+        ([CellKind::Hexahedron], Element::BBar) => "B-bar hexahedra",
+        (_, Element::Bilinear) => "elements of several kinds",
+        (_, Element::BBar) => "B-bar elements of several kinds",
     };
     say!(
-        "mesh         {kind} {element} quadrilaterals, {} nodes, boundaries {}",
+        "mesh         {kind} {cells}, {} nodes, boundaries {}",
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
     );
-    let Material { young, poisson, plane, layers } = &scene.material;
-    let state = match plane {
-        Plane::Strain => "plane strain",
-        Plane::Stress => "plane stress",
+    let Material { young, poisson, plane, layers, groups, .. } = &scene.material;
+    let state = match (model.mesh.dimension, plane) {
+        (2, Plane::Strain) => "plane strain, unit thickness",
+        (2, Plane::Stress) => "plane stress, unit thickness",
+        _ => "three dimensions",
     };
-    say!("material     E = {} Pa, nu = {poisson}, {state}, unit thickness", number(*young));
+    say!("material     E = {} Pa, nu = {poisson}, {state}", number(*young));
+    for group in groups {
+        say!("group        {}: E = {} Pa, nu = {}", group.name, number(group.young), group.poisson);
+    }
+    let height = if model.mesh.dimension == 2 { "y" } else { "z" };
     let mut bottom = 0.0;
     for layer in layers {
         // A height is a sum of thicknesses; fifteen digits hide its rounding.
         let top: f64 = format!("{:.14e}", layer.top).parse().unwrap_or(layer.top);
         let young = number(layer.young);
-        say!("layer        y = {bottom} to {top} m: E = {young} Pa, nu = {}", layer.poisson);
+        say!("layer        {height} = {bottom} to {top} m: E = {young} Pa, nu = {}", layer.poisson);
         bottom = top;
     }
     for support in &scene.supports {
-        let held = ["x", "y"].into_iter().zip(support.fix).filter(|&(_, fix)| fix).map(|(name, _)| name);
-        say!("support      {}: {} held", support.boundary, held.collect::<Vec<_>>().join(" and "));
+        let held = ["x", "y", "z"].into_iter().zip(support.fix).filter(|&(_, fix)| fix).map(|(name, _)| name.into());
+        say!("support      {}: {} held", support.boundary, listed(held.collect()));
     }
 }
 
 fn contact(scene: &Scene, model: &Model) {
     for contact in &scene.contacts {
-        let shape = match contact.obstacle.shape {
-            Shape::Plane { gap } => format!("plane at {} m", number(gap)),
-            Shape::Cylinder { radius, apex: [x, y] } => format!("cylinder, radius {radius} m, apex ({x}, {y}) m"),
-        };
-        let moves = match contact.obstacle.approach.last() {
+        let shape = shape(model, &contact.obstacle.shape);
+        let mut moves = match contact.obstacle.approach.last() {
             Some([t, distance]) => format!(", moves in by {} m until {t} s", number(*distance)),
             None => String::new(),
         };
+        if let Some([t, x, y, z]) = contact.obstacle.translation.last() {
+            let _ = write!(moves, ", moves by {} m until {t} s", model.mesh.place([*x, *y, *z]));
+        }
+        if let Some(Rotation { history, .. }) = &contact.obstacle.rotation
+            && let Some([t, angle]) = history.last()
+        {
+            let _ = write!(moves, ", turns by {angle} rad until {t} s");
+        }
         say!("contact      {}: {shape}{moves}, mu = {}", contact.boundary, contact.friction);
     }
     let layout = Layout::new(&model.problem);
@@ -116,29 +140,46 @@ fn contact(scene: &Scene, model: &Model) {
     }
 }
 
+fn shape(model: &Model, shape: &Shape) -> String {
+    let place = |x: &[f64; 3]| model.mesh.place(*x);
+    match shape {
+        Shape::Plane { gap } => format!("plane at {} m", number(*gap)),
+        Shape::PlaneThrough { through } => format!("plane through {} m", place(through)),
+        Shape::Cylinder { radius, apex, .. } => format!("cylinder, radius {radius} m, apex {} m", place(apex)),
+        Shape::Sphere { radius, apex } => format!("sphere, radius {radius} m, apex {} m", place(apex)),
+        Shape::Wedge { apex, angle, .. } => format!("wedge, angle {angle} rad, apex {} m", place(apex)),
+        Shape::Formula(formula) => format!("gap {}", formula.text()),
+        Shape::Table { file } => format!("gap from {}", file.display()),
+    }
+}
+
 fn loads(scene: &Scene, model: &Model) {
     for (load, case) in scene.loads.iter().zip(&model.loading.cases) {
-        let [mut x, mut y] = [0.0; 2];
-        for node in 0..model.mesh.nodes.len() {
-            let [dx, dy] = model.dofs.node(node);
-            x += dx.map_or(0.0, |dof| case.force[dof]);
-            y += dy.map_or(0.0, |dof| case.force[dof]);
-        }
+        let sum = model
+            .dofs
+            .displacements(&case.force)
+            .into_iter()
+            .fold([0.0; 3], |sum, force| [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]);
+        let numbers = |x: &[f64]| x.iter().map(|&x| number(x)).collect::<Vec<_>>().join(", ");
         let mut history: Vec<String> = load.history.iter().map(|[t, factor]| format!("{factor} at {t} s")).collect();
         if history.len() > 8 {
             let left_out = format!("({} more)", history.len() - 7);
             history.splice(6..history.len() - 1, [left_out]);
         }
         say!(
-            "load         {}: ({}, {}) N/m2, in all ({}, {}) N on what is free; factor {}",
+            "load         {}: ({}) N/m2, in all ({}) N on what is free; factor {}",
             load.boundary,
-            number(load.traction[0]),
-            number(load.traction[1]),
-            number(x),
-            number(y),
+            numbers(&load.traction),
+            numbers(&sum[..model.mesh.dimension]),
             history.join(", ")
         );
     }
+}
+
+/// `a`, `a and b` or `a, b and c`.
+fn listed(mut names: Vec<String>) -> String {
+    let last = names.pop().unwrap_or_default();
+    if names.is_empty() { last } else { format!("{} and {last}", names.join(", ")) }
 }
 
 /// A number in few digits, 0 as 0.
@@ -173,13 +214,13 @@ fn theorem(model: &Model) {
     }
     let nodes: BTreeSet<usize> = conditions.dependent.iter().map(|&i| model.contacts[i].node).collect();
     if let Some(&first) = nodes.first() {
-        let [x, y] = model.mesh.nodes[first];
+        let place = model.mesh.place(model.mesh.nodes[first]);
         let others = match nodes.len() - 1 {
             0 => String::new(),
             n => format!(" (and at {n} more)"),
         };
         say!(
-            "{label:<12} (b) violated: the contact rows at ({x}, {y}) m{others} depend on each other, so the contact \
+            "{label:<12} (b) violated: the contact rows at {place} m{others} depend on each other, so the contact \
              forces there are not unique; turn a normal, or take away a contact or a support"
         );
     }

@@ -6,13 +6,14 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
+use stickslip::contact::RangeLeft;
 use stickslip::formulation::Layout;
 use stickslip::history::{self, HistorySettings, Method, Observer, Start, Status, Step};
 use stickslip::linear;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IpSettings, IterationRecord, PredictorCorrectorSettings};
 use stickslip::report::{
-    ContactLine, Final, Measured, ResultFolder, Resultant, RunReport, Unknowns, cpu_seconds, peak_rss_bytes,
+    ContactLine, Final, Measured, ResultFolder, Resultant, RunReport, Unknowns, cpu_seconds, fields, peak_rss_bytes,
 };
 use stickslip::scene::{self, NewtonSystem, Scene, Solver};
 
@@ -51,6 +52,8 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         model: &model,
         title: &scene.title,
         wanted: wanted_increments(&scene.output.times, &times),
+        fields: scene.output.fields,
+        range_left: None,
         folder,
         progress: Progress::new(times.len(), !args.json),
         failed_write: None,
@@ -60,7 +63,7 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let mut linear = model.linear(scene.solver.linear);
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut watcher);
     watcher.progress.finish();
-    let Watcher { folder, failed_write, last, .. } = watcher;
+    let Watcher { folder, failed_write, last, range_left, .. } = watcher;
     let outcome = outcome.map_err(|error| Failure::linear(&error))?;
     let critical_friction = match last {
         Some(last) => last.critical_friction(&model, &outcome).map_err(|error| Failure::linear(&error))?,
@@ -76,6 +79,7 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let name = args.scene.scene.display().to_string();
     let mut report = RunReport::new(&name, &scene, &model.contact_boundaries, &outcome, explanation, measured);
     report.critical_friction = critical_friction;
+    report.range_left = range_left;
     let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     if let Some(folder) = &folder
         && let Err(error) = failed_write.map_or_else(|| folder.write("run.json", &json), Err)
@@ -86,6 +90,9 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         say!("{json}");
     } else {
         print_verdict(&report, times.len());
+        if let Some(left) = &report.range_left {
+            say!("warning      {}", verdict::out_of_range(&model, left));
+        }
         if let Some(critical) = &report.critical_friction {
             say!("uniqueness   {}", uniqueness::explain(critical, &model.problem.mu));
         }
@@ -106,6 +113,10 @@ struct Watcher<'a> {
     title: &'a str,
     /// Increments whose contact lines are written.
     wanted: Vec<usize>,
+    /// Whether the fields of the body are written, too.
+    fields: bool,
+    /// Where the linearised gaps were most wrong.
+    range_left: Option<RangeLeft>,
     folder: Option<ResultFolder>,
     progress: Progress,
     failed_write: Option<io::Error>,
@@ -129,12 +140,22 @@ impl Observer for Watcher<'_> {
         if let Some(last) = &mut self.last {
             last.keep(step);
         }
+        let Step { record, increment, state, statuses } = step;
+        if let Some(left) = self.model.range_left(record.time, &state.u, increment.gap, statuses)
+            && self.range_left.is_none_or(|worst| left.share.is_nan() || left.share > worst.share)
+        {
+            self.range_left = Some(left);
+        }
         let Some(folder) = &mut self.folder else { return Flow::Continue };
         let mut written = folder.add_increment(step.record);
         // What a failed increment reached is worth a look, too.
         if self.wanted.contains(&step.record.index) || step.record.status != Status::Converged {
             for line in ContactLine::all(self.model, step) {
                 written = written.and_then(|()| folder.add_contact_line(&line, self.title));
+            }
+            if self.fields {
+                let grid = fields(self.model, step);
+                written = written.and_then(|()| folder.add_fields(record.index, record.time, &grid));
             }
         }
         match written {

@@ -1,6 +1,6 @@
 //! Why a run did not converge, in words: the law that is violated, where, and what to try.
 
-use stickslip::contact::Law;
+use stickslip::contact::{Law, RangeLeft};
 use stickslip::fem::RigidMotion;
 use stickslip::history::{HistoryOutcome, Status};
 use stickslip::model::Model;
@@ -26,8 +26,8 @@ fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
     };
     let (law, error) = record.kkt.worst();
     let place = worst_node(model, outcome).map_or(String::new(), |worst| {
-        let [x, y] = worst.position;
-        format!(" at the node ({x}, {y}) m")
+        let place = model.mesh.place(model.mesh.nodes[worst.node]);
+        format!(" at the node {place} m")
     });
     let violated = format!("{law} is violated by {error:.1e} (tolerance {:.0e}){place}", scene.solver.tolerance);
     let why = match outcome.status {
@@ -87,6 +87,20 @@ fn advice(scene: &Scene) -> &'static str {
     }
 }
 
+/// That the contact left the range of its linearised gaps, in words.
+pub(super) fn out_of_range(model: &Model, left: &RangeLeft) -> String {
+    let RangeLeft { position, time, linearised, exact, share, .. } = *left;
+    let place = model.mesh.place(position);
+    if exact.is_nan() {
+        return format!("the obstacle is no longer in front of the contact node at {place} m at t = {time} s");
+    }
+    format!(
+        "gaps are linearised in the undeformed state, and the contact leaves where that holds: at the node {place} m at \
+         t = {time} s the distance is {exact:.2e} m, not {linearised:.2e} m, off by {:.0} % of the indentation",
+        100.0 * share
+    )
+}
+
 fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
     match motion(model, outcome) {
         Some(motion) => format!("nothing holds the body against {motion}; add a support"),
@@ -112,6 +126,6 @@ fn worst_node(model: &Model, outcome: &HistoryOutcome) -> Option<WorstNode> {
         Law::Equilibrium => model.dofs.node_of(violation.place)?,
         _ => model.contacts.get(violation.place)?.node,
     };
-    let position = model.mesh.nodes[node];
+    let position = model.mesh.nodes[node][..model.mesh.dimension].to_vec();
     Some(WorstNode { law: violation.law, error: violation.error, node, position })
 }

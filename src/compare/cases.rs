@@ -181,9 +181,10 @@ impl Observer for Recorder<'_> {
 impl Mesh {
     /// The elements in the first direction, or along the contact zone.
     pub(super) fn first_elements(&self) -> usize {
-        match *self {
-            Mesh::Block { elements: [first, _], .. } => first,
-            Mesh::HalfPlane(HalfPlane { contact_elements, .. }) => contact_elements,
+        match self {
+            Mesh::Block { elements, .. } => elements[0],
+            Mesh::HalfPlane(HalfPlane { contact_elements, .. }) => *contact_elements,
+            Mesh::Gmsh { .. } => 1,
         }
     }
 
@@ -191,15 +192,18 @@ impl Mesh {
     fn refined(&self, first: usize) -> Vec<Override> {
         let share = first as f64 / self.first_elements() as f64;
         let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
-        match *self {
+        match self {
             Mesh::Block { elements, .. } => {
-                vec![Override::value("mesh.elements", elements.map(scaled).into_iter().collect::<toml_edit::Value>())]
+                let elements = elements.iter().map(|&count| scaled(count));
+                vec![Override::value("mesh.elements", elements.collect::<toml_edit::Value>())]
             }
             Mesh::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => vec![
-                Override::value("mesh.contact_elements", scaled(contact_elements)),
-                Override::value("mesh.outer_elements", scaled(outer_elements)),
-                Override::value("mesh.layers", scaled(layers)),
+                Override::value("mesh.contact_elements", scaled(*contact_elements)),
+                Override::value("mesh.outer_elements", scaled(*outer_elements)),
+                Override::value("mesh.layers", scaled(*layers)),
             ],
+            // A mesh from a file is what it is.
+            Mesh::Gmsh { .. } => Vec::new(),
         }
     }
 }

@@ -11,12 +11,14 @@ pub struct End {
     pub p_n: Vec<f64>,
     /// `p_t` at the end, n_c, N.
     pub p_t: Vec<f64>,
+    /// `p_o` at the end, n_c, N.
+    pub p_o: Vec<f64>,
     /// Work that friction has dissipated in the whole history, J per m of depth; NaN if an increment was
     /// halved, since the slip of its parts is not seen.
     pub work: f64,
     /// `½ uᵀ K u` at the end, J per m of depth.
     pub energy: f64,
-    /// The contact tractions at the end.
+    /// The contact tractions at the end; empty in three dimensions, where contact is no line.
     pub profile: Profile,
 }
 
@@ -37,9 +39,9 @@ pub struct Profile {
 pub struct TimeErrors {
     /// In `p_n`.
     pub p_n: f64,
-    /// In `p_t`, relative to `p_t` alone.
+    /// In the tangential forces, relative to these alone.
     pub p_t: f64,
-    /// In the contact forces, `(p_n, p_t)` together.
+    /// In all contact forces.
     pub forces: f64,
     /// In the work that friction has dissipated in the whole history.
     pub work: f64,
@@ -58,11 +60,12 @@ pub struct MeshErrors {
     pub tractions: f64,
 }
 
-/// The work that friction dissipates in one increment, `p_tᵀ (w_t - w̄_t)`, J per m of depth: by (8) no node
-/// has a negative share in it.
+/// The work that friction dissipates in one increment, `p_Tᵀ (w_T - w̄_T)`, J, or J per m of depth: by (8) no
+/// node has a negative share in it.
 pub fn friction_work(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> f64 {
-    let slip = |i: usize| problem.c_t.dot(i, &state.u) - increment.w_t_last[i];
-    (0..problem.contacts()).map(|i| state.p_t[i] * slip(i)).sum()
+    let directions = [(&problem.c_t, &state.p_t, increment.w_t_last), (&problem.c_o, &state.p_o, increment.w_o_last)];
+    let of_node = |i: usize| directions.iter().map(|(c, p, last)| p[i] * (c.dot(i, &state.u) - last[i])).sum::<f64>();
+    (0..problem.contacts()).map(of_node).sum()
 }
 
 impl End {
@@ -75,12 +78,17 @@ impl End {
         End {
             p_n: state.p_n.clone(),
             p_t: state.p_t.clone(),
+            p_o: state.p_o.clone(),
             work,
             energy: 0.5 * state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>(),
-            profile: Profile {
-                positions: model.contacts.iter().map(|ContactNode { position, .. }| *position).collect(),
-                weight: problem.weight.clone(),
-                tractions: (0..problem.contacts()).map(traction).collect(),
+            profile: if model.mesh.dimension == 2 {
+                Profile {
+                    positions: model.contacts.iter().map(|ContactNode { position: [x, y, _], .. }| [*x, *y]).collect(),
+                    weight: problem.weight.clone(),
+                    tractions: (0..problem.contacts()).map(traction).collect(),
+                }
+            } else {
+                Profile { positions: Vec::new(), weight: Vec::new(), tractions: Vec::new() }
             },
         }
     }
@@ -89,10 +97,12 @@ impl End {
 impl TimeErrors {
     /// Those of `end` against `reference`, both with the integration weights `l`.
     pub fn new(end: &End, reference: &End, weight: &[f64]) -> Self {
-        let [p_n, p_t] = [(&end.p_n, &reference.p_n), (&end.p_t, &reference.p_t)].map(|(p, exact)| {
+        let components = [(&end.p_n, &reference.p_n), (&end.p_t, &reference.p_t), (&end.p_o, &reference.p_o)];
+        let [p_n, p_t, p_o] = components.map(|(p, exact)| {
             let difference: Vec<f64> = p.iter().zip(exact).map(|(p, exact)| p - exact).collect();
             [square(&difference, weight), square(exact, weight)]
         });
+        let p_t = [p_t[0] + p_o[0], p_t[1] + p_o[1]];
         TimeErrors {
             p_n: relative(p_n[0].sqrt(), p_n[1].sqrt()),
             p_t: relative(p_t[0].sqrt(), p_t[1].sqrt()),
@@ -140,8 +150,12 @@ impl Profile {
     }
 
     /// The distance of the tractions to those of a `finer` mesh in the L2 norm of the line between two points,
-    /// relative to the finer; at the nodes of this mesh, with the finer ones linear between their nodes.
+    /// relative to the finer; at the nodes of this mesh, with the finer ones linear between their nodes. NaN
+    /// without a line.
     pub fn distance(&self, finer: &Profile, between: [[f64; 2]; 2]) -> f64 {
+        if self.positions.is_empty() {
+            return f64::NAN;
+        }
         let (mut difference, mut whole) = (0.0, 0.0);
         for ((position, l), traction) in self.positions.iter().zip(&self.weight).zip(&self.tractions) {
             // Nodes at the ends count, whatever rounding makes of their place.

@@ -1,10 +1,15 @@
-//! The contact nodes of a boundary: gaps, weights, and rows of `C_n` and `C_t` (2).
+//! The contact nodes of a boundary: gaps, weights, and rows of `C_n`, `C_t` and `C_o` (2).
 
 use std::ops::Range;
 
-use super::obstacle::Obstacle;
-use crate::fem::Dofs;
+use super::motion::ObstacleMotion;
+use super::obstacle::{Facing, Obstacle};
+use crate::fem::{Dofs, facet_weights};
 use crate::mesh::{Boundary, Mesh};
+use crate::vector::{cross, unit};
+
+/// A row of a contact map, `w = Σ coefficient · u[dof]`, as pairs `(dof, coefficient)`.
+pub type Row = Vec<(usize, f64)>;
 
 /// A node that can touch an obstacle.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,14 +17,15 @@ pub struct ContactNode {
     /// Its number in the mesh.
     pub node: usize,
     /// Its position, m.
-    pub position: [f64; 2],
-    /// Its row of `C_n`: `w_n = Σ coefficient · u[dof]`.
-    pub normal: Vec<(usize, f64)>,
-    /// Its row of `C_t`.
-    pub tangent: Vec<(usize, f64)>,
-    /// Its gap, m.
-    pub gap: f64,
-    /// Its share of the contact boundary by the trapezoidal rule, m.
+    pub position: [f64; 3],
+    /// Its row of `C_n`.
+    pub normal: Row,
+    /// Its rows of `C_t` and `C_o`, along orthonormal tangents. A row is empty where there is no such
+    /// direction to slide in: the first before the second never.
+    pub tangents: [Row; 2],
+    /// What it sees of the obstacle; the tangents are those of `C_t` and `C_o`.
+    pub facing: Facing,
+    /// Its share of the contact boundary, `∫ N dA`: m in two dimensions (the trapezoidal rule), m² in three.
     pub weight: f64,
 }
 
@@ -36,67 +42,123 @@ pub struct ContactBoundary {
 /// normal carries no contact force and is left out.
 pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &Obstacle) -> Vec<ContactNode> {
     let nodes = boundary.nodes();
-    let gaps = obstacle.gaps(mesh, &nodes);
     let mut weights = vec![0.0; mesh.nodes.len()];
-    for &edge in &boundary.edges {
-        let [dx, dy] = mesh.edge_vector(edge);
-        for node in edge {
-            weights[node] += 0.5 * dx.hypot(dy);
+    for facet in &boundary.facets {
+        for (&node, weight) in facet.iter().zip(facet_weights(mesh, facet)) {
+            weights[node] += weight;
         }
     }
-    let row = |node: usize, direction: [f64; 2]| -> Vec<(usize, f64)> {
-        let free = dofs.node(node).into_iter().zip(direction);
+    let row = |node: usize, direction: [f64; 3]| -> Row {
+        let free = dofs.node(node).iter().zip(direction);
         free.filter_map(|(dof, c)| dof.map(|d| (d, c))).filter(|&(_, c)| c != 0.0).collect()
     };
-    (nodes.iter().zip(gaps))
-        .map(|(&node, gap)| ContactNode {
-            node,
-            position: mesh.nodes[node],
-            normal: row(node, obstacle.normal),
-            // With one free component, tangential motion is normal motion: nothing is left to slide.
-            tangent: if dofs.node(node).contains(&None) && !row(node, obstacle.normal).is_empty() {
-                Vec::new()
-            } else {
-                row(node, obstacle.tangent)
-            },
-            gap,
-            weight: weights[node],
+    (nodes.iter())
+        .map(|&node| {
+            let mut facing = obstacle.at(mesh.nodes[node]);
+            let tangents = tangents(dofs.node(node), &facing);
+            let row_along = |k: usize| tangents.get(k).map_or(Vec::new(), |tangent| row(node, *tangent));
+            let rows = [row_along(0), row_along(1)];
+            facing.tangents.iter_mut().zip(tangents).for_each(|(to, tangent)| *to = tangent);
+            let normal = row(node, facing.normal);
+            ContactNode { node, position: mesh.nodes[node], normal, tangents: rows, facing, weight: weights[node] }
         })
         .filter(|contact| !contact.normal.is_empty())
         .collect()
 }
 
-/// The first node of `boundary` that interferes with the obstacle, once that has moved in by
-/// `furthest` (m), while supports hold it there: no displacement can bring it out.
-pub fn unreachable(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &Obstacle, furthest: f64) -> Option<usize> {
-    let nodes = boundary.nodes();
-    let gaps = obstacle.gaps(mesh, &nodes);
-    let held = |node: usize| dofs.node(node).into_iter().zip(obstacle.normal).all(|(dof, n)| dof.is_none() || n == 0.0);
-    nodes.into_iter().zip(gaps).find(|&(node, gap)| gap < furthest && held(node)).map(|(node, _)| node)
+/// The tangents along which a node with the unknowns `dofs` can slide: orthonormal
+/// directions at right angles to the normal in the space of its free components.
+///
+/// - All of space: those of the obstacle.
+/// - A plane, in two dimensions or where a support holds one component: the first tangent of the obstacle that lies
+///   in the plane, otherwise the one direction of the plane that is tangential.
+/// - A line: none. Tangential motion is normal motion, nothing is left to slide.
+fn tangents(dofs: &[Option<usize>], facing: &Facing) -> Vec<[f64; 3]> {
+    let free = |axis: usize| dofs.get(axis).is_some_and(Option::is_some);
+    let held: Vec<usize> = (0..3).filter(|&axis| !free(axis)).collect();
+    match held[..] {
+        [] => facing.tangents.to_vec(),
+        [axis] => {
+            let across = [0, 1, 2].map(|c| if c == axis { 1.0 } else { 0.0 });
+            let in_plane = facing.tangents.into_iter().find(|tangent| tangent[axis] == 0.0);
+            vec![in_plane.unwrap_or_else(|| unit(cross(across, facing.normal)))]
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// The first node of `boundary` that the obstacle reaches somewhere in its motion while supports hold it
+/// there: no displacement can bring it out.
+pub fn unreachable(
+    mesh: &Mesh,
+    dofs: &Dofs,
+    boundary: &Boundary,
+    obstacle: &Obstacle,
+    motion: &ObstacleMotion,
+) -> Option<usize> {
+    boundary.nodes().into_iter().find(|&node| {
+        let facing = obstacle.at(mesh.nodes[node]);
+        let held = dofs.node(node).iter().zip(facing.normal).all(|(dof, n)| dof.is_none() || n == 0.0);
+        held && motion.smallest_gap(mesh.nodes[node], &facing) < 0.0
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mesh::block;
-    use crate::scene::Shape;
+    use crate::scene::{self, Shape};
 
     #[test]
     fn the_clamped_corner_is_no_contact_node() {
-        let mesh = block([1.0, 1.0], [4, 4]);
+        let mesh = block(&[1.0, 1.0], &[4, 4]);
         let dofs = Dofs::new(&mesh, |node, _| mesh.nodes[node][0] == 0.0);
         let bottom = mesh.boundary("bottom").unwrap();
-        let plane = Obstacle::facing(&mesh, bottom, Shape::Plane { gap: 1e-5 }, None, None).unwrap();
+        let given = scene::Obstacle::at_rest(Shape::Plane { gap: 1e-5 });
+        let plane = Obstacle::new(&mesh, bottom, &given).unwrap();
         let contacts = contact_nodes(&mesh, &dofs, bottom, &plane);
         assert_eq!(contacts.iter().map(|c| c.position[0]).collect::<Vec<_>>(), [0.25, 0.5, 0.75, 1.0]);
         assert_eq!(contacts.iter().map(|c| c.weight).collect::<Vec<_>>(), [0.25, 0.25, 0.25, 0.125]);
-        let [x, y] = dofs.node(1).map(Option::unwrap);
-        assert_eq!((contacts[0].normal.clone(), contacts[0].tangent.clone()), (vec![(y, -1.0)], vec![(x, 1.0)]));
-        assert_eq!(unreachable(&mesh, &dofs, bottom, &plane, 0.0), None);
-        assert_eq!(unreachable(&mesh, &dofs, bottom, &plane, 2e-5), Some(0));
+        let [Some(x), Some(y)] = dofs.node(1)[..] else { panic!() };
+        assert_eq!((&contacts[0].normal, &contacts[0].tangents), (&vec![(y, -1.0)], &[vec![(x, 1.0)], vec![]]));
+        let reached = |given: &scene::Obstacle| {
+            let plane = Obstacle::new(&mesh, bottom, given).unwrap();
+            unreachable(&mesh, &dofs, bottom, &plane, &ObstacleMotion::new(given, plane.normal))
+        };
+        assert_eq!(reached(&given), None);
         assert_eq!(
-            unreachable(&mesh, &dofs, bottom, &Obstacle { shape: Shape::Plane { gap: -1e-9 }, ..plane }, 0.0),
+            reached(&scene::Obstacle { approach: vec![[0.0, 0.0], [1.0, 2e-5], [2.0, 0.0]], ..given.clone() }),
             Some(0)
         );
+        assert_eq!(reached(&scene::Obstacle { shape: Shape::Plane { gap: -1e-9 }, ..given }), Some(0));
+    }
+
+    /// Supports on the symmetry plane x = 0 and the roller y = 0 leave one tangent, both together none.
+    #[test]
+    fn symmetry_planes_leave_one_tangent() {
+        let mesh = block(&[1.0, 1.0, 1.0], &[2, 2, 2]);
+        let dofs = Dofs::new(&mesh, |node, c| c < 2 && mesh.nodes[node][c] == 0.0);
+        let bottom = mesh.boundary("bottom").unwrap();
+        for normal in [None, Some([0.0, 0.6, -0.8]), Some([0.36, 0.48, -0.8])] {
+            let given = scene::Obstacle { normal, ..scene::Obstacle::at_rest(Shape::Plane { gap: 0.0 }) };
+            let plane = Obstacle::new(&mesh, bottom, &given).unwrap();
+            let contacts = contact_nodes(&mesh, &dofs, bottom, &plane);
+            assert!((contacts.iter().map(|c| c.weight).sum::<f64>() - 1.0).abs() < 1e-15);
+            for contact in &contacts {
+                let held = (0..2).filter(|&c| contact.position[c] == 0.0).count();
+                let rows = [&contact.normal, &contact.tangents[0], &contact.tangents[1]];
+                assert_eq!(rows.map(|row| usize::from(!row.is_empty())).iter().sum::<usize>(), 3 - held);
+                // Tangents are of unit length, orthogonal to each other and to the normal.
+                let dot = |a: &Row, b: &Row| -> f64 {
+                    a.iter().flat_map(|x| b.iter().filter(|y| y.0 == x.0).map(|y| x.1 * y.1)).sum()
+                };
+                for (k, a) in rows.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
+                    for (l, b) in rows.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
+                        let expected = if k == l { 1.0 } else { 0.0 };
+                        assert!(k == 0 && l == 0 || (dot(a, b) - expected).abs() < 1e-15, "{contact:?}");
+                    }
+                }
+            }
+        }
     }
 }

@@ -1,114 +1,227 @@
-//! Rigid obstacles: their gaps to the nodes of a boundary, along one normal.
+//! Rigid obstacles: what each node of a boundary sees of them.
 
+use super::gap_table::{GapTable, TableError};
+use super::surface::{Surface, across};
 use crate::mesh::{Boundary, Mesh};
-use crate::scene::Shape;
+use crate::scene::{self, GapDirection, Shape};
+use crate::vector::{cross, dot, norm, unit};
 
-/// A rigid obstacle in front of a part of the boundary. Small displacements: gaps are measured once,
-/// in the undeformed state, along one normal.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A rigid obstacle in front of a part of the boundary. Small displacements: gaps are measured once, in
+/// the undeformed state.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Obstacle {
-    /// The shape.
-    pub shape: Shape,
+    surface: Surface,
+    direction: GapDirection,
+    /// The size of the boundary, m.
+    extent: f64,
     /// Unit vector out of the body, towards the obstacle.
-    pub normal: [f64; 2],
-    /// Unit vector along the obstacle: the positive direction of `w_t`.
-    pub tangent: [f64; 2],
+    pub normal: [f64; 3],
+    /// Orthonormal vectors along the obstacle: the positive directions of `w_t` and `w_o`. In two dimensions
+    /// the second is across the plane.
+    pub tangents: [[f64; 3]; 2],
 }
 
-impl Obstacle {
-    /// An obstacle in front of `boundary`. Without a `normal` it faces the mean outward normal of
-    /// the boundary; without a `tangent`, that is the normal turned by +90°, which is +x above a
-    /// foundation. `None` if the boundary is closed, so that it has no mean normal.
-    pub fn facing(
-        mesh: &Mesh,
-        boundary: &Boundary,
-        shape: Shape,
-        normal: Option<[f64; 2]>,
-        tangent: Option<[f64; 2]>,
-    ) -> Option<Self> {
-        let normal = match normal {
-            Some(normal) => normal,
-            None => mean_normal(mesh, boundary)?,
-        };
-        let tangent = tangent.unwrap_or([-normal[1], normal[0]]);
-        Some(Obstacle { shape, normal, tangent })
-    }
+/// What one node sees of an obstacle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Facing {
+    /// The distance along the normal, m; NaN if the obstacle does not reach there.
+    pub gap: f64,
+    /// Unit vector towards the obstacle.
+    pub normal: [f64; 3],
+    /// Orthonormal vectors at right angles to it.
+    pub tangents: [[f64; 3]; 2],
+    /// At right angles to the surface in front of the node, into the obstacle, with a component 1 along the
+    /// normal: a surface that moves by `d` adds `d · inward` to the gap.
+    pub inward: [f64; 3],
+}
 
-    /// Whether the normal points out of the body on the whole of `boundary`.
-    pub fn faces(&self, mesh: &Mesh, boundary: &Boundary) -> bool {
-        boundary.edges.iter().all(|&edge| {
-            let [dx, dy] = mesh.edge_vector(edge);
-            dy * self.normal[0] - dx * self.normal[1] > 0.0
-        })
-    }
+/// Why a scene's obstacle does not fit its boundary.
+#[derive(Debug, thiserror::Error)]
+pub enum ObstacleError {
+    /// The boundary is closed or symmetric.
+    #[error("the boundary has no mean normal to face an obstacle with")]
+    NoNormal,
+    /// In two dimensions everything lies in the plane.
+    #[error("{0} of the obstacle leaves the plane of the body, which has two dimensions")]
+    OutOfPlane(&'static str),
+    /// A sphere in two dimensions.
+    #[error("the obstacle is a sphere, but the body has two dimensions")]
+    SphereInPlane,
+    /// A cylinder or wedge in space needs an axis.
+    #[error("a cylinder or wedge in three dimensions needs an axis")]
+    NoAxis,
+    /// An axis that is not at right angles to the normal.
+    #[error("the axis of the obstacle is not at right angles to its normal")]
+    SkewAxis,
+    /// A table that cannot be used.
+    #[error(transparent)]
+    Table(#[from] TableError),
+}
 
-    /// The gaps (m) of `nodes` along the normal; NaN for a node that a cylinder is too narrow to
-    /// stand over.
-    pub fn gaps(&self, mesh: &Mesh, nodes: &[usize]) -> Vec<f64> {
-        let along = |[x, y]: [f64; 2]| self.normal[0] * x + self.normal[1] * y;
-        match self.shape {
-            Shape::Plane { gap } => {
-                let outermost = nodes.iter().map(|&node| along(mesh.nodes[node])).fold(f64::NEG_INFINITY, f64::max);
-                nodes.iter().map(|&node| gap + (outermost - along(mesh.nodes[node]))).collect()
-            }
-            Shape::Cylinder { radius, apex } => {
-                let gap = |[x, y]: [f64; 2]| {
-                    let from = [x - apex[0], y - apex[1]];
-                    let aside = from[0] * self.tangent[0] + from[1] * self.tangent[1];
-                    // R - √(R² - s²), without the loss of digits where s is small.
-                    aside * aside / (radius + (radius * radius - aside * aside).sqrt()) - along(from)
-                };
-                nodes.iter().map(|&node| gap(mesh.nodes[node])).collect()
-            }
+impl ObstacleError {
+    /// How to mend it.
+    pub fn help(&self) -> &'static str {
+        match self {
+            ObstacleError::NoNormal => "give the obstacle a `normal`",
+            ObstacleError::OutOfPlane(_) => "let vectors have two components, and axes be [0, 0, 1] or left out",
+            ObstacleError::SphereInPlane => "use a cylinder, whose axis is across the plane",
+            ObstacleError::NoAxis => "give an axis, such as [0, 1, 0]",
+            ObstacleError::SkewAxis => "turn the axis, or give the obstacle a normal at right angles to it",
+            ObstacleError::Table(_) => "give a CSV file with the header x,gap or x,y,gap and numbers in m",
         }
     }
 }
 
-fn mean_normal(mesh: &Mesh, boundary: &Boundary) -> Option<[f64; 2]> {
-    let (mut sum, mut total) = ([0.0; 2], 0.0);
-    for &edge in &boundary.edges {
-        let [dx, dy] = mesh.edge_vector(edge);
-        sum[0] += dy;
-        sum[1] -= dx;
-        total += dx.hypot(dy);
+/// How far an angle may be from a right one: what rounding leaves of vectors given with a few digits.
+const SKEW: f64 = 1e-9;
+
+impl Obstacle {
+    /// The obstacle that `given` puts in front of `boundary`. Without a normal it faces the mean outward
+    /// normal of the boundary. Without a first tangent, that is in two dimensions the normal turned by
+    /// +90°, which is +x above a foundation; in three it is the projection of x on the tangent plane, or of
+    /// the axis that is closest to that plane where this is another. The second tangent is normal × first.
+    ///
+    /// # Errors
+    /// When there is no mean normal, the shape does not suit the dimension, or a table cannot be used.
+    pub fn new(mesh: &Mesh, boundary: &Boundary, given: &scene::Obstacle) -> Result<Self, ObstacleError> {
+        if mesh.dimension == 2 {
+            lies_in_plane(given)?;
+        }
+        let normal = given.normal.or_else(|| mean_normal(mesh, boundary)).ok_or(ObstacleError::NoNormal)?;
+        let first = given.tangent.unwrap_or_else(|| match mesh.dimension {
+            2 => [-normal[1], normal[0], 0.0],
+            _ => first_tangent(normal),
+        });
+        let axis = |axis: Option<[f64; 3]>| match (axis, mesh.dimension) {
+            (None, 2) => Ok([0.0, 0.0, 1.0]),
+            (None, _) => Err(ObstacleError::NoAxis),
+            (Some(axis), _) if dot(axis, normal).abs() > SKEW => Err(ObstacleError::SkewAxis),
+            (Some(axis), _) => Ok(axis),
+        };
+        let surface = match &given.shape {
+            Shape::Plane { gap } => {
+                let along = boundary.nodes().into_iter().map(|node| dot(normal, mesh.nodes[node]));
+                Surface::Plane { level: along.fold(f64::NEG_INFINITY, f64::max), gap: *gap }
+            }
+            Shape::PlaneThrough { through } => Surface::Plane { level: dot(normal, *through), gap: 0.0 },
+            Shape::Cylinder { radius, apex, axis: given } => {
+                Surface::Round { radius: *radius, apex: *apex, axis: Some(axis(*given)?) }
+            }
+            Shape::Sphere { .. } if mesh.dimension == 2 => return Err(ObstacleError::SphereInPlane),
+            Shape::Sphere { radius, apex } => Surface::Round { radius: *radius, apex: *apex, axis: None },
+            Shape::Wedge { apex, angle, axis: given } => {
+                Surface::Wedge { apex: *apex, aside: unit(cross(axis(*given)?, normal)), slope: angle.tan() }
+            }
+            Shape::Formula(formula) => Surface::Formula(formula.clone()),
+            Shape::Table { file } => Surface::Table(GapTable::read(file)?),
+        };
+        let extent = extent(mesh, boundary);
+        Ok(Obstacle { surface, direction: given.direction, extent, normal, tangents: [first, cross(normal, first)] })
     }
-    let length = sum[0].hypot(sum[1]);
-    // + 0.0 turns -0 into 0.
-    (length > 1e-9 * total).then(|| sum.map(|c| c / length + 0.0))
+
+    /// What a node at `x` (m) sees.
+    pub fn at(&self, x: [f64; 3]) -> Facing {
+        match self.direction {
+            GapDirection::Normal => {
+                let gap = self.surface.along(self.normal, x, self.normal, x);
+                let [t, o] = self.tangents;
+                // Steps of 1e-6 leave half the digits of a slope in double precision.
+                let step = 1e-6 * self.extent;
+                let inward = self.surface.inward([self.normal, t, o], x, (gap, self.normal), step);
+                let closing = dot(inward, self.normal);
+                Facing { gap, normal: self.normal, tangents: self.tangents, inward: inward.map(|c| c / closing) }
+            }
+            GapDirection::Nearest => {
+                let (gap, normal) = self.surface.nearest(self.normal, x);
+                let first = across(self.tangents[0], normal);
+                // A tangent that has become the normal gives way to the other one.
+                let first = if norm(first) > SKEW { unit(first) } else { cross(self.tangents[1], normal) };
+                Facing { gap, normal, tangents: [first, cross(normal, first)], inward: normal }
+            }
+        }
+    }
+
+    /// The distance (m) along `n` of a point at `x` in the obstacle at rest that came from `reference`; the
+    /// gap that is not linearised.
+    pub fn distance(&self, x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> f64 {
+        self.surface.along(self.normal, x, n, reference)
+    }
+
+    /// Whether the normals point out of the body on the whole of `boundary`.
+    pub fn faces(&self, mesh: &Mesh, boundary: &Boundary) -> bool {
+        boundary.facets.iter().all(|facet| {
+            let outwards = mesh.area_vector(facet);
+            facet.iter().all(|&node| dot(outwards, self.at(mesh.nodes[node]).normal) > 0.0)
+        })
+    }
+
+    /// What there is at a place the obstacle does not reach, in words.
+    pub fn out_of_reach(&self) -> (&'static str, &'static str) {
+        match self.surface {
+            Surface::Formula(_) => {
+                ("the formula has no finite value at", "mend the formula, or use a smaller boundary")
+            }
+            Surface::Table(_) => {
+                ("the table of gaps does not reach", "extend the table; outside it nothing is assumed")
+            }
+            _ => (
+                "the obstacle does not reach over",
+                "use a larger radius, a smaller boundary or direction = \"nearest\"",
+            ),
+        }
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::block;
-
-    #[test]
-    fn a_foundation_under_a_block() {
-        let mut mesh = block([1.0, 1.0], [2, 2]);
-        let bottom = mesh.boundary("bottom").unwrap().clone();
-        let plane = Obstacle::facing(&mesh, &bottom, Shape::Plane { gap: 1e-5 }, None, None).unwrap();
-        assert_eq!((plane.normal, plane.tangent), ([0.0, -1.0], [1.0, 0.0]));
-        assert_eq!(plane.gaps(&mesh, &bottom.nodes()), [1e-5; 3]);
-        // A hollow in the bottom is further away by its depth.
-        mesh.nodes[1][1] = 0.25;
-        assert_eq!(plane.gaps(&mesh, &bottom.nodes()), [1e-5, 1e-5 + 0.25, 1e-5]);
-        let around = Boundary {
-            name: "all".into(),
-            edges: mesh.boundaries.iter().flat_map(|b| b.edges.iter().copied()).collect(),
-        };
-        assert_eq!(Obstacle::facing(&mesh, &around, plane.shape, None, None), None);
+/// Refuses vectors of a plane scene that leave its plane.
+fn lies_in_plane(given: &scene::Obstacle) -> Result<(), ObstacleError> {
+    let across = [0.0, 0.0, 1.0];
+    let upright = |axis: &[f64; 3]| norm(cross(*axis, across)) <= SKEW;
+    let (point, axis) = match given.shape {
+        Shape::PlaneThrough { through } => (Some(through), None),
+        Shape::Cylinder { apex, axis, .. } | Shape::Wedge { apex, axis, .. } => (Some(apex), axis),
+        _ => (None, None),
+    };
+    let moves = given.translation.iter().any(|point| point[3] != 0.0);
+    let turning = given.rotation.as_ref().is_some_and(|rotation| !upright(&rotation.axis));
+    for (name, leaves) in [
+        ("the normal", given.normal.is_some_and(|normal| normal[2] != 0.0)),
+        ("the tangent", given.tangent.is_some_and(|tangent| tangent[2] != 0.0)),
+        ("the place", point.is_some_and(|point| point[2] != 0.0)),
+        ("the axis", axis.is_some_and(|axis| !upright(&axis))),
+        ("the translation", moves),
+        ("the rotation", turning),
+    ] {
+        if leaves {
+            return Err(ObstacleError::OutOfPlane(name));
+        }
     }
+    Ok(())
+}
 
-    #[test]
-    fn a_cylinder_over_a_block() {
-        let mesh = block([1.0, 1.0], [2, 2]);
-        let top = mesh.boundary("top").unwrap();
-        let shape = Shape::Cylinder { radius: 1.25, apex: [0.0, 1.0] };
-        let cylinder = Obstacle::facing(&mesh, top, shape, None, None).unwrap();
-        let gaps = cylinder.gaps(&mesh, &[6, 7, 8]);
-        let expected = [0.0, 1.25 - (1.25_f64 * 1.25 - 0.25).sqrt(), 0.5];
-        assert!(gaps.iter().zip(expected).all(|(g, e)| (g - e).abs() < 1e-15), "{gaps:?}");
-        let narrow = Obstacle { shape: Shape::Cylinder { radius: 0.6, apex: [0.0, 1.0] }, ..cylinder };
-        assert!(narrow.gaps(&mesh, &[8])[0].is_nan());
+/// The longest side of the box around a boundary, m.
+fn extent(mesh: &Mesh, boundary: &Boundary) -> f64 {
+    let points = mesh.points(&boundary.nodes());
+    let side = |c: usize| {
+        let along = || points.iter().map(|x| x[c]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    };
+    (0..3).map(side).fold(0.0, f64::max)
+}
+
+fn mean_normal(mesh: &Mesh, boundary: &Boundary) -> Option<[f64; 3]> {
+    let (mut sum, mut total) = ([0.0; 3], 0.0);
+    for facet in &boundary.facets {
+        let area = mesh.area_vector(facet);
+        sum.iter_mut().zip(area).for_each(|(sum, c)| *sum += c);
+        total += norm(area);
     }
+    // + 0.0 turns -0 into 0.
+    (norm(sum) > 1e-9 * total).then(|| unit(sum).map(|c| c + 0.0))
+}
+
+/// The projection on the plane at right angles to `normal` of the axis that is closest to it, x before y
+/// before z.
+fn first_tangent(normal: [f64; 3]) -> [f64; 3] {
+    let closest = [1, 2].into_iter().fold(0, |best, c| if normal[c].abs() < normal[best].abs() { c } else { best });
+    unit([0, 1, 2].map(|c| if c == closest { 1.0 } else { 0.0 } - normal[closest] * normal[c]))
 }

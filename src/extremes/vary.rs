@@ -27,7 +27,7 @@ impl Vary {
         let mut random = Random(seed);
         match self {
             Vary::Stiffness => {
-                let young: Vec<f64> = (model.mesh.quads.iter())
+                let young: Vec<f64> = (model.mesh.cells.iter())
                     .map(|_| scene.material.young * 10_f64.powf(by * (random.next() - 0.5)))
                     .collect();
                 let material = |element: usize| Elasticity::plane_strain(young[element], scene.material.poisson);

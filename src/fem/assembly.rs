@@ -7,18 +7,24 @@ use super::strain::Element;
 use crate::mesh::Mesh;
 use crate::sparse::Symmetric;
 
-/// An element whose Jacobian is not positive at a Gauss point.
+/// An element whose Jacobian is not positive at an integration point.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("element {element} near ({:.6}, {:.6}) is inverted or degenerate", centre[0], centre[1])]
+#[error("element {element} near ({}) is inverted or degenerate", coordinates(centre, *dimension))]
 pub struct InvertedElement {
     /// Its number, from 0.
     pub element: usize,
     /// Its centre, m.
-    pub centre: [f64; 2],
+    pub centre: [f64; 3],
+    /// The dimension of the mesh.
+    pub dimension: usize,
 }
 
-/// `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m per unit depth; every
-/// element is an `element`, and `material` is that of each.
+fn coordinates(centre: &[f64; 3], dimension: usize) -> String {
+    centre[..dimension].iter().map(|x| format!("{x:.6}")).collect::<Vec<_>>().join(", ")
+}
+
+/// `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m, in two dimensions per unit
+/// depth; every element is an `element`, and `material` is that of each.
 ///
 /// # Errors
 /// [`InvertedElement`] for the first element that is not sound.
@@ -29,24 +35,23 @@ pub fn assemble(
     material: impl Fn(usize) -> Elasticity,
 ) -> Result<Symmetric, InvertedElement> {
     let mut k = Symmetric::from_entries(dofs.free(), |take| {
-        for quad in &mesh.quads {
-            let element = dofs.element(quad);
-            for column in element.into_iter().flatten() {
-                for row in element.into_iter().flatten() {
+        for cell in &mesh.cells {
+            let unknowns = dofs.element(&cell.nodes);
+            for &column in unknowns.iter().flatten() {
+                for &row in unknowns.iter().flatten() {
                     take(row, column);
                 }
             }
         }
     });
-    for (e, quad) in mesh.quads.iter().enumerate() {
-        let corners = mesh.corners(e);
-        let stiffness = element_stiffness(&corners, element, &material(e))
-            .ok_or_else(|| InvertedElement { element: e, centre: mesh.centre(e) })?;
-        let dofs = dofs.element(quad);
-        for (i, row) in dofs.iter().enumerate() {
-            for (j, column) in dofs.iter().enumerate() {
+    for (e, cell) in mesh.cells.iter().enumerate() {
+        let stiffness = element_stiffness(cell.kind, &mesh.points(&cell.nodes), element, &material(e))
+            .ok_or_else(|| InvertedElement { element: e, centre: mesh.centre(e), dimension: mesh.dimension })?;
+        let unknowns = dofs.element(&cell.nodes);
+        for (row, values) in unknowns.iter().zip(&stiffness) {
+            for (column, value) in unknowns.iter().zip(values) {
                 if let (Some(row), Some(column)) = (*row, *column) {
-                    k.add(row, column, stiffness[i][j]);
+                    k.add(row, column, *value);
                 }
             }
         }

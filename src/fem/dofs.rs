@@ -6,13 +6,16 @@ use crate::mesh::Mesh;
 /// eliminated: they have no number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Dofs {
-    of_node: Vec<[Option<usize>; 2]>,
+    dimension: usize,
+    /// Node by node, as many as there are dimensions.
+    numbers: Vec<Option<usize>>,
     free: usize,
 }
 
 impl Dofs {
     /// Numbers node by node every component for which `fixed(node, component)` is false.
     pub fn new(mesh: &Mesh, fixed: impl Fn(usize, usize) -> bool) -> Self {
+        let dimension = mesh.dimension;
         let mut free = 0;
         let mut number = |fixed: bool| {
             (!fixed).then(|| {
@@ -20,8 +23,9 @@ impl Dofs {
                 free - 1
             })
         };
-        let of_node = (0..mesh.nodes.len()).map(|node| [0, 1].map(|c| number(fixed(node, c)))).collect();
-        Dofs { of_node, free }
+        let components = (0..mesh.nodes.len()).flat_map(|node| (0..dimension).map(move |c| (node, c)));
+        let numbers = components.map(|(node, c)| number(fixed(node, c))).collect();
+        Dofs { dimension, numbers, free }
     }
 
     /// The number of unknown displacements, n_u.
@@ -29,27 +33,24 @@ impl Dofs {
         self.free
     }
 
-    /// The unknowns of `node` along x and y; `None` where a support holds it.
-    pub fn node(&self, node: usize) -> [Option<usize>; 2] {
-        self.of_node[node]
+    /// The unknowns of `node` along x, y and, in three dimensions, z; `None` where a support holds it.
+    pub fn node(&self, node: usize) -> &[Option<usize>] {
+        &self.numbers[self.dimension * node..self.dimension * (node + 1)]
     }
 
     /// The node of an unknown.
     pub fn node_of(&self, dof: usize) -> Option<usize> {
-        self.of_node.iter().position(|dofs| dofs.contains(&Some(dof)))
+        Some(self.numbers.iter().position(|&number| number == Some(dof))? / self.dimension)
     }
 
-    /// The eight unknowns of an element, corner by corner.
-    pub fn element(&self, quad: &[usize; 4]) -> [Option<usize>; 8] {
-        let mut dofs = [None; 8];
-        for (a, &node) in quad.iter().enumerate() {
-            dofs[2 * a..2 * a + 2].copy_from_slice(&self.of_node[node]);
-        }
-        dofs
+    /// The unknowns of an element with the corners `nodes`, corner by corner.
+    pub fn element(&self, nodes: &[usize]) -> Vec<Option<usize>> {
+        nodes.iter().flat_map(|&node| self.node(node)).copied().collect()
     }
 
     /// The displacement of every node (m) from the vector `u` of unknowns; 0 where supported.
-    pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 2]> {
-        self.of_node.iter().map(|dofs| dofs.map(|dof| dof.map_or(0.0, |d| u[d]))).collect()
+    pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 3]> {
+        let node = |dofs: &[Option<usize>]| [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]));
+        self.numbers.chunks_exact(self.dimension).map(node).collect()
     }
 }

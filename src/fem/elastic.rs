@@ -1,6 +1,6 @@
-//! Isotropic linear elasticity in the plane.
+//! Isotropic linear elasticity in space and in the plane.
 
-/// An isotropic material in the plane, by its Lamé coefficients:
+/// An isotropic material, by its Lamé coefficients:
 /// `σ = λ tr(ε) 1 + 2 μ ε`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elasticity {
@@ -11,11 +11,16 @@ pub struct Elasticity {
 }
 
 impl Elasticity {
-    /// Plane strain, `ε_zz = 0`: a slice of a long body. `young` in Pa, `-1 < poisson < 0.5`.
-    pub fn plane_strain(young: f64, poisson: f64) -> Self {
+    /// The law in three dimensions. `young` in Pa, `-1 < poisson < 0.5`.
+    pub fn isotropic(young: f64, poisson: f64) -> Self {
         // 1 - 2ν is exact for ν > 1/4, so λ keeps its digits however close ν is to 1/2.
         let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
         Elasticity { lambda, mu: shear_modulus(young, poisson) }
+    }
+
+    /// Plane strain, a slice of a long body: the law in three dimensions with `ε_zz = 0`.
+    pub fn plane_strain(young: f64, poisson: f64) -> Self {
+        Self::isotropic(young, poisson)
     }
 
     /// Plane stress, `σ_zz = 0`: a thin plate. `young` in Pa. Here `λ` is `2λμ / (λ + 2μ)` of the
@@ -25,12 +30,12 @@ impl Elasticity {
         Elasticity { lambda, mu: shear_modulus(young, poisson) }
     }
 
-    /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy)` (Pa) of the strain `(ε_xx, ε_yy, ε_zz, γ_xy)`. In
-    /// plane stress, `ε_zz` is to be 0 and `σ_zz` says nothing.
-    pub fn stress(&self, [xx, yy, zz, xy]: [f64; 4]) -> [f64; 4] {
+    /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) of the strain
+    /// `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)`. In plane stress, `ε_zz` is to be 0 and `σ_zz` says nothing.
+    pub fn stress(&self, [xx, yy, zz, xy, yz, zx]: [f64; 6]) -> [f64; 6] {
         let pressure = self.lambda * (xx + yy + zz);
         let direct = |strain: f64| pressure + 2.0 * self.mu * strain;
-        [direct(xx), direct(yy), direct(zz), self.mu * xy]
+        [direct(xx), direct(yy), direct(zz), self.mu * xy, self.mu * yz, self.mu * zx]
     }
 }
 
@@ -45,12 +50,12 @@ mod tests {
     #[test]
     fn uniaxial_states() {
         let (young, poisson) = (210e9, 0.3);
-        let plate = Elasticity::plane_stress(young, poisson).stress([1e-3, -poisson * 1e-3, 0.0, 0.0]);
+        let plate = Elasticity::plane_stress(young, poisson).stress([1e-3, -poisson * 1e-3, 0.0, 0.0, 0.0, 0.0]);
         assert!((plate[0] - young * 1e-3).abs() < 1e-3 && plate[1].abs() < 1e-3);
         // In plane strain, σ_zz = ν (σ_xx + σ_yy) makes the modulus E / (1 - ν²).
         let strain = Elasticity::plane_strain(young, poisson);
         let lateral = -poisson / (1.0 - poisson) * 1e-3;
-        let stress = strain.stress([1e-3, lateral, 0.0, 0.0]);
+        let stress = strain.stress([1e-3, lateral, 0.0, 0.0, 0.0, 0.0]);
         assert!((stress[0] / (young / (1.0 - poisson * poisson) * 1e-3) - 1.0).abs() < 1e-14);
         assert!((stress[2] / (poisson * stress[0]) - 1.0).abs() < 1e-14);
         assert!(stress[1].abs() < 1e-3);

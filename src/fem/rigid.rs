@@ -5,33 +5,36 @@ use std::fmt;
 use super::dofs::Dofs;
 use crate::mesh::Mesh;
 use crate::null_space::{NEGLIGIBLE, null_space};
+use crate::vector::{cross, dot, minus, norm};
 
-/// An infinitesimal rigid motion of the body, `u(x) = translation + rotation · (-(y - y₀), x - x₀)`.
+/// An infinitesimal rigid motion of the body, `u(x) = translation + rotation × (x - about)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidMotion {
     /// Translation of the point `about`, m.
-    pub translation: [f64; 2],
-    /// Rotation, rad.
-    pub rotation: f64,
-    /// The point `(x₀, y₀)`, m.
-    pub about: [f64; 2],
+    pub translation: [f64; 3],
+    /// Rotation vector, rad; along z in two dimensions.
+    pub rotation: [f64; 3],
+    /// A point, m.
+    pub about: [f64; 3],
     /// The size of the body (m), which says when a rotation is negligible.
     pub size: f64,
+    /// 2 or 3.
+    pub dimension: usize,
 }
 
 impl RigidMotion {
     /// The displacement at `x`.
-    pub fn at(&self, x: [f64; 2]) -> [f64; 2] {
-        let [tx, ty] = self.translation;
-        [tx - self.rotation * (x[1] - self.about[1]), ty + self.rotation * (x[0] - self.about[0])]
+    pub fn at(&self, x: [f64; 3]) -> [f64; 3] {
+        let turned = cross(self.rotation, minus(x, self.about));
+        [0, 1, 2].map(|c| self.translation[c] + turned[c])
     }
 
     /// The motion as a vector of unknowns, length n_u.
     pub fn displacements(&self, mesh: &Mesh, dofs: &Dofs) -> Vec<f64> {
         let mut u = vec![0.0; dofs.free()];
         for (node, &x) in mesh.nodes.iter().enumerate() {
-            for (dof, value) in dofs.node(node).into_iter().zip(self.at(x)) {
-                if let Some(dof) = dof {
+            for (dof, value) in dofs.node(node).iter().zip(self.at(x)) {
+                if let Some(dof) = *dof {
                     u[dof] = value;
                 }
             }
@@ -41,52 +44,68 @@ impl RigidMotion {
 
     /// The sum `Σ w_k motion_k` of motions about the same point.
     pub fn combination(motions: &[RigidMotion], weights: &[f64]) -> Option<RigidMotion> {
-        let mut sum = RigidMotion { translation: [0.0; 2], rotation: 0.0, ..motions.first()?.clone() };
+        let mut sum = RigidMotion { translation: [0.0; 3], rotation: [0.0; 3], ..motions.first()?.clone() };
         for (motion, w) in motions.iter().zip(weights) {
-            for c in 0..2 {
+            for c in 0..3 {
                 sum.translation[c] += w * motion.translation[c];
+                sum.rotation[c] += w * motion.rotation[c];
             }
-            sum.rotation += w * motion.rotation;
         }
         Some(sum)
+    }
+
+    /// `(x, y)` or `(x, y, z)` in whole numbers of `unit`.
+    fn rounded(&self, x: [f64; 3], unit: f64) -> String {
+        // Dividing by the inverse keeps few digits in print; + 0.0 turns -0 into 0.
+        let inverse = (1.0 / unit).round();
+        let round = |c: &f64| if unit < 1.0 { (c * inverse).round() / inverse } else { (c / unit).round() * unit };
+        let numbers: Vec<String> = x[..self.dimension].iter().map(|c| (round(c) + 0.0).to_string()).collect();
+        format!("({})", numbers.join(", "))
     }
 }
 
 impl fmt::Display for RigidMotion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [tx, ty] = self.translation;
-        let length = tx.hypot(ty);
-        if self.rotation.abs() * self.size <= NEGLIGIBLE * length {
-            // + 0.0 turns -0 into 0.
-            let [x, y] = [tx, ty].map(|t| (t / length * 1e6).round() / 1e6 + 0.0);
-            return write!(f, "a translation along ({x}, {y})");
+        let (length, angle) = (norm(self.translation), norm(self.rotation));
+        if angle * self.size <= NEGLIGIBLE * length {
+            let along = self.rounded(self.translation.map(|t| t / length), 1e-6);
+            return write!(f, "a translation along {along}");
         }
-        // The centre is the point that does not move.
-        let centre = [self.about[0] - ty / self.rotation, self.about[1] + tx / self.rotation];
-        let step = 10_f64.powi(4 - self.size.log10().ceil() as i32);
-        let [x, y] = centre.map(|c| (c * step).round() / step + 0.0);
-        write!(f, "a rotation about ({x}, {y}) m")
+        // The foot of the axis: of all points of the axis the nearest to `about`.
+        let arm = cross(self.rotation, self.translation).map(|c| c / (angle * angle));
+        let foot = [0, 1, 2].map(|c| self.about[c] + arm[c]);
+        let foot = self.rounded(foot, 10_f64.powi(self.size.log10().ceil() as i32 - 4));
+        if self.dimension == 2 {
+            return write!(f, "a rotation about {foot} m");
+        }
+        let axis = self.rotation.map(|r| r / angle);
+        let pitch = dot(self.translation, axis);
+        let motion = if pitch.abs() <= 1e-6 * angle * self.size { "rotation" } else { "screw motion" };
+        write!(f, "a {motion} about the axis through {foot} m along {}", self.rounded(axis, 1e-6))
     }
 }
 
 /// The rigid motions of `mesh` that the fixed components of `dofs` leave free: none for a body
-/// that is held, three for one that is not supported at all.
+/// that is held; for one that is not supported at all three in two dimensions, six in three.
 pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
-    let bounds = |c: usize| {
-        mesh.nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x[c]), hi.max(x[c])))
-    };
-    let [(x0, x1), (y0, y1)] = [bounds(0), bounds(1)];
-    let about = [0.5 * (x0 + x1), 0.5 * (y0 + y1)];
-    let size = (x1 - x0).hypot(y1 - y0);
-    let unit = |translation, rotation| RigidMotion { translation, rotation, about, size };
-    // Directions of equal weight: unit translations, and the rotation that moves the corners by 1/2.
-    let all = [unit([1.0, 0.0], 0.0), unit([0.0, 1.0], 0.0), unit([0.0, 0.0], 1.0 / size)];
+    let bounds = [0, 1, 2].map(|c| {
+        let wider = |(lo, hi): (f64, f64), x: &[f64; 3]| (lo.min(x[c]), hi.max(x[c]));
+        mesh.nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), wider)
+    });
+    let about = bounds.map(|(lo, hi)| 0.5 * (lo + hi));
+    let size = norm(bounds.map(|(lo, hi)| hi - lo));
+    let dimension = mesh.dimension;
+    let along = |axis: usize, length: f64| [0, 1, 2].map(|c| if c == axis { length } else { 0.0 });
+    let unit = |translation, rotation| RigidMotion { translation, rotation, about, size, dimension };
+    // Directions of equal weight: unit translations, and rotations that move the far corners by about 1/2.
+    let translations = (0..dimension).map(|axis| unit(along(axis, 1.0), [0.0; 3]));
+    let axes = if dimension == 2 { 2..3 } else { 0..3 };
+    let rotations = axes.map(|axis| unit([0.0; 3], along(axis, 1.0 / size)));
+    let all: Vec<RigidMotion> = translations.chain(rotations).collect();
     let rows = mesh.nodes.iter().enumerate().flat_map(|(node, &x)| {
-        let fixed = dofs.node(node).map(|dof| dof.is_none());
-        (0..2).filter(move |&c| fixed[c]).map({
-            let all = &all;
-            move |c| all.iter().map(|motion| motion.at(x)[c]).collect()
-        })
+        let held = (0..dimension).filter(move |&c| dofs.node(node)[c].is_none());
+        let all = &all;
+        held.map(move |c| all.iter().map(|motion| motion.at(x)[c]).collect())
     });
     null_space(all.len(), rows).iter().filter_map(|weights| RigidMotion::combination(&all, weights)).collect()
 }
@@ -98,7 +117,7 @@ mod tests {
 
     #[test]
     fn what_supports_leave_free() {
-        let mesh = block([2.0, 1.0], [4, 2]);
+        let mesh = block(&[2.0, 1.0], &[4, 2]);
         let free = |fixed: &dyn Fn(usize, usize) -> bool| rigid_motions(&mesh, &Dofs::new(&mesh, fixed));
         assert_eq!(free(&|_, _| false).len(), 3);
         assert!(free(&|node, _| mesh.nodes[node][0] == 0.0).is_empty());

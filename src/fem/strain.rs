@@ -1,46 +1,47 @@
-//! The strains of a quadrilateral: bilinear, or with the mean dilatation (B̄).
+//! The strains of an element: those of its displacements, or with the mean dilatation (B̄).
 
-/// How the strain follows from the corner displacements of a quadrilateral.
+/// How the strain follows from the corner displacements of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Element {
-    /// That of the bilinear displacements. It locks when `ν → 1/2` in plane strain: four volumes
-    /// are held, one at each Gauss point, by two displacements for each element.
+    /// That of the linear, bilinear or trilinear displacements. It locks when `ν → 1/2`: every Gauss point
+    /// holds a volume, four in a quadrilateral and eight in a hexahedron, with two or three displacements
+    /// for each element.
     #[default]
     Bilinear,
     /// Its volumetric part is the mean over the element (Hughes, Int. J. Numer. Meth. Engng 15
-    /// (1980) 1413; Simo & Hughes, *Computational Inelasticity*, ch. 4). Meant for plane strain:
-    /// the correction has a component `ε_zz`.
+    /// (1980) 1413; Simo & Hughes, *Computational Inelasticity*, ch. 4). Meant for plane strain
+    /// and three dimensions: in the plane, the correction has a component `ε_zz`.
     BBar,
 }
 
-/// The columns of `B`: the strains `(ε_xx, ε_yy, ε_zz, γ_xy)` (1/m) of a unit displacement in each
-/// of the eight unknowns `(u_x, u_y)`, corner by corner.
-pub(super) type StrainColumns = [[f64; 4]; 8];
+/// The strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)`.
+pub(super) type Strain = [f64; 6];
 
-/// `B` at a point with the gradients `∂N_a/∂(x, y)` (1/m), with `dilatation` in place of the trace of
-/// the strain: `ε̄ = ε + (θ̄ - tr ε) 1 / 3`.
+/// The columns of `B` in `dimension` dimensions: the strains (1/m) of a unit displacement in each of the
+/// unknowns, corner by corner, at a point with the gradients `∂N_a/∂(x, y, z)` (1/m), with `dilatation` in place of
+/// the trace of the strain: `ε̄ = ε + (θ̄ - tr ε) 1 / 3`.
 /// A unit displacement of corner `a` along `c` has `tr ε = ∂N_a/∂x_c`, so `dilatation` has the shape of
 /// the gradients, and the gradients themselves leave `B` as it is.
-pub(super) fn strain_columns(gradients: &[[f64; 2]; 4], dilatation: &[[f64; 2]; 4]) -> StrainColumns {
-    let mut columns = [[0.0; 4]; 8];
-    for (a, ([gx, gy], [x, y])) in gradients.iter().zip(dilatation).enumerate() {
-        let [cx, cy] = [(x - gx) / 3.0, (y - gy) / 3.0];
-        columns[2 * a] = [gx + cx, cx, cx, *gy];
-        columns[2 * a + 1] = [cy, gy + cy, cy, *gx];
+pub(super) fn strain_columns(dimension: usize, gradients: &[[f64; 3]], dilatation: &[[f64; 3]]) -> Vec<Strain> {
+    let mut columns = Vec::with_capacity(dimension * gradients.len());
+    for (&[gx, gy, gz], d) in gradients.iter().zip(dilatation) {
+        let [cx, cy, cz] = [(d[0] - gx) / 3.0, (d[1] - gy) / 3.0, (d[2] - gz) / 3.0];
+        let corner = [[gx + cx, cx, cx, gy, 0.0, gz], [cy, gy + cy, cy, gx, gz, 0.0], [cz, cz, gz + cz, 0.0, gy, gx]];
+        columns.extend_from_slice(&corner[..dimension]);
     }
     columns
 }
 
-/// The means over the element of the gradients at `points`, each with its weight: `∫ ∂N_a/∂x_c / V`.
-/// With 2 × 2 Gauss points both integrals are exact for any quadrilateral: gradient times
-/// determinant, and the determinant itself, are polynomials of at most second degree in each of ξ
-/// and η.
-pub(super) fn mean_gradients(points: &[([[f64; 2]; 4], f64); 4]) -> [[f64; 2]; 4] {
+/// The means over the element of the gradients at `points`, each with its volume: `∫ ∂N_a/∂x_c / V`.
+/// With two Gauss points along each axis both integrals are exact for any quadrilateral or hexahedron:
+/// gradient times determinant, and the determinant itself, are polynomials of at most second degree in
+/// each of ξ, η and ζ.
+pub(super) fn mean_gradients(points: &[(Vec<[f64; 3]>, f64)]) -> Vec<[f64; 3]> {
     let volume: f64 = points.iter().map(|(_, weight)| weight).sum();
-    let mut mean = [[0.0; 2]; 4];
+    let mut mean = vec![[0.0; 3]; points.first().map_or(0, |(gradients, _)| gradients.len())];
     for (gradients, weight) in points {
         for (mean, gradient) in mean.iter_mut().zip(gradients) {
-            for c in 0..2 {
+            for c in 0..3 {
                 mean[c] += weight / volume * gradient[c];
             }
         }
@@ -51,15 +52,20 @@ pub(super) fn mean_gradients(points: &[([[f64; 2]; 4], f64); 4]) -> [[f64; 2]; 4
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fem::{GAUSS_2X2, gradients};
+    use crate::fem::{gradients, quadrature};
+    use crate::mesh::CellKind;
 
-    const DISTORTED: [[f64; 2]; 4] = [[0.0, 0.0], [2.0, 0.3], [1.7, 1.4], [-0.2, 1.1]];
+    const DISTORTED: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [2.0, 0.3, 0.0], [1.7, 1.4, 0.0], [-0.2, 1.1, 0.0]];
+
+    fn at_gauss_points(kind: CellKind, corners: &[[f64; 3]]) -> Vec<(Vec<[f64; 3]>, f64)> {
+        quadrature(kind).into_iter().map(|(point, _)| gradients(kind, point, corners).unwrap()).collect()
+    }
 
     /// By Gauss's theorem, `∫ ∂N_a/∂x_c` is half the normal of the two edges at corner `a`, that is
     /// of the diagonal between its neighbours.
     #[test]
     fn the_mean_is_exact_on_a_distorted_element() {
-        let points = GAUSS_2X2.map(|point| gradients(point, &DISTORTED));
+        let points = at_gauss_points(CellKind::Quadrilateral, &DISTORTED);
         let volume: f64 = points.iter().map(|(_, det)| det).sum();
         for (a, mean) in mean_gradients(&points).iter().enumerate() {
             let [next, last] = [DISTORTED[(a + 1) % 4], DISTORTED[(a + 3) % 4]];
@@ -72,15 +78,22 @@ mod tests {
 
     #[test]
     fn only_the_trace_is_replaced() {
-        let points = GAUSS_2X2.map(|point| gradients(point, &DISTORTED));
-        let mean = mean_gradients(&points);
-        for (g, _) in &points {
-            let (plain, bar) = (strain_columns(g, g), strain_columns(g, &mean));
-            for (k, (plain, bar)) in plain.iter().zip(bar).enumerate() {
-                assert_eq!(plain[2].to_bits(), 0);
-                assert!((bar[..3].iter().sum::<f64>() - mean[k / 2][k % 2]).abs() < 1e-15);
-                assert!((bar[0] - bar[1] - (plain[0] - plain[1])).abs() < 1e-15);
-                assert_eq!(bar[3].to_bits(), plain[3].to_bits());
+        // The quadrilateral as a bent prism.
+        let above = |[x, y, _]: [f64; 3]| [x + 0.1 * y, y - 0.2 * x, 1.5 + 0.1 * x * y];
+        let prism: Vec<[f64; 3]> = DISTORTED.into_iter().chain(DISTORTED.map(above)).collect();
+        for (kind, corners) in [(CellKind::Quadrilateral, &DISTORTED[..]), (CellKind::Hexahedron, &prism)] {
+            let d = kind.dimension();
+            let points = at_gauss_points(kind, corners);
+            let mean = mean_gradients(&points);
+            for (g, _) in &points {
+                let (plain, bar) = (strain_columns(d, g, g), strain_columns(d, g, &mean));
+                for (k, (plain, bar)) in plain.iter().zip(bar).enumerate() {
+                    assert_eq!(plain[2] == 0.0, k % d != 2);
+                    assert!((bar[..3].iter().sum::<f64>() - mean[k / d][k % d]).abs() < 1e-15);
+                    assert!((bar[0] - bar[1] - (plain[0] - plain[1])).abs() < 1e-15);
+                    assert!((bar[1] - bar[2] - (plain[1] - plain[2])).abs() < 1e-15);
+                    assert_eq!(bar[3..], plain[3..]);
+                }
             }
         }
     }

@@ -147,8 +147,15 @@ impl<'a> Path<'a> {
         let Path { problem, loading, condensed, settings, .. } = *self;
         loading.force(time, &mut self.force);
         loading.gap_at(time, &mut self.gap);
-        self.w_t_last.copy_from_slice(&self.w_t);
-        self.w_o_last.copy_from_slice(&self.w_o);
+        let from = self.reached.unwrap_or(0.0);
+        let tangential = [(&mut self.w_t_last, &self.w_t), (&mut self.w_o_last, &self.w_o)];
+        for (k, (last, w)) in tangential.into_iter().enumerate() {
+            // Slip is motion past the obstacle: where that moves along, the body has not.
+            let (before, now) = (loading.drift_at(from, k), loading.drift_at(time, k));
+            for (i, last) in last.iter_mut().enumerate() {
+                *last = w[i] + (now[i] - before[i]);
+            }
+        }
         let increment =
             Increment { force: &self.force, gap: &self.gap, w_t_last: &self.w_t_last, w_o_last: &self.w_o_last };
         let before = self.scales.with_load(&increment);

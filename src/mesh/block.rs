@@ -1,18 +1,32 @@
-//! Structured meshes of a rectangle.
+//! Structured meshes of a rectangle or a box.
 
-use super::{Boundary, Mesh};
+use super::{Boundary, Cell, CellKind, Facet, Mesh};
 
-/// A rectangle `size` (m) with its lower left corner in the origin, divided into `elements` equal
-/// quadrilaterals along x and y; boundaries `bottom`, `right`, `top` and `left`.
-pub fn block(size: [f64; 2], elements: [usize; 2]) -> Mesh {
-    graded_block(size, elements, [1.0; 2])
+/// A rectangle or box of `size` (m, two or three lengths) with its lowest corner in the origin, divided
+/// into `elements` equal quadrilaterals or hexahedra along each axis. See [`graded_block`].
+///
+/// # Panics
+/// As [`graded_block`].
+pub fn block(size: &[f64], elements: &[usize]) -> Mesh {
+    graded_block(size, elements, &vec![1.0; size.len()])
 }
 
-/// As [`block`], with elements in geometric progression along x and y: the last is `grading` times the
+/// As [`block`], with elements in geometric progression along each axis: the last is `grading` times the
 /// size of the first.
-pub fn graded_block(size: [f64; 2], elements: [usize; 2], grading: [f64; 2]) -> Mesh {
-    let along = |c: usize| progression(size[c], elements[c], grading[c]);
-    rectangle(&along(0), &along(1))
+///
+/// Boundaries: `left` and `right` are at the ends of x. In two dimensions `bottom` and `top` are at the
+/// ends of y; in three they are at the ends of z, and `front` and `back` at those of y.
+///
+/// # Panics
+/// If the three arguments are not of equal length, 2 or 3.
+pub fn graded_block(size: &[f64], elements: &[usize], grading: &[f64]) -> Mesh {
+    assert!(elements.len() == size.len() && grading.len() == size.len(), "one value for each axis");
+    let axes: Vec<_> = (0..size.len()).map(|c| progression(size[c], elements[c], grading[c])).collect();
+    match &axes[..] {
+        [xs, ys] => rectangle(xs, ys),
+        [xs, ys, zs] => cuboid(xs, ys, zs),
+        _ => panic!("a block has two or three axes"),
+    }
 }
 
 /// The ends of `n` lengths that fill `length` in geometric progression, the last `ratio` times the
@@ -31,35 +45,99 @@ fn progression(length: f64, n: usize, ratio: f64) -> Vec<f64> {
 pub(super) fn rectangle(xs: &[f64], ys: &[f64]) -> Mesh {
     let (nx, ny) = (xs.len() - 1, ys.len() - 1);
     let node = |i: usize, j: usize| j * (nx + 1) + i;
-    let nodes = ys.iter().flat_map(|&y| xs.iter().map(move |&x| [x, y])).collect();
-    let quads = (0..ny)
-        .flat_map(|j| (0..nx).map(move |i| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]))
-        .collect();
-    let side = |name: &str, edges: Vec<[usize; 2]>| Boundary { name: name.into(), edges };
+    let nodes = ys.iter().flat_map(|&y| xs.iter().map(move |&x| [x, y, 0.0])).collect();
+    let quad = |i, j| vec![node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+    let cells = (0..ny).flat_map(|j| (0..nx).map(move |i| quad(i, j)));
     let boundaries = vec![
-        side("bottom", (0..nx).map(|i| [node(i, 0), node(i + 1, 0)]).collect()),
-        side("right", (0..ny).map(|j| [node(nx, j), node(nx, j + 1)]).collect()),
-        side("top", (0..nx).rev().map(|i| [node(i + 1, ny), node(i, ny)]).collect()),
-        side("left", (0..ny).rev().map(|j| [node(0, j + 1), node(0, j)]).collect()),
+        side("bottom", (0..nx).map(|i| vec![node(i, 0), node(i + 1, 0)]).collect()),
+        side("right", (0..ny).map(|j| vec![node(nx, j), node(nx, j + 1)]).collect()),
+        side("top", (0..nx).rev().map(|i| vec![node(i + 1, ny), node(i, ny)]).collect()),
+        side("left", (0..ny).rev().map(|j| vec![node(0, j + 1), node(0, j)]).collect()),
     ];
-    Mesh { nodes, quads, boundaries }
+    uniform(2, nodes, CellKind::Quadrilateral, cells, boundaries)
+}
+
+/// The mesh of the products of the coordinates `xs`, `ys` and `zs`, all ascending.
+fn cuboid(xs: &[f64], ys: &[f64], zs: &[f64]) -> Mesh {
+    let (nx, ny, nz) = (xs.len() - 1, ys.len() - 1, zs.len() - 1);
+    let node = |i: usize, j: usize, k: usize| (k * (ny + 1) + j) * (nx + 1) + i;
+    let layer = |&z: &f64| ys.iter().flat_map(move |&y| xs.iter().map(move |&x| [x, y, z])).collect::<Vec<_>>();
+    let nodes = zs.iter().flat_map(layer).collect();
+    let around = |i, j, k| [node(i, j, k), node(i + 1, j, k), node(i + 1, j + 1, k), node(i, j + 1, k)];
+    let brick = |i, j, k| [around(i, j, k), around(i, j, k + 1)].concat();
+    let cells = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| brick(i, j, k))));
+    // `at(a, b)` is a node of a side; a and b count along it so that a × b points outwards.
+    let face = |name: &str, n: [usize; 2], at: &dyn Fn(usize, usize) -> usize| {
+        let quad = |a, b| vec![at(a, b), at(a + 1, b), at(a + 1, b + 1), at(a, b + 1)];
+        side(name, (0..n[1]).flat_map(|b| (0..n[0]).map(move |a| quad(a, b))).collect())
+    };
+    let boundaries = vec![
+        face("bottom", [ny, nx], &|a, b| node(b, a, 0)),
+        face("top", [nx, ny], &|a, b| node(a, b, nz)),
+        face("left", [nz, ny], &|a, b| node(0, b, a)),
+        face("right", [ny, nz], &|a, b| node(nx, a, b)),
+        face("front", [nx, nz], &|a, b| node(a, 0, b)),
+        face("back", [nz, nx], &|a, b| node(b, ny, a)),
+    ];
+    uniform(3, nodes, CellKind::Hexahedron, cells, boundaries)
+}
+
+fn side(name: &str, facets: Vec<Facet>) -> Boundary {
+    Boundary { name: name.into(), facets }
+}
+
+fn uniform(
+    dimension: usize,
+    nodes: Vec<[f64; 3]>,
+    kind: CellKind,
+    cells: impl Iterator<Item = Vec<usize>>,
+    boundaries: Vec<Boundary>,
+) -> Mesh {
+    let cells = cells.map(|nodes| Cell { kind, nodes, group: 0 }).collect();
+    Mesh { dimension, nodes, cells, groups: vec!["body".into()], boundaries }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::dot;
 
     #[test]
     fn boundaries_run_around_the_body() {
-        let mesh = block([2.0, 1.0], [3, 2]);
-        assert_eq!((mesh.nodes.len(), mesh.quads.len()), (12, 6));
+        let mesh = block(&[2.0, 1.0], &[3, 2]);
+        assert_eq!((mesh.nodes.len(), mesh.cells.len()), (12, 6));
         assert_eq!(mesh.boundary("bottom").unwrap().nodes(), [0, 1, 2, 3]);
         assert_eq!(mesh.boundary("top").unwrap().nodes(), [11, 10, 9, 8]);
-        // Twice the area from the boundary edges (Green) equals that of the rectangle.
-        let area: f64 = (mesh.boundaries.iter().flat_map(|b| &b.edges))
-            .map(|&[a, b]| mesh.nodes[a][0] * mesh.nodes[b][1] - mesh.nodes[b][0] * mesh.nodes[a][1])
-            .sum();
-        assert!((area - 4.0).abs() < 1e-14);
+    }
+
+    /// By Gauss's theorem, `d V = ∮ x · n`, for flat facets with x at any point of them.
+    #[test]
+    fn facets_point_outwards() {
+        let sizes: [(&[f64], &[usize]); 2] = [(&[2.0, 1.5], &[3, 2]), (&[2.0, 1.5, 0.5], &[3, 2, 4])];
+        for (size, elements) in sizes {
+            for mesh in [block(size, elements), block(size, elements).into_simplices()] {
+                let facets = || mesh.boundaries.iter().flat_map(|b| &b.facets);
+                let volume: f64 = facets().map(|facet| dot(mesh.nodes[facet[0]], mesh.area_vector(facet))).sum();
+                assert!((volume - size.len() as f64 * size.iter().product::<f64>()).abs() < 1e-14);
+                let mut closed = [0.0; 3];
+                for facet in facets() {
+                    closed.iter_mut().zip(mesh.area_vector(facet)).for_each(|(sum, a)| *sum += a);
+                }
+                assert!(closed.iter().all(|c| c.abs() < 1e-14), "{closed:?}");
+            }
+        }
+        let mesh = block(&[2.0, 1.5, 0.5], &[3, 2, 4]);
+        for (name, normal) in [
+            ("left", [-1.0, 0.0, 0.0]),
+            ("right", [1.0, 0.0, 0.0]),
+            ("front", [0.0, -1.0, 0.0]),
+            ("back", [0.0, 1.0, 0.0]),
+            ("bottom", [0.0, 0.0, -1.0]),
+            ("top", [0.0, 0.0, 1.0]),
+        ] {
+            let facets = &mesh.boundary(name).unwrap().facets;
+            assert!(facets.iter().all(|facet| dot(mesh.area_vector(facet), normal) > 0.0), "{name}");
+        }
     }
 
     #[test]
@@ -72,7 +150,7 @@ mod tests {
             let q = ratio.powf(1.0 / 9.0);
             assert!(sizes.windows(2).all(|h| (h[1] / h[0] / q - 1.0).abs() < 1e-9), "{sizes:?}");
         }
-        assert_eq!(graded_block([2.0, 1.0], [3, 2], [1.0; 2]), block([2.0, 1.0], [3, 2]));
+        assert_eq!(graded_block(&[2.0, 1.0], &[3, 2], &[1.0; 2]), block(&[2.0, 1.0], &[3, 2]));
         assert_eq!(progression(3.0, 1, 8.0), [0.0, 3.0]);
     }
 }

@@ -26,9 +26,9 @@ pub fn half_plane(
     let mut mesh = rectangle(&xs, &ys);
     if let Some(top) = mesh.boundaries.iter_mut().find(|boundary| boundary.name == "top") {
         // The top runs from right to left: the contact zone is its end.
-        let edges = top.edges.split_off(outer_elements);
+        let facets = top.facets.split_off(outer_elements);
         // Contact nodes count from the symmetry plane on; each edge keeps its direction.
-        mesh.boundaries.push(Boundary { name: "contact".into(), edges: edges.into_iter().rev().collect() });
+        mesh.boundaries.push(Boundary { name: "contact".into(), facets: facets.into_iter().rev().collect() });
     }
     mesh
 }
@@ -73,11 +73,11 @@ mod tests {
     #[test]
     fn the_mesh_of_the_punch() {
         let mesh = half_plane([1.0, 1.0], 0.1, 30, 50, 11);
-        assert_eq!(mesh.quads.len(), 880);
+        assert_eq!(mesh.cells.len(), 880);
         let contact = mesh.boundary("contact").unwrap();
         let xs: Vec<f64> = contact.nodes().iter().map(|&node| mesh.nodes[node][0]).collect();
         assert_eq!((xs.len(), xs[0], xs[30]), (31, 0.0, 0.1));
         assert!(xs.windows(2).all(|x| x[1] > x[0]));
-        assert_eq!(mesh.boundary("top").unwrap().edges.len(), 50);
+        assert_eq!(mesh.boundary("top").unwrap().facets.len(), 50);
     }
 }

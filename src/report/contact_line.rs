@@ -85,7 +85,7 @@ fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec<ContactPoi
     let mut s = 0.0;
     let mut last: Option<[f64; 2]> = None;
     let point = |i: usize| {
-        let [x, y] = model.contacts[i].position;
+        let [x, y, _] = model.contacts[i].position;
         s += last.replace([x, y]).map_or(0.0, |[x0, y0]| (x - x0).hypot(y - y0));
         let (p_n, p_t, l) = (state.p_n[i], state.p_t[i], problem.weight[i]);
         ContactPoint {

@@ -5,7 +5,8 @@ use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use super::contact_line::ContactLine;
-use super::{csv, plot};
+use super::vtu::Grid;
+use super::{csv, plot, pvd};
 use crate::history::IncrementRecord;
 
 /// A folder that takes the results of one run: `increments.csv` grows line by line, contact lines
@@ -14,6 +15,8 @@ use crate::history::IncrementRecord;
 pub struct ResultFolder {
     path: PathBuf,
     increments: File,
+    /// The files of fields so far, each with its time, s.
+    fields: Vec<(f64, String)>,
 }
 
 impl ResultFolder {
@@ -44,7 +47,7 @@ impl ResultFolder {
             fs::remove_file(file)?;
         }
         increments.write_all(header.as_bytes())?;
-        Ok(ResultFolder { path: path.to_path_buf(), increments })
+        Ok(ResultFolder { path: path.to_path_buf(), increments, fields: Vec::new() })
     }
 
     /// Where the results are.
@@ -81,6 +84,18 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// Writes the fields at the end of increment `index`, at `time` (s), as `fields_NNNN.vtu`, and then the series of
+    /// all so far as `fields.pvd`, which so never names a file that is not there.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_fields(&mut self, index: usize, time: f64, grid: &Grid) -> io::Result<()> {
+        let name = format!("fields_{index:04}.vtu");
+        self.write(&name, &grid.to_vtu())?;
+        self.fields.push((time, name));
+        self.write("fields.pvd", &pvd::series(&self.fields))
+    }
+
     /// Writes a whole file; a reader never sees half of it.
     ///
     /// # Errors
@@ -111,7 +126,13 @@ fn is_ours(name: &str) -> bool {
         let (number, _boundary) = stem.split_once('_').unwrap_or((stem, ""));
         Some(number.len() >= 4 && number.bytes().all(|b| b.is_ascii_digit()))
     };
-    ["run.json", "increments.csv"].contains(&name) || name.strip_prefix("contact_").and_then(line).unwrap_or(false)
+    let fields = |name: &str| {
+        let number = name.strip_prefix("fields_")?.strip_suffix(".vtu")?;
+        Some(number.len() >= 4 && number.bytes().all(|b| b.is_ascii_digit()))
+    };
+    ["run.json", "increments.csv", "fields.pvd"].contains(&name)
+        || name.strip_prefix("contact_").and_then(line).unwrap_or(false)
+        || fields(name).unwrap_or(false)
 }
 
 #[cfg(test)]
@@ -125,6 +146,7 @@ mod tests {
                 .into_iter()
                 .all(is_ours)
         );
+        assert!(is_ours("fields_0001.vtu") && is_ours("fields.pvd") && !is_ours("fields_mine.vtu"));
         assert!(!["contact_.csv", "contact_0001.txt", "contact_mine.csv", "notes.md"].into_iter().any(is_ours));
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use crate::contact::{ContactBoundary, Law};
+use crate::contact::{ContactBoundary, Law, RangeLeft};
 use crate::formulation::Layout;
 use crate::history::{HistoryOutcome, IncrementRecord, Status};
 use crate::problem::State;
@@ -29,6 +29,9 @@ pub struct RunReport {
     /// Why the run ended early.
     #[serde(flatten)]
     pub explanation: Explanation,
+    /// The node and time where the contact was furthest out of the range of its linearised gaps, if it left it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range_left: Option<RangeLeft>,
     /// How many unknowns of each kind there were.
     pub unknowns: Unknowns,
     /// One record per increment.
@@ -56,7 +59,7 @@ pub struct Explanation {
 }
 
 /// A node where a law is violated.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorstNode {
     /// The law.
     pub law: Law,
@@ -64,8 +67,8 @@ pub struct WorstNode {
     pub error: f64,
     /// Its number in the mesh, from 0.
     pub node: usize,
-    /// Its position, m.
-    pub position: [f64; 2],
+    /// Its position, m: as many coordinates as there are dimensions.
+    pub position: Vec<f64>,
 }
 
 /// The numbers of unknowns.
@@ -190,6 +193,7 @@ impl RunReport {
                 })
                 .collect(),
             critical_friction: None,
+            range_left: None,
         }
     }
 

@@ -21,6 +21,7 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     let mesh = check.mesh(&document.mesh)?;
     let material = check.material(&document.material)?;
     let element = check.element(&document.mesh, &material)?;
+    let element_span = document.mesh.element.as_ref().map(Spanned::span);
     let supports = document.support.into_iter().map(|support| check.support(support)).collect::<Result<_, _>>()?;
     let contacts = check.contacts(document.contact)?;
     let loads = document.load.into_iter().map(|load| check.load(load, &time)).collect::<Result<_, _>>()?;
@@ -28,7 +29,7 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     let output = check.output(document.output, &time)?;
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let title = document.title.unwrap_or_else(stem);
-    Ok(Scene { title, mesh, element, material, supports, contacts, loads, time, solver, output, source })
+    Ok(Scene { title, mesh, element, element_span, material, supports, contacts, loads, time, solver, output, source })
 }
 
 struct Check<'a> {
@@ -82,11 +83,12 @@ impl Check<'_> {
         Ok(*value.get_ref())
     }
 
-    fn finite_pair(&self, name: &str, value: &Spanned<Tuple<f64>>) -> Result<[f64; 2], SceneError> {
-        let Tuple(pair) = *value.get_ref();
-        let sound = pair.iter().all(|x| x.is_finite());
-        self.demand(sound, name, value, "two finite numbers", "give numbers other than nan or inf")?;
-        Ok(pair)
+    /// Two or three finite numbers.
+    fn components(&self, name: &str, value: &Spanned<Vec<f64>>) -> Result<Vec<f64>, SceneError> {
+        let components = value.get_ref();
+        let sound = (2..=3).contains(&components.len()) && components.iter().all(|x| x.is_finite());
+        self.demand(sound, name, value, "two or three finite numbers", "give one for each axis, not nan or inf")?;
+        Ok(components.clone())
     }
 
     fn time(&self, time: &document::Time) -> Result<Time, SceneError> {
@@ -104,8 +106,8 @@ impl Check<'_> {
         if directions.is_empty() {
             return self.fail(support.fix.span(), "fix is empty, so the support holds nothing", "use [\"x\", \"y\"]");
         }
-        let fix = [Direction::X, Direction::Y].map(|direction| directions.contains(&direction));
-        Ok(Support { boundary: name(support.boundary), fix })
+        let fix = [Direction::X, Direction::Y, Direction::Z].map(|direction| directions.contains(&direction));
+        Ok(Support { boundary: name(support.boundary), fix, span: support.fix.span() })
     }
 
     fn contacts(&self, contacts: Vec<document::Contact>) -> Result<Vec<Contact>, SceneError> {
@@ -126,13 +128,12 @@ impl Check<'_> {
     }
 
     fn load(&self, load: document::Load, time: &Time) -> Result<Load, SceneError> {
-        let traction = self.finite_pair("traction", &load.traction)?;
-        let Some(history) = load.history else {
-            let ramp = vec![[0.0, 0.0], [time.end, 1.0]];
-            return Ok(Load { boundary: name(load.boundary), traction, history: ramp });
+        let traction = self.components("traction", &load.traction)?;
+        let history = match load.history {
+            Some(history) => self.history("history", "factor", &history)?,
+            None => vec![[0.0, 0.0], [time.end, 1.0]],
         };
-        let history = self.history("history", "factor", &history)?;
-        Ok(Load { boundary: name(load.boundary), traction, history })
+        Ok(Load { boundary: name(load.boundary), traction, traction_span: load.traction.span(), history })
     }
 
     /// The points `[time, value]` of a history.
@@ -155,12 +156,13 @@ impl Check<'_> {
     }
 
     fn output(&self, output: document::Output, time: &Time) -> Result<Output, SceneError> {
-        let Some(times) = output.times else { return Ok(Output { times: vec![time.end] }) };
+        let fields = output.fields;
+        let Some(times) = output.times else { return Ok(Output { times: vec![time.end], fields }) };
         if let Some(t) = times.get_ref().iter().find(|&&t| t.is_nan() || t <= 0.0 || t > time.end) {
             let message = format!("output.times holds {t}, but the history runs from 0 to {}", time.end);
             return self.fail(times.span(), message, "give times after 0 and up to time.end, s");
         }
-        Ok(Output { times: times.into_inner() })
+        Ok(Output { times: times.into_inner(), fields })
     }
 }
 

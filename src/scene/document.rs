@@ -6,7 +6,10 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::Source;
-use super::{Element, LinearBackend, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start};
+use super::{
+    CellShape, Element, GapDirection, LinearBackend, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting,
+    Start,
+};
 
 /// `N` values, two unless it says otherwise. An array type would do but for that the TOML reader passes over what is too many.
 #[derive(Clone, Copy, Deserialize)]
@@ -25,6 +28,32 @@ impl<T, const N: usize> TryFrom<Vec<T>> for Tuple<T, N> {
     fn try_from(values: Vec<T>) -> Result<Self, String> {
         let count = values.len();
         values.try_into().map(Tuple).map_err(|_| format!("invalid length {count}, expected {N} values"))
+    }
+}
+
+/// Two or three coordinates; z is 0 where it is left out.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "Vec<f64>")]
+pub(super) struct Vector(pub [f64; 3]);
+
+impl fmt::Debug for Vector {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            [x, y, 0.0] => [x, y].fmt(f),
+            all => all.fmt(f),
+        }
+    }
+}
+
+impl TryFrom<Vec<f64>> for Vector {
+    type Error = String;
+
+    fn try_from(values: Vec<f64>) -> Result<Self, String> {
+        match values[..] {
+            [x, y] => Ok(Vector([x, y, 0.0])),
+            [x, y, z] => Ok(Vector([x, y, z])),
+            _ => Err(format!("invalid length {}, expected 2 or 3 values", values.len())),
+        }
     }
 }
 
@@ -52,16 +81,20 @@ pub(super) struct Document {
 pub(super) enum MeshKind {
     Block,
     HalfPlane,
+    Gmsh,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Mesh {
     pub kind: Spanned<MeshKind>,
-    pub size: Spanned<Tuple<f64>>,
+    pub size: Option<Spanned<Vec<f64>>>,
+    pub cells: Option<Spanned<CellShape>>,
+    pub file: Option<Spanned<String>>,
+    pub scale: Option<Spanned<f64>>,
     pub element: Option<Spanned<Element>>,
-    pub elements: Option<Spanned<Tuple<i64>>>,
-    pub grading: Option<Spanned<Tuple<f64>>>,
+    pub elements: Option<Spanned<Vec<i64>>>,
+    pub grading: Option<Spanned<Vec<f64>>>,
     pub contact_width: Option<Spanned<f64>>,
     pub contact_elements: Option<Spanned<i64>>,
     pub outer_elements: Option<Spanned<i64>>,
@@ -73,10 +106,19 @@ pub(super) struct Mesh {
 pub(super) struct Material {
     pub young: Spanned<f64>,
     pub poisson: Spanned<f64>,
-    #[serde(default)]
-    pub plane: Plane,
+    pub plane: Option<Spanned<Plane>>,
     #[serde(default)]
     pub layers: Vec<Spanned<Tuple<Spanned<f64>, 3>>>,
+    #[serde(default)]
+    pub group: Vec<MaterialGroup>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MaterialGroup {
+    pub name: Spanned<String>,
+    pub young: Spanned<f64>,
+    pub poisson: Spanned<f64>,
 }
 
 #[derive(Deserialize, PartialEq)]
@@ -84,6 +126,7 @@ pub(super) struct Material {
 pub(super) enum Direction {
     X,
     Y,
+    Z,
 }
 
 #[derive(Deserialize)]
@@ -106,6 +149,10 @@ pub(super) struct Contact {
 pub(super) enum ObstacleKind {
     Plane,
     Cylinder,
+    Sphere,
+    Wedge,
+    Formula,
+    Table,
 }
 
 #[derive(Deserialize)]
@@ -113,18 +160,40 @@ pub(super) enum ObstacleKind {
 pub(super) struct Obstacle {
     pub kind: Spanned<ObstacleKind>,
     pub gap: Option<Spanned<f64>>,
+    pub through: Option<Spanned<Vector>>,
     pub radius: Option<Spanned<f64>>,
-    pub apex: Option<Spanned<Tuple<f64>>>,
+    pub apex: Option<Spanned<Vector>>,
+    pub axis: Option<Spanned<Vector>>,
+    pub angle: Option<Spanned<f64>>,
+    pub formula: Option<Spanned<String>>,
+    pub file: Option<Spanned<String>>,
+    pub direction: Option<Spanned<GapDirection>>,
     pub approach: Option<Spanned<Vec<Tuple<f64>>>>,
-    pub normal: Option<Spanned<Tuple<f64>>>,
-    pub tangent: Option<Spanned<Tuple<f64>>>,
+    pub motion: Option<Motion>,
+    pub normal: Option<Spanned<Vector>>,
+    pub tangent: Option<Spanned<Vector>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Motion {
+    pub translation: Option<Spanned<Vec<Vec<f64>>>>,
+    pub rotation: Option<Rotation>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Rotation {
+    pub axis: Option<Spanned<Vector>>,
+    pub through: Spanned<Vector>,
+    pub history: Spanned<Vec<Tuple<f64>>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Load {
     pub boundary: Spanned<String>,
-    pub traction: Spanned<Tuple<f64>>,
+    pub traction: Spanned<Vec<f64>>,
     pub history: Option<Spanned<Vec<Tuple<f64>>>>,
 }
 
@@ -154,6 +223,8 @@ pub(super) struct Solver {
 #[serde(deny_unknown_fields)]
 pub(super) struct Output {
     pub times: Option<Spanned<Vec<f64>>>,
+    #[serde(default)]
+    pub fields: bool,
 }
 
 /// What the TOML reader calls its types, and what the author of a scene does.

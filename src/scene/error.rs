@@ -2,6 +2,7 @@
 
 use std::io;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
@@ -61,6 +62,11 @@ pub(super) struct Source {
 }
 
 impl Source {
+    /// The path of a file that the scene names: relative to the scene's own.
+    pub(super) fn beside(&self, file: &str) -> PathBuf {
+        Path::new(&self.name).parent().unwrap_or(Path::new("")).join(file)
+    }
+
     /// An error at `span`.
     pub(super) fn error(&self, span: Range<usize>, message: impl Into<String>, help: impl Into<String>) -> SceneError {
         let start = span.start.min(self.text.len());

@@ -2,9 +2,9 @@
 
 use toml::Spanned;
 
-use super::Check;
+use super::{Check, name};
 use crate::scene::document::{self, Tuple};
-use crate::scene::{Layer, Material, SceneError};
+use crate::scene::{Layer, Material, MaterialGroup, Plane, SceneError};
 
 /// What a constant of a material must be.
 struct Limit {
@@ -38,7 +38,29 @@ impl Check<'_> {
             let poisson = self.limited(&name("Poisson's ratio"), poisson, &POISSON)?;
             layers.push(Layer { top, young, poisson, span: given.span() });
         }
-        Ok(Material { young, poisson, plane: material.plane, layers })
+        let groups = self.material_groups(&material.group)?;
+        if let (Some(layer), Some(_)) = (material.layers.first(), groups.first()) {
+            let message = "the material has layers and groups, which both say what an element is made of";
+            return self.fail(layer.span(), message, "keep material.layers or [[material.group]]");
+        }
+        let plane = material.plane.as_ref().map_or(Plane::default(), |plane| *plane.get_ref());
+        let plane_span = material.plane.as_ref().map(Spanned::span);
+        Ok(Material { young, poisson, plane, plane_span, layers, groups })
+    }
+
+    fn material_groups(&self, given: &[document::MaterialGroup]) -> Result<Vec<MaterialGroup>, SceneError> {
+        let mut groups: Vec<MaterialGroup> = Vec::with_capacity(given.len());
+        for group in given {
+            let name = name(group.name.clone());
+            if groups.iter().any(|other| other.name.as_str() == name.as_str()) {
+                let message = format!("the group `{name}` has a [[material.group]] already");
+                return self.fail(name.span(), message, "keep one [[material.group]] for each group");
+            }
+            let young = self.limited(&format!("Young's modulus of the group `{name}`"), &group.young, &YOUNG)?;
+            let poisson = self.limited(&format!("Poisson's ratio of the group `{name}`"), &group.poisson, &POISSON)?;
+            groups.push(MaterialGroup { name, young, poisson });
+        }
+        Ok(groups)
     }
 
     fn limited(&self, name: &str, value: &Spanned<f64>, limit: &Limit) -> Result<f64, SceneError> {

@@ -1,0 +1,101 @@
+//! The rigid motion of an obstacle: what it does to gaps and slip, and where it takes the obstacle.
+
+use super::obstacle::Facing;
+use super::surface::{across, plus};
+use crate::loading::piecewise_linear;
+use crate::scene;
+use crate::vector::{cross, dot, minus};
+
+/// How an obstacle moves: a sum of motions in one direction each, times a factor that changes in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObstacleMotion {
+    /// Directions, and points `[time (s), distance (m)]`.
+    translations: Vec<([f64; 3], Vec<[f64; 2]>)>,
+    rotation: Option<scene::Rotation>,
+}
+
+/// What one motion does to a node in front of the obstacle, for each unit of its factor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rates {
+    /// The gap.
+    pub gap: f64,
+    /// The displacement of the surface along both tangents.
+    pub drift: [f64; 2],
+}
+
+impl ObstacleMotion {
+    /// The motion that `obstacle` prescribes: its approach is against `normal`.
+    pub fn new(obstacle: &scene::Obstacle, normal: [f64; 3]) -> Self {
+        let component = |c: usize| {
+            let direction = [0, 1, 2].map(|k| if k == c { 1.0 } else { 0.0 });
+            let history = obstacle.translation.iter().map(|point| [point[0], point[1 + c]]).collect::<Vec<_>>();
+            (direction, history)
+        };
+        let mut translations: Vec<_> = (0..3).map(component).collect();
+        translations.push((normal.map(|c| -c), obstacle.approach.clone()));
+        translations.retain(|(_, history)| history.iter().any(|point| point[1] != 0.0));
+        ObstacleMotion { translations, rotation: obstacle.rotation.clone() }
+    }
+
+    /// The motions, each with its history and what it does to the nodes at `positions` (m), which see the
+    /// obstacle as `facings` says.
+    ///
+    /// A turning surface passes a node that stands still with `ω × (x - c)`, so its displacement there
+    /// is the angle times `a × (x - c)`: not the chord, however far it turns. A gap follows the motion of
+    /// the surface in front of the node, as that leans.
+    pub fn rates(&self, positions: &[[f64; 3]], facings: &[Facing]) -> Vec<(Vec<Rates>, Vec<[f64; 2]>)> {
+        let of = |surface: &dyn Fn([f64; 3]) -> [f64; 3]| {
+            let rates = |(x, facing): (&[f64; 3], &Facing)| {
+                let d = surface(*x);
+                // A normal against its own direction is -1 to the last bit.
+                if d.iter().zip(facing.normal).all(|(d, n)| *d == -n) {
+                    return Rates { gap: -1.0, drift: [0.0; 2] };
+                }
+                let in_front = surface(plus(*x, facing.gap, facing.normal));
+                Rates { gap: dot(in_front, facing.inward), drift: facing.tangents.map(|t| dot(d, t)) }
+            };
+            positions.iter().zip(facings).map(rates).collect::<Vec<_>>()
+        };
+        let mut motions: Vec<_> =
+            self.translations.iter().map(|(direction, history)| (of(&|_| *direction), history.clone())).collect();
+        if let Some(scene::Rotation { axis, through, history }) = &self.rotation {
+            motions.push((of(&|x| cross(*axis, minus(x, *through))), history.clone()));
+        }
+        motions
+    }
+
+    /// The gap (m) at time `t` of a node at `x` (m) that sees the obstacle at rest as `facing` says.
+    pub fn gap(&self, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
+        let motions = self.rates(&[x], std::slice::from_ref(facing));
+        let added = motions.iter().map(|(rates, history)| rates[0].gap * piecewise_linear(history, t).unwrap_or(0.0));
+        added.fold(facing.gap, |gap, added| gap + added)
+    }
+
+    /// The smallest gap (m) of a node over all time.
+    pub fn smallest_gap(&self, x: [f64; 3], facing: &Facing) -> f64 {
+        let histories = self.translations.iter().map(|(_, history)| history);
+        let histories = histories.chain(self.rotation.iter().map(|rotation| &rotation.history));
+        // Gaps are linear in between.
+        let times = histories.flatten().map(|point| point[0]).chain([0.0]);
+        times.map(|t| self.gap(t, x, facing)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Where `x` (m) was in the obstacle before it moved until time `t`, and what the direction `n` was.
+    pub fn back(&self, t: f64, x: [f64; 3], n: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+        let at = |history: &[[f64; 2]]| piecewise_linear(history, t).unwrap_or(0.0);
+        let mut x = x;
+        for (direction, history) in &self.translations {
+            x = plus(x, -at(history), *direction);
+        }
+        let Some(scene::Rotation { axis, through, history }) = &self.rotation else { return (x, n) };
+        let angle = -at(history);
+        (plus(turned(minus(x, *through), *axis, angle), 1.0, *through), turned(n, *axis, angle))
+    }
+}
+
+/// `a` turned about the unit vector `axis` by `angle` (rad).
+fn turned(a: [f64; 3], axis: [f64; 3], angle: f64) -> [f64; 3] {
+    let radial = across(a, axis);
+    let along = minus(a, radial);
+    plus(plus(along, angle.cos(), radial), angle.sin(), cross(axis, radial))
+}

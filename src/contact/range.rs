@@ -1,0 +1,79 @@
+//! Does the contact stay where its linearisation holds?
+//!
+//! Gaps and normals are those of the undeformed body. What that neglects is seen afterwards: the deformed
+//! node has an exact distance from the moved obstacle, along its normal, beside the linearised one.
+
+use serde::Serialize;
+
+use super::motion::ObstacleMotion;
+use super::obstacle::Obstacle;
+use crate::vector::dot;
+
+/// How much of the indentation the linearisation may miss before it counts as left. Pressures follow from
+/// the indentation, so about this share of a pressure is then wrong: more than meshes usually are.
+pub const TOLERATED_SHARE: f64 = 0.1;
+
+/// A contact node whose linearised distance from the obstacle is wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RangeLeft {
+    /// Its number in the mesh, from 0.
+    pub node: usize,
+    /// Its position, m.
+    pub position: [f64; 3],
+    /// When, s.
+    pub time: f64,
+    /// Its distance from the obstacle as computed, m.
+    pub linearised: f64,
+    /// Its distance along the normal without linearisation, m; null if the obstacle is no longer in front of it.
+    pub exact: f64,
+    /// Their difference over the largest indentation.
+    pub share: f64,
+}
+
+/// A contact node in its deformed state.
+#[derive(Debug, Clone, Copy)]
+pub struct DeformedNode {
+    /// Its number in the mesh.
+    pub node: usize,
+    /// Its position before, m.
+    pub position: [f64; 3],
+    /// Its displacement, m.
+    pub displacement: [f64; 3],
+    /// The normal along which its gap is measured.
+    pub normal: [f64; 3],
+    /// Its gap at this time, m.
+    pub gap: f64,
+    /// Whether it is in contact.
+    pub closed: bool,
+}
+
+/// The node of `nodes`, in front of `obstacle` at time `t` (s), where the linearised distance is most wrong, if
+/// that is more than [`TOLERATED_SHARE`] of the indentation: of `interference`, the deepest of the history (m), or
+/// of the largest normal displacement of a closed node. An open node counts only if it is inside the obstacle in truth.
+pub fn range_left(
+    obstacle: &Obstacle,
+    motion: &ObstacleMotion,
+    t: f64,
+    interference: f64,
+    nodes: &[DeformedNode],
+) -> Option<RangeLeft> {
+    let normal_displacement = |node: &DeformedNode| dot(node.normal, node.displacement);
+    let closed = nodes.iter().filter(|node| node.closed);
+    let indentation = closed.fold(interference, |m, node| m.max(normal_displacement(node).abs()));
+    let mut worst: Option<RangeLeft> = None;
+    for node in nodes {
+        let DeformedNode { position, displacement, normal, .. } = *node;
+        let moved = [0, 1, 2].map(|c| position[c] + displacement[c]);
+        let (x, n) = motion.back(t, moved, normal);
+        let exact = obstacle.distance(x, n, position);
+        let linearised = node.gap - normal_displacement(node);
+        let missed = if node.closed { (exact - linearised).abs() } else { (-exact).max(0.0) };
+        let share = missed / indentation;
+        // An obstacle that is no longer in front of a closed node is as far out of range as can be.
+        let left = share > TOLERATED_SHARE || node.closed && exact.is_nan();
+        if left && worst.is_none_or(|worst| share.is_nan() || share > worst.share) {
+            worst = Some(RangeLeft { node: node.node, position, time: t, linearised, exact, share });
+        }
+    }
+    worst
+}

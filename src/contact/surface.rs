@@ -1,0 +1,140 @@
+//! The surfaces of rigid obstacles: how far they are from a point.
+
+use super::gap_table::GapTable;
+use crate::scene::Formula;
+use crate::vector::{cross, dot, minus, norm, unit};
+
+/// The surface of an obstacle at rest. `facing` is the unit vector out of the body towards the obstacle,
+/// `N` below.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Surface {
+    /// All points with `N·x = level + gap`; two numbers, so that a small gap keeps its digits.
+    Plane { level: f64, gap: f64 },
+    /// A cylinder about `axis` (unit), or a sphere without; its nearest point along `N` is `apex`.
+    Round { radius: f64, apex: [f64; 3], axis: Option<[f64; 3]> },
+    /// Two half-planes from a ridge through `apex`, each leaning away from the body by the angle whose
+    /// tangent is `slope`, to both sides along `aside` (unit).
+    Wedge { apex: [f64; 3], aside: [f64; 3], slope: f64 },
+    /// Gaps along `N` by a formula of the position.
+    Formula(Formula),
+    /// Gaps along `N` from a table.
+    Table(GapTable),
+}
+
+/// `a + s b`.
+pub(super) fn plus(a: [f64; 3], s: f64, b: [f64; 3]) -> [f64; 3] {
+    [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
+}
+
+/// `a` without its part along the unit vector `axis`.
+pub(super) fn across(a: [f64; 3], axis: [f64; 3]) -> [f64; 3] {
+    plus(a, -dot(a, axis), axis)
+}
+
+impl Surface {
+    /// The distance (m) from `x` to the surface along the unit vector `n`, negative inside; NaN if the
+    /// line misses it. Only fields of gaps need `reference`, where the point at `x` came from: they are
+    /// given by reference positions, along `facing`.
+    pub(super) fn along(&self, facing: [f64; 3], x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> f64 {
+        let field = |gap: &dyn Fn([f64; 3]) -> f64| {
+            let moved = minus(x, reference);
+            gap(plus(reference, 1.0, across(moved, facing))) - dot(moved, facing)
+        };
+        match self {
+            Surface::Plane { level, gap } => (gap + (level - dot(facing, x))) / dot(facing, n),
+            Surface::Round { radius, apex, axis } => {
+                // A line that leans along the axis of a cylinder is longer than its shadow.
+                let leaning = axis.filter(|axis| dot(*axis, n) != 0.0);
+                let shadow = leaning.map_or(n, |axis| across(n, axis));
+                let length = leaning.map_or(1.0, |_| norm(shadow));
+                let n = shadow.map(|c| c / length);
+                // The nearest point along n; it is the apex where n = N.
+                let apex = plus(*apex, *radius, minus(facing, n));
+                let from = axis.map_or(minus(x, apex), |axis| across(minus(x, apex), axis));
+                let along = dot(from, n);
+                let aside = across(from, n);
+                let aside = dot(aside, aside);
+                // R - √(R² - s²), without the loss of digits where s is small.
+                (aside / (radius + (radius * radius - aside).sqrt()) - along) / length
+            }
+            Surface::Wedge { apex, aside, slope } => {
+                let from = minus(x, *apex);
+                let face = |side: f64| {
+                    // Into the obstacle, at right angles to the face; its length does not matter.
+                    let inward = plus(facing, -side * slope, *aside);
+                    let closing = dot(inward, n);
+                    if closing > 0.0 { -dot(inward, from) / closing } else { f64::NAN }
+                };
+                let (one, other) = (face(1.0), face(-1.0));
+                if one.is_nan() || other.is_nan() { f64::NAN } else { one.max(other) }
+            }
+            Surface::Formula(formula) => field(&|x| formula.at(x)),
+            Surface::Table(table) => field(&|x| table.at(x)),
+        }
+    }
+
+    /// A vector into the obstacle, at right angles to the surface where the line from `x` along the unit vector
+    /// `n` meets it after `gap` (m). The slopes of fields are differences over `step` (m) along `tangents`.
+    pub(super) fn inward(
+        &self,
+        [facing, tangents @ ..]: [[f64; 3]; 3],
+        x: [f64; 3],
+        (gap, n): (f64, [f64; 3]),
+        step: f64,
+    ) -> [f64; 3] {
+        let foot = plus(x, gap, n);
+        match self {
+            Surface::Plane { .. } => facing,
+            Surface::Round { radius, apex, axis } => {
+                let to_centre = minus(plus(*apex, *radius, facing), foot);
+                axis.map_or(to_centre, |axis| across(to_centre, axis))
+            }
+            Surface::Wedge { apex, aside, slope } => {
+                let side = if dot(minus(foot, *apex), *aside) < 0.0 { -1.0 } else { 1.0 };
+                plus(facing, -side * slope, *aside)
+            }
+            Surface::Formula(_) | Surface::Table(_) => tangents.into_iter().fold(facing, |inward, tangent| {
+                let at = |s: f64| {
+                    let x = plus(x, s, tangent);
+                    self.along(facing, x, facing, x)
+                };
+                let (before, here, after) = (at(-step), at(0.0), at(step));
+                // At the rim of a table one side has no gap; across it there is no slope to speak of.
+                let slopes = [(after - before) / (2.0 * step), (after - here) / step, (here - before) / step];
+                let slope = slopes.into_iter().find(|slope| slope.is_finite()).unwrap_or(0.0);
+                plus(inward, -slope, tangent)
+            }),
+        }
+    }
+
+    /// The distance (m) from `x` to the nearest point of the surface, negative inside, and the unit
+    /// vector in which that is.
+    pub(super) fn nearest(&self, facing: [f64; 3], x: [f64; 3]) -> (f64, [f64; 3]) {
+        match self {
+            Surface::Round { radius, apex, axis } => {
+                let flat = |a: [f64; 3]| axis.map_or(a, |axis| across(a, axis));
+                let from = flat(minus(x, *apex));
+                let to_centre = plus([0.0; 3], -1.0, plus(from, -radius, facing));
+                let distance = norm(to_centre);
+                // |q| - R = (|q|² - R²) / (|q| + R), without the loss of digits near the surface.
+                let gap = (dot(from, from) - 2.0 * radius * dot(from, facing)) / (distance + radius);
+                (gap, to_centre.map(|c| c / distance + 0.0))
+            }
+            Surface::Wedge { apex, aside, slope } => {
+                let from = minus(x, *apex);
+                let side = if dot(from, *aside) < 0.0 { -1.0 } else { 1.0 };
+                let inward = unit(plus(facing, -side * slope, *aside));
+                let gap = -dot(inward, from);
+                let foot = plus(from, gap, inward);
+                if side * dot(foot, *aside) >= 0.0 {
+                    return (gap, inward);
+                }
+                // In front of the ridge, which is nearer than either face.
+                let to_ridge = across(plus([0.0; 3], -1.0, from), unit(cross(facing, *aside)));
+                let distance = norm(to_ridge);
+                (distance, to_ridge.map(|c| c / distance))
+            }
+            _ => (self.along(facing, x, facing, x), facing),
+        }
+    }
+}

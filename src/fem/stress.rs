@@ -1,0 +1,41 @@
+//! Stresses in an element.
+
+use super::elastic::Elasticity;
+use super::quadrature::quadrature;
+use super::shape::gradients;
+use super::strain::{Element, mean_gradients, strain_columns};
+use crate::mesh::CellKind;
+
+/// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of a cell with `corners` (m) and the
+/// `displacements` (m) of these; see [`Elasticity::stress`] for the plane. `None` if the element is inverted
+/// or degenerate.
+pub fn centre_stress(
+    kind: CellKind,
+    corners: &[[f64; 3]],
+    displacements: &[[f64; 3]],
+    element: Element,
+    material: &Elasticity,
+) -> Option<[f64; 6]> {
+    let centre = match kind {
+        CellKind::Quadrilateral | CellKind::Hexahedron => [0.0; 3],
+        CellKind::Triangle => [1.0 / 3.0, 1.0 / 3.0, 0.0],
+        CellKind::Tetrahedron => [0.25; 3],
+    };
+    let (at_centre, _) = gradients(kind, centre, corners)?;
+    let points: Vec<_> = quadrature(kind)
+        .into_iter()
+        .map(|(point, weight)| gradients(kind, point, corners).map(|(gradients, det)| (gradients, det * weight)))
+        .collect::<Option<_>>()?;
+    let mean = mean_gradients(&points);
+    let dilatation = match element {
+        Element::Bilinear => &at_centre,
+        Element::BBar => &mean,
+    };
+    let columns = strain_columns(kind.dimension(), &at_centre, dilatation);
+    let unknowns = displacements.iter().flat_map(|u| &u[..kind.dimension()]);
+    let mut strain = [0.0; 6];
+    for (column, u) in columns.iter().zip(unknowns) {
+        strain.iter_mut().zip(column).for_each(|(sum, c)| *sum += c * u);
+    }
+    Some(material.stress(strain))
+}

@@ -1,0 +1,144 @@
+//! Meshes from Gmsh: files in the format MSH 4.1 (ASCII), first-order cells.
+//!
+//! The dimension is that of the highest-dimensional elements. Physical groups of that dimension become
+//! material groups, those of one less become boundaries; a group without a name is called by its number.
+//! The format: Gmsh reference manual, "MSH file format", version 4.1.
+
+mod groups;
+mod lines;
+mod read;
+
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+use super::check::{MeshFault, Numbers};
+use super::{CellKind, Mesh};
+
+/// Why a mesh file was refused.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum MeshFileError {
+    /// It cannot be read.
+    #[error("{path}: the mesh cannot be read: {error}")]
+    #[diagnostic(help("name an existing Gmsh file; paths are relative to the scene file"))]
+    Io {
+        /// The file.
+        path: String,
+        /// What the system said; not a `source`, since the message has it already.
+        error: io::Error,
+    },
+    /// Its text is not a mesh in the format MSH 4.1.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Format(#[from] GmshError),
+    /// It is a mesh, but not a sound one.
+    #[error("{file}: {fault}")]
+    #[diagnostic(help("{}", fault.help()))]
+    Unsound {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        fault: MeshFault,
+    },
+}
+
+/// A place in a Gmsh file that cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("{file}:{line}: {message}")]
+#[diagnostic(help("{help}"))]
+pub struct GmshError {
+    /// The file.
+    pub file: String,
+    /// The line, from 1.
+    pub line: usize,
+    /// What is wrong.
+    pub message: String,
+    /// How to mend it.
+    pub help: String,
+}
+
+/// The kinds of elements that are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ElementKind {
+    Point,
+    Line,
+    Cell(CellKind),
+}
+
+impl ElementKind {
+    /// By Gmsh's number of the type; the name of a type that is not supported.
+    fn from_gmsh(number: i64) -> Result<Self, String> {
+        Ok(match number {
+            15 => ElementKind::Point,
+            1 => ElementKind::Line,
+            2 => ElementKind::Cell(CellKind::Triangle),
+            3 => ElementKind::Cell(CellKind::Quadrilateral),
+            4 => ElementKind::Cell(CellKind::Tetrahedron),
+            5 => ElementKind::Cell(CellKind::Hexahedron),
+            6 => return Err("6 (prism)".to_string()),
+            7 => return Err("7 (pyramid)".to_string()),
+            8..=12 | 16..=19 => return Err(format!("{number} (second order)")),
+            _ => return Err(number.to_string()),
+        })
+    }
+
+    fn dimension(self) -> usize {
+        match self {
+            ElementKind::Point => 0,
+            ElementKind::Line => 1,
+            ElementKind::Cell(kind) => kind.dimension(),
+        }
+    }
+
+    fn nodes(self) -> usize {
+        match self {
+            ElementKind::Point => 1,
+            ElementKind::Line => 2,
+            ElementKind::Cell(kind) => kind.corners(),
+        }
+    }
+}
+
+impl fmt::Display for ElementKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            ElementKind::Point => "point",
+            ElementKind::Line => "line",
+            ElementKind::Cell(CellKind::Triangle) => "triangle",
+            ElementKind::Cell(CellKind::Quadrilateral) => "quadrilateral",
+            ElementKind::Cell(CellKind::Tetrahedron) => "tetrahedron",
+            ElementKind::Cell(CellKind::Hexahedron) => "hexahedron",
+        })
+    }
+}
+
+/// Reads the Gmsh file at `path`; `scale` is the length of the file's unit in m.
+///
+/// A plane mesh whose cells are all clockwise is turned over; a mesh with some cells of negative
+/// volume is refused.
+///
+/// # Errors
+/// When the file cannot be read, is not MSH 4.1 in ASCII, has cells other than first-order triangles,
+/// quadrilaterals, tetrahedra and hexahedra, or is not a sound mesh; with line, or element numbers.
+pub fn gmsh(path: &Path, scale: f64) -> Result<Mesh, MeshFileError> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|error| MeshFileError::Io { path: name.clone(), error })?;
+    from_gmsh(&name, &bytes, scale)
+}
+
+/// The mesh in the text of a Gmsh file; `name` stands for the file in messages.
+///
+/// # Errors
+/// As [`gmsh`], but for reading the file.
+pub fn from_gmsh(name: &str, bytes: &[u8], scale: f64) -> Result<Mesh, MeshFileError> {
+    let file = read::read(name, bytes)?;
+    let unsound = |fault| MeshFileError::Unsound { file: name.to_string(), fault };
+    let (mut mesh, cells) = groups::mesh(file.clone(), name)?;
+    let numbers = Numbers { cells: &cells, nodes: &file.numbers };
+    mesh.check(&numbers).map_err(unsound)?;
+    groups::boundaries(&mut mesh, &file).map_err(unsound)?;
+    for x in mesh.nodes.iter_mut().flatten() {
+        *x *= scale;
+    }
+    Ok(mesh)
+}

@@ -1,0 +1,109 @@
+//! The lines of a Gmsh file, with their numbers for messages.
+
+use std::str::FromStr;
+
+use super::GmshError;
+
+/// Goes through a text line by line; empty lines do not count.
+pub(super) struct Lines<'a> {
+    file: &'a str,
+    rest: std::iter::Enumerate<std::str::Lines<'a>>,
+    /// The line read last, from 1.
+    number: usize,
+}
+
+impl<'a> Lines<'a> {
+    pub(super) fn new(file: &'a str, text: &'a str) -> Self {
+        Lines { file, rest: text.lines().enumerate(), number: 1 }
+    }
+
+    pub(super) fn number(&self) -> usize {
+        self.number
+    }
+
+    fn advance(&mut self) -> Option<&'a str> {
+        for (k, line) in self.rest.by_ref() {
+            self.number = k + 1;
+            if !line.trim().is_empty() {
+                return Some(line.trim());
+            }
+        }
+        None
+    }
+
+    /// The next line of `section`.
+    pub(super) fn next(&mut self, section: &str) -> Result<&'a str, GmshError> {
+        match self.advance() {
+            None => {
+                let help = "the file is cut off: export or copy it again";
+                Err(self.error(format!("the file ends within ${section}"), help))
+            }
+            Some(line) if line.starts_with('$') => {
+                let message = format!("${section} ends before all it announces is there");
+                Err(self.error(message, "export the mesh again from Gmsh"))
+            }
+            Some(line) => Ok(line),
+        }
+    }
+
+    /// The next line of `section`, as `N` whole numbers.
+    pub(super) fn numbers<const N: usize, T: FromStr>(&mut self, section: &str) -> Result<[T; N], GmshError> {
+        let line = self.next(section)?;
+        let values: Option<Vec<T>> = line.split_whitespace().map(|word| word.parse().ok()).collect();
+        values.and_then(|values| values.try_into().ok()).ok_or_else(|| {
+            let plural = if N == 1 { "" } else { "s" };
+            self.malformed(section, &format!("{N} whole number{plural}"))
+        })
+    }
+
+    /// The name of the section that begins next; `None` at the end of the file.
+    pub(super) fn section(&mut self) -> Result<Option<String>, GmshError> {
+        match self.advance() {
+            None => Ok(None),
+            Some(line) => match line.strip_prefix('$') {
+                Some(name) => Ok(Some(name.to_string())),
+                None => Err(self.error(
+                    format!("a section was expected, but there is `{}`", shortened(line)),
+                    "export the mesh in the format MSH 4.1 (ASCII): gmsh -save -format msh41",
+                )),
+            },
+        }
+    }
+
+    /// Takes the end of `section`.
+    pub(super) fn end(&mut self, section: &str) -> Result<(), GmshError> {
+        let help = "export or copy the file again";
+        match self.advance() {
+            Some(line) if line.strip_prefix("$End") == Some(section) => Ok(()),
+            Some(line) => {
+                Err(self.error(format!("$End{section} was expected, but there is `{}`", shortened(line)), help))
+            }
+            None => Err(self.error(format!("the file ends within ${section}"), help)),
+        }
+    }
+
+    /// Passes over a section that says nothing of interest.
+    pub(super) fn skip_to_end(&mut self, section: &str) -> Result<(), GmshError> {
+        while let Some(line) = self.advance() {
+            if line.strip_prefix("$End") == Some(section) {
+                return Ok(());
+            }
+        }
+        Err(self.error(format!("the file ends within ${section}"), "the file is cut off: export or copy it again"))
+    }
+
+    /// An error at the line read last.
+    pub(super) fn error(&self, message: impl Into<String>, help: impl Into<String>) -> GmshError {
+        GmshError { file: self.file.to_string(), line: self.number, message: message.into(), help: help.into() }
+    }
+
+    /// The error for a line of `section` that does not hold `what`.
+    pub(super) fn malformed(&self, section: &str, what: &str) -> GmshError {
+        self.error(format!("${section}: {what} expected in this line"), "export the mesh again from Gmsh")
+    }
+}
+
+/// A line, as far as a message can show it.
+fn shortened(line: &str) -> String {
+    line.chars().take(40).collect()
+}

@@ -1,0 +1,244 @@
+//! The text of a Gmsh file, format MSH 4.1 (ASCII), as plain lists.
+
+use std::collections::HashMap;
+use std::str::FromStr;
+
+use super::lines::Lines;
+use super::{ElementKind, GmshError};
+
+/// Elements of one kind on one entity of the geometry.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Block {
+    pub kind: ElementKind,
+    /// The physical groups of the entity, by name.
+    pub groups: Vec<String>,
+    /// Gmsh's element number and the nodes, as indices into [`File::nodes`].
+    pub elements: Vec<(usize, Vec<usize>)>,
+    /// The line the block begins on.
+    pub line: usize,
+}
+
+/// What a file says.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct File {
+    /// Coordinates in the file's unit.
+    pub nodes: Vec<[f64; 3]>,
+    /// Gmsh's number of each node.
+    pub numbers: Vec<usize>,
+    pub blocks: Vec<Block>,
+}
+
+/// Which sections were there, in the order in which a file must have them.
+#[derive(Default)]
+struct Seen {
+    entities: bool,
+    nodes: bool,
+    elements: bool,
+}
+
+type Entity = (usize, i64);
+
+/// Reads `bytes`; `name` stands for the file in messages.
+pub(super) fn read(name: &str, bytes: &[u8]) -> Result<File, GmshError> {
+    // A binary file says so in its first lines, before the first byte that is not text.
+    let text = String::from_utf8_lossy(bytes);
+    let mut lines = Lines::new(name, &text);
+    format(&mut lines)?;
+    let (mut file, mut seen) = (File::default(), Seen::default());
+    let mut names = HashMap::new();
+    let mut groups: HashMap<Entity, Vec<String>> = HashMap::new();
+    let mut indices = HashMap::new();
+    while let Some(section) = lines.section()? {
+        match section.as_str() {
+            "PhysicalNames" => names = physical_names(&mut lines)?,
+            "Entities" => {
+                groups = entities(&mut lines, &names)?;
+                seen.entities = true;
+            }
+            "Nodes" => {
+                indices = nodes(&mut lines, &mut file)?;
+                seen.nodes = true;
+            }
+            "Elements" if !seen.nodes => {
+                return Err(lines.error("$Elements comes before $Nodes", "export the mesh again from Gmsh"));
+            }
+            "Elements" => {
+                elements(&mut lines, &groups, &indices, &mut file)?;
+                seen.elements = true;
+            }
+            "PartitionedEntities" => {
+                let help = "export the mesh without partitions";
+                return Err(lines.error("the mesh is partitioned, which is not supported", help));
+            }
+            _ => {
+                lines.skip_to_end(&section)?;
+                continue;
+            }
+        }
+        lines.end(&section)?;
+    }
+    let missing = [("Entities", seen.entities), ("Nodes", seen.nodes), ("Elements", seen.elements)];
+    match missing.into_iter().find(|(_, seen)| !seen) {
+        Some((section, _)) => {
+            let help = "export the whole mesh in the format MSH 4.1: gmsh -save -format msh41";
+            Err(lines.error(format!("the file has no section ${section}"), help))
+        }
+        None => Ok(file),
+    }
+}
+
+fn format(lines: &mut Lines<'_>) -> Result<(), GmshError> {
+    let help = "export the mesh with: gmsh -save -format msh41 (in Gmsh: File, Export, \"Version 4 ASCII\")";
+    if lines.section()?.as_deref() != Some("MeshFormat") {
+        return Err(lines.error("the file does not begin with $MeshFormat: it is no Gmsh mesh", help));
+    }
+    let line = lines.next("MeshFormat")?;
+    let mut words = line.split_whitespace();
+    let version = words.next().unwrap_or_default();
+    if version != "4.1" {
+        return Err(lines.error(format!("the file has the format MSH {version}, but only MSH 4.1 is read"), help));
+    }
+    if words.next() != Some("0") {
+        let help = "export it as ASCII: gmsh -save -format msh41 (with Mesh.Binary = 0)";
+        return Err(lines.error("the file is binary, but only ASCII is read", help));
+    }
+    lines.end("MeshFormat")
+}
+
+/// The names of the physical groups by dimension and number.
+fn physical_names(lines: &mut Lines<'_>) -> Result<HashMap<Entity, String>, GmshError> {
+    let section = "PhysicalNames";
+    let [count] = lines.numbers(section)?;
+    let mut names = HashMap::new();
+    for _ in 0..count {
+        let line = lines.next(section)?;
+        let mut words = line.splitn(3, char::is_whitespace);
+        let dimension = words.next().and_then(|word| word.parse().ok());
+        let number = words.next().and_then(|word| word.parse().ok());
+        let name = words.next().map(|word| word.trim().trim_matches('"'));
+        let (Some(dimension), Some(number), Some(name)) = (dimension, number, name) else {
+            return Err(lines.malformed(section, "a dimension, a number and a name in quotes"));
+        };
+        names.insert((dimension, number), name.to_string());
+    }
+    Ok(names)
+}
+
+/// The physical groups of every entity; a group without a name is called by its number.
+fn entities(lines: &mut Lines<'_>, names: &HashMap<Entity, String>) -> Result<HashMap<Entity, Vec<String>>, GmshError> {
+    let section = "Entities";
+    let counts: [usize; 4] = lines.numbers(section)?;
+    let mut groups = HashMap::new();
+    for (dimension, count) in counts.into_iter().enumerate() {
+        for _ in 0..count {
+            let line = lines.next(section)?;
+            let words: Vec<&str> = line.split_whitespace().collect();
+            // A point has its coordinates, everything else the corners of its box.
+            let before = if dimension == 0 { 4 } else { 7 };
+            let tag: Option<i64> = word(&words, 0);
+            let held: Option<usize> = word(&words, before);
+            let physical: Option<Vec<i64>> =
+                held.and_then(|held| (0..held).map(|k| word(&words, before + 1 + k)).collect());
+            let (Some(tag), Some(physical)) = (tag, physical) else {
+                return Err(lines.malformed(section, "an entity with its box and its physical groups"));
+            };
+            // The sign tells an orientation, not the group.
+            let name = |number: &i64| {
+                let number = number.abs();
+                names.get(&(dimension, number)).cloned().unwrap_or_else(|| number.to_string())
+            };
+            groups.insert((dimension, tag), physical.iter().map(name).collect());
+        }
+    }
+    Ok(groups)
+}
+
+fn word<T: FromStr>(words: &[&str], k: usize) -> Option<T> {
+    words.get(k)?.parse().ok()
+}
+
+/// Reads `$Nodes` into `file`; the index of every node by Gmsh's number.
+fn nodes(lines: &mut Lines<'_>, file: &mut File) -> Result<HashMap<usize, usize>, GmshError> {
+    let section = "Nodes";
+    let [blocks, count, _, _] = lines.numbers(section)?;
+    let mut indices = HashMap::new();
+    for _ in 0..blocks {
+        let [_, _, parametric, here] = lines.numbers::<4, i64>(section)?;
+        let first = file.numbers.len();
+        for _ in 0..here {
+            let [number] = lines.numbers(section)?;
+            if indices.insert(number, file.numbers.len()).is_some() {
+                let help = "export the mesh again from Gmsh";
+                return Err(lines.error(format!("the node {number} is there twice"), help));
+            }
+            file.numbers.push(number);
+        }
+        for &number in &file.numbers[first..] {
+            let line = lines.next(section)?;
+            let values: Option<Vec<f64>> = line.split_whitespace().map(|word| word.parse().ok()).collect();
+            match values.as_deref() {
+                Some(&[x, y, z, ..]) if [x, y, z].iter().all(|c| c.is_finite()) => file.nodes.push([x, y, z]),
+                _ => {
+                    let more = if parametric == 0 { "" } else { " and parameters" };
+                    return Err(lines.malformed(section, &format!("three finite coordinates{more} of node {number}")));
+                }
+            }
+        }
+    }
+    match file.nodes.len() == count {
+        true => Ok(indices),
+        false => {
+            let message = format!("$Nodes announces {count} nodes, but has {}", file.nodes.len());
+            Err(lines.error(message, "export the mesh again from Gmsh"))
+        }
+    }
+}
+
+fn elements(
+    lines: &mut Lines<'_>,
+    groups: &HashMap<Entity, Vec<String>>,
+    indices: &HashMap<usize, usize>,
+    file: &mut File,
+) -> Result<(), GmshError> {
+    let section = "Elements";
+    let [blocks, count, _, _] = lines.numbers(section)?;
+    let mut read = 0_usize;
+    for _ in 0..blocks {
+        let [dimension, entity, kind, here] = lines.numbers::<4, i64>(section)?;
+        let line = lines.number();
+        let kind = ElementKind::from_gmsh(kind).map_err(|name| {
+            let help =
+                "mesh with first-order triangles, quadrilaterals, tetrahedra or hexahedra (Mesh.ElementOrder = 1)";
+            lines.error(format!("the mesh has elements of the type {name}, which is not supported"), help)
+        })?;
+        let groups = groups.get(&(dimension as usize, entity)).cloned().unwrap_or_default();
+        let mut elements = Vec::new();
+        for _ in 0..here {
+            let text = lines.next(section)?;
+            let words: Option<Vec<usize>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
+            let Some((&number, nodes)) = words.as_deref().and_then(<[usize]>::split_first) else {
+                return Err(lines.malformed(section, "the number of an element and its nodes"));
+            };
+            if nodes.len() != kind.nodes() {
+                let message = format!("element {number} has {} nodes, but a {kind} has {}", nodes.len(), kind.nodes());
+                return Err(lines.error(message, "export the mesh again from Gmsh"));
+            }
+            let found: Result<Vec<usize>, usize> =
+                nodes.iter().map(|node| indices.get(node).copied().ok_or(*node)).collect();
+            let nodes = found.map_err(|node| {
+                let help = "export the mesh again from Gmsh";
+                lines.error(format!("element {number} names the node {node}, which $Nodes does not have"), help)
+            })?;
+            elements.push((number, nodes));
+            read += 1;
+        }
+        file.blocks.push(Block { kind, groups, elements, line });
+    }
+    match read == count {
+        true => Ok(()),
+        false => {
+            let message = format!("$Elements announces {count} elements, but has {read}");
+            Err(lines.error(message, "export the mesh again from Gmsh"))
+        }
+    }
+}

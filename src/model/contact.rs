@@ -1,0 +1,87 @@
+//! The contact nodes of a scene's boundary and what is in front of them, checked.
+
+use super::find;
+use crate::contact::{ContactNode, Obstacle, ObstacleMotion, contact_nodes, unreachable};
+use crate::fem::Dofs;
+use crate::mesh::Mesh;
+use crate::scene::{self, Scene, SceneError};
+use crate::vector::dot;
+
+/// How much of the body an obstacle may take up when the history begins. Strains are about this share, and
+/// far less is no small deformation any more: more is a slip of the pen.
+const DEEPEST: f64 = 0.2;
+
+/// The obstacle of `contact`, its motion, and the nodes in front of it.
+pub(super) fn boundary(
+    scene: &Scene,
+    mesh: &Mesh,
+    dofs: &Dofs,
+    contact: &scene::Contact,
+) -> Result<(Obstacle, ObstacleMotion, Vec<ContactNode>), SceneError> {
+    let boundary = find(scene, mesh, &contact.boundary)?;
+    let name = &contact.boundary;
+    let at_obstacle = |message: String, help: &str| scene.error_at(contact.obstacle.span.clone(), message, help);
+    let obstacle = Obstacle::new(mesh, boundary, &contact.obstacle)
+        .map_err(|error| at_obstacle(format!("contact at `{name}`: {error}"), error.help()))?;
+    let motion = ObstacleMotion::new(&contact.obstacle, obstacle.normal);
+    let nodes = boundary.nodes();
+    if let Some(&node) = nodes.iter().find(|&&node| !obstacle.at(mesh.nodes[node]).gap.is_finite()) {
+        let (what, help) = obstacle.out_of_reach();
+        let place = mesh.place(mesh.nodes[node]);
+        return Err(at_obstacle(format!("{what} the contact node at {place} m"), help));
+    }
+    if !obstacle.faces(mesh, boundary) {
+        let message = format!("the normal of the obstacle points into the body at `{name}`, or along it");
+        return Err(at_obstacle(message, "let the normal point out of the body"));
+    }
+    let along = || mesh.nodes.iter().map(|x| dot(*x, obstacle.normal));
+    let thickness = along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min);
+    let start = |node: usize| motion.gap(0.0, mesh.nodes[node], &obstacle.at(mesh.nodes[node]));
+    if let Some(&node) = nodes.iter().min_by(|a, b| start(**a).total_cmp(&start(**b)))
+        && start(node) < -DEEPEST * thickness
+    {
+        let place = mesh.place(mesh.nodes[node]);
+        let message = format!(
+            "the obstacle starts {:e} m inside the body at {place} m, which is {thickness:e} m thick there",
+            -start(node)
+        );
+        return Err(at_obstacle(message, "move the obstacle out, or the part of the motion before time 0"));
+    }
+    if let Some(node) = unreachable(mesh, dofs, boundary, &obstacle, &motion) {
+        let place = mesh.place(mesh.nodes[node]);
+        let message = format!("supports hold the body where the obstacle is or comes to be, at {place} m");
+        let help = "use a gap of at least 0, a shorter approach or fewer supports";
+        return Err(scene.error_at(name.span(), message, help));
+    }
+    let nodes = contact_nodes(mesh, dofs, boundary, &obstacle);
+    if nodes.is_empty() {
+        let message = format!("supports hold every node of the contact boundary `{name}`");
+        return Err(scene.error_at(name.span(), message, "remove the contact or the support"));
+    }
+    Ok((obstacle, motion, nodes))
+}
+
+/// Refuses a node between two obstacles that face one another: their forces would cancel, whatever they are.
+pub(super) fn no_contradiction(
+    scene: &Scene,
+    contact: &scene::Contact,
+    earlier: &[ContactNode],
+    nodes: &[ContactNode],
+) -> Result<(), SceneError> {
+    let opposite = |a: &ContactNode, b: &ContactNode| {
+        // One degree from opposite; a sharper edge of a body cannot be meshed.
+        a.node == b.node && dot(a.facing.normal, b.facing.normal) < -0.9998
+    };
+    match nodes.iter().find(|node| earlier.iter().any(|other| opposite(node, other))) {
+        None => Ok(()),
+        Some(node) => {
+            let [x, y, z] = node.position;
+            let message = format!(
+                "the node at ({x}, {y}, {z}) m of `{}` lies between two obstacles with opposite normals",
+                contact.boundary
+            );
+            let help = "give an obstacle another normal, or let the boundaries share no node";
+            Err(scene.error_at(contact.obstacle.span.clone(), message, help))
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! Where a state leaves the range of the linearised gaps.
+
+use super::Model;
+use crate::contact::{ContactStatus, DeformedNode, RangeLeft, range_left};
+
+impl Model {
+    /// For the displacements `u` (n_u, m) at time `t` (s) with the gaps `gap` (n_c, m) and the statuses of the
+    /// contact nodes: the node whose linearised distance from its obstacle is most wrong, if that is too much;
+    /// see [`range_left`].
+    pub fn range_left(&self, t: f64, u: &[f64], gap: &[f64], statuses: &[ContactStatus]) -> Option<RangeLeft> {
+        let displacements = self.dofs.displacements(u);
+        let interference = self.loading.largest_interference();
+        let boundaries = self.contact_boundaries.iter().zip(&self.obstacles);
+        let worst = boundaries.filter_map(|(boundary, (obstacle, motion))| {
+            let deformed = boundary.nodes.clone().map(|i| DeformedNode {
+                node: self.contacts[i].node,
+                position: self.contacts[i].position,
+                displacement: displacements[self.contacts[i].node],
+                normal: self.contacts[i].facing.normal,
+                gap: gap[i],
+                closed: statuses[i] != ContactStatus::Open,
+            });
+            range_left(obstacle, motion, t, interference, &deformed.collect::<Vec<_>>())
+        });
+        worst.max_by(|a, b| a.share.total_cmp(&b.share))
+    }
+}

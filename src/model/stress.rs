@@ -1,0 +1,25 @@
+//! The stresses of a body from its displacements.
+
+use super::Model;
+use crate::fem::centre_stress;
+
+impl Model {
+    /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of every cell, for the displacements
+    /// of all nodes (m); with `σ_zz` of plane strain, and 0 in plane stress.
+    pub fn centre_stresses(&self, displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
+        let cells = self.mesh.cells.iter().zip(&self.materials);
+        cells
+            .map(|(cell, material)| {
+                let corners = self.mesh.points(&cell.nodes);
+                let corner_displacements: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
+                // Assembly has refused cells that have none.
+                let stress = centre_stress(cell.kind, &corners, &corner_displacements, self.element, material);
+                let mut stress = stress.unwrap_or([f64::NAN; 6]);
+                if self.thin {
+                    stress[2] = 0.0;
+                }
+                stress
+            })
+            .collect()
+    }
+}

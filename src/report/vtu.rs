@@ -1,0 +1,102 @@
+//! Grids with fields as VTU, the XML format of VTK for unstructured grids, as ParaView reads it.
+//!
+//! Arrays are base64 within the XML, uncompressed, little-endian: a 64-bit count of bytes, then the
+//! values. The format: VTK file formats, "XML file formats", type `UnstructuredGrid`, version 1.0.
+
+use std::fmt::Write;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+/// The values of a field.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Real numbers; NaN where the field is not defined.
+    Real(Vec<f64>),
+    /// Whole numbers.
+    Whole(Vec<i32>),
+}
+
+/// A field: so many values for each point or cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Field {
+    /// Its name.
+    pub name: &'static str,
+    /// Values for each point or cell: 1 for a number, 3 for a vector, 9 for a tensor, row by row.
+    pub components: usize,
+    /// The values, point by point or cell by cell.
+    pub values: Values,
+}
+
+/// An unstructured grid with fields.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Grid {
+    /// The points, m.
+    pub points: Vec<[f64; 3]>,
+    /// The points of each cell, and its type in VTK's numbering.
+    pub cells: Vec<(Vec<usize>, u8)>,
+    /// Fields with values for each point.
+    pub point_fields: Vec<Field>,
+    /// Fields with values for each cell.
+    pub cell_fields: Vec<Field>,
+}
+
+impl Grid {
+    /// The grid as the text of a VTU file.
+    pub fn to_vtu(&self) -> String {
+        let mut text = String::from(
+            "<?xml version=\"1.0\"?>\n\
+             <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+             <UnstructuredGrid>\n",
+        );
+        let (points, cells) = (self.points.len(), self.cells.len());
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
+        text.push_str("<Points>\n");
+        array(&mut text, "Points", "Float64", 3, self.points.iter().flatten().map(|x| x.to_le_bytes()));
+        text.push_str("</Points>\n<Cells>\n");
+        let corners = self.cells.iter().flat_map(|(corners, _)| corners);
+        array(&mut text, "connectivity", "Int64", 1, corners.map(|&k| (k as i64).to_le_bytes()));
+        let ends = self.cells.iter().scan(0_i64, |end, (corners, _)| {
+            *end += corners.len() as i64;
+            Some(end.to_le_bytes())
+        });
+        array(&mut text, "offsets", "Int64", 1, ends);
+        array(&mut text, "types", "UInt8", 1, self.cells.iter().map(|&(_, kind)| [kind]));
+        text.push_str("</Cells>\n");
+        for (element, fields) in [("PointData", &self.point_fields), ("CellData", &self.cell_fields)] {
+            let _ = writeln!(text, "<{element}>");
+            for Field { name, components, values } in fields {
+                match values {
+                    Values::Real(values) => {
+                        array(&mut text, name, "Float64", *components, values.iter().map(|x| x.to_le_bytes()));
+                    }
+                    Values::Whole(values) => {
+                        array(&mut text, name, "Int32", *components, values.iter().map(|x| x.to_le_bytes()));
+                    }
+                }
+            }
+            let _ = writeln!(text, "</{element}>");
+        }
+        text.push_str("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+        text
+    }
+}
+
+fn array<const N: usize>(
+    text: &mut String,
+    name: &str,
+    kind: &str,
+    components: usize,
+    values: impl Iterator<Item = [u8; N]>,
+) {
+    let values: Vec<u8> = values.flatten().collect();
+    let mut bytes = (values.len() as u64).to_le_bytes().to_vec();
+    bytes.extend(values);
+    let _ = write!(
+        text,
+        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
+    );
+    STANDARD.encode_string(bytes, text);
+    text.push_str("</DataArray>\n");
+}

@@ -1,0 +1,294 @@
+//! Gaps, normals and motions of obstacles against what a pencil gives, and what friction makes of them.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+use common::Keep;
+use stickslip::contact::{Facing, Obstacle, ObstacleError, ObstacleMotion};
+use stickslip::history::Status;
+use stickslip::mesh::{Mesh, block};
+use stickslip::model::Model;
+use stickslip::scene::{self, Formula, GapDirection, Rotation, Scene, Shape};
+
+const Z: [f64; 3] = [0.0, 0.0, 1.0];
+
+fn close(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-14 * (1.0 + b.abs()))
+}
+
+/// What points at `x` see of `given` above the top of a block.
+fn above(mesh: &Mesh, given: &scene::Obstacle, points: &[[f64; 3]]) -> Vec<Facing> {
+    let obstacle = Obstacle::new(mesh, mesh.boundary("top").unwrap(), given).unwrap();
+    points.iter().map(|&x| obstacle.at(x)).collect()
+}
+
+fn gaps(mesh: &Mesh, shape: Shape, points: &[[f64; 3]]) -> Vec<f64> {
+    above(mesh, &scene::Obstacle::at_rest(shape), points).iter().map(|facing| facing.gap).collect()
+}
+
+#[test]
+fn gaps_along_one_normal() {
+    let mesh = block(&[1.0, 1.0], &[2, 2]);
+    let points = [[0.0, 1.0, 0.0], [0.3, 1.0, 0.0], [0.3, 0.9, 0.0]];
+    assert_eq!(gaps(&mesh, Shape::Plane { gap: 1e-5 }, &points)[..2], [1e-5; 2]);
+    assert!(close(&gaps(&mesh, Shape::PlaneThrough { through: [9.0, 1.25, 0.0] }, &points), &[0.25, 0.25, 0.35]));
+    let round = Shape::Cylinder { radius: 0.5, apex: [0.0, 1.1, 0.0], axis: None };
+    assert!(close(&gaps(&mesh, round, &points), &[0.1, 0.2, 0.3]));
+    let wedge = Shape::Wedge { apex: [0.1, 1.0, 0.0], angle: 0.5_f64.atan(), axis: None };
+    assert!(close(&gaps(&mesh, wedge, &points), &[0.05, 0.1, 0.2]));
+    let formula = Shape::Formula(Formula::parse("x^2 / 2 + (1 - y)").unwrap());
+    assert!(close(&gaps(&mesh, formula, &points), &[0.0, 0.045, 0.145]));
+}
+
+#[test]
+fn a_sphere_and_an_oblique_cylinder_over_a_cube() {
+    let mesh = block(&[1.0, 1.0, 1.0], &[2, 2, 2]);
+    let points = [[0.5, 0.5, 1.0], [0.8, 0.5, 1.0], [0.8, 0.9, 1.0]];
+    let sphere = Shape::Sphere { radius: 1.3, apex: [0.5, 0.5, 1.0] };
+    assert!(close(&gaps(&mesh, sphere, &points), &[0.0, 1.3 - 1.6_f64.sqrt(), 1.3 - 1.44_f64.sqrt()]));
+    // Across an axis along (1, 1, 0) the last point is 0.1 / √2 away.
+    let cylinder =
+        Shape::Cylinder { radius: 1.0, apex: [0.5, 0.5, 1.0], axis: Some([FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0]) };
+    let expected = [0.0, 1.0 - (1.0_f64 - 0.045).sqrt(), 1.0 - (1.0_f64 - 0.005).sqrt()];
+    assert!(close(&gaps(&mesh, cylinder, &points), &expected));
+}
+
+#[test]
+fn gaps_to_the_nearest_point() {
+    let nearest = |shape| scene::Obstacle { direction: GapDirection::Nearest, ..scene::Obstacle::at_rest(shape) };
+    let mesh = block(&[1.0, 1.0, 1.0], &[2, 2, 2]);
+    // The centre is at (0, 0, 1.5): 3-4-5 from (0.3, 0, 1.1) and from (0, 0.4, 1.2).
+    let sphere = nearest(Shape::Sphere { radius: 0.4, apex: [0.0, 0.0, 1.1] });
+    for (x, normal) in [([0.3, 0.0, 1.1], [-0.6, 0.0, 0.8]), ([0.0, 0.4, 1.2], [0.0, -0.8, 0.6])] {
+        let facing = above(&mesh, &sphere, &[x])[0];
+        assert!((facing.gap - 0.1).abs() < 1e-15 && close(&facing.normal, &normal), "{facing:?}");
+        let [t, o] = facing.tangents;
+        let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let products = [dot(t, t), dot(o, o), dot(t, o), dot(t, facing.normal), dot(o, facing.normal)];
+        assert!(close(&products, &[1.0, 1.0, 0.0, 0.0, 0.0]));
+    }
+    let plane = block(&[1.0, 1.0], &[2, 2]);
+    let wedge = nearest(Shape::Wedge { apex: [0.5, 1.1, 0.0], angle: PI / 4.0, axis: None });
+    let facings = above(&plane, &wedge, &[[0.5, 1.0, 0.0], [1.0, 1.0, 0.0]]);
+    assert!((facings[0].gap - 0.1).abs() < 1e-15 && close(&facings[0].normal, &[0.0, 1.0, 0.0]));
+    assert!((facings[1].gap - 0.6 * FRAC_1_SQRT_2).abs() < 1e-15);
+    assert!(close(&facings[1].normal, &[-FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0]));
+}
+
+#[test]
+fn obstacles_that_do_not_suit_the_dimension_are_refused() {
+    let (plane, cube) = (block(&[1.0, 1.0], &[1, 1]), block(&[1.0, 1.0, 1.0], &[1, 1, 1]));
+    let refused =
+        |mesh: &Mesh, given: &scene::Obstacle| Obstacle::new(mesh, mesh.boundary("top").unwrap(), given).unwrap_err();
+    let at_rest = scene::Obstacle::at_rest;
+    let cylinder = |axis| at_rest(Shape::Cylinder { radius: 1.0, apex: [0.0, 1.0, 0.0], axis });
+    let sphere = at_rest(Shape::Sphere { radius: 1.0, apex: [0.0, 1.0, 0.0] });
+    assert!(matches!(refused(&plane, &sphere), ObstacleError::SphereInPlane));
+    assert!(matches!(refused(&cube, &cylinder(None)), ObstacleError::NoAxis));
+    assert!(matches!(refused(&cube, &cylinder(Some(Z))), ObstacleError::SkewAxis));
+    assert!(matches!(refused(&plane, &cylinder(Some([1.0, 0.0, 0.0]))), ObstacleError::OutOfPlane("the axis")));
+    let upwards = scene::Obstacle { normal: Some(Z), ..at_rest(Shape::Plane { gap: 0.0 }) };
+    assert!(matches!(refused(&plane, &upwards), ObstacleError::OutOfPlane("the normal")));
+    let away = scene::Obstacle { translation: vec![[0.0, 0.0, 0.0, 1.0]], ..at_rest(Shape::Plane { gap: 0.0 }) };
+    assert!(matches!(refused(&plane, &away), ObstacleError::OutOfPlane("the translation")));
+    let table = at_rest(Shape::Table { file: "nowhere.csv".into() });
+    assert!(matches!(refused(&plane, &table), ObstacleError::Table(_)));
+}
+
+/// Normal motion closes the gap, tangential motion drifts, a turning disc drifts by angle × radius however
+/// far it turns, and the obstacle is found where it was.
+#[test]
+fn motions_of_a_plane_over_a_cube() {
+    let mesh = block(&[1.0, 1.0, 1.0], &[2, 2, 2]);
+    let rotation = Rotation { axis: Z, through: [0.5, 0.5, 0.0], history: vec![[0.0, 0.0], [1.0, 20.0 * PI]] };
+    let given = scene::Obstacle {
+        translation: vec![[0.0, 0.0, 0.0, 0.0], [2.0, 0.2, -0.4, -1e-3]],
+        rotation: Some(rotation),
+        ..scene::Obstacle::at_rest(Shape::Plane { gap: 1e-3 })
+    };
+    let x = [0.75, 0.5, 1.0];
+    let facing = above(&mesh, &given, &[x])[0];
+    assert_eq!(facing.tangents, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    let motion = ObstacleMotion::new(&given, facing.normal);
+    let mut sum = [0.0; 3];
+    for (rates, history) in motion.rates(&[x], &[facing]) {
+        // At t = 1, the end of the rotation and the middle of the translation.
+        let factor = if history[1][0] == 2.0 { 0.5 * history[1][1] } else { history[1][1] };
+        let [t, o] = rates[0].drift;
+        sum.iter_mut().zip([rates[0].gap, t, o]).for_each(|(sum, rate)| *sum += factor * rate);
+    }
+    assert!(close(&sum, &[-5e-4, 0.1, -0.2 + 20.0 * PI * 0.25]), "{sum:?}");
+    assert!((motion.gap(2.0, x, &facing)).abs() < 1e-18);
+    assert!((motion.smallest_gap(x, &facing)).abs() < 1e-18);
+    let quarter = Rotation { axis: Z, through: [0.5, 0.5, 0.0], history: vec![[0.0, 0.0], [1.0, PI / 2.0]] };
+    let turned = ObstacleMotion::new(&scene::Obstacle { rotation: Some(quarter), ..given }, facing.normal);
+    let (back, n) = turned.back(1.0, [0.6 + 0.1, 0.75 - 0.2, 1.0 - 5e-4], Z);
+    assert!(close(&back, &[0.75, 0.4, 1.0]) && close(&n, &Z), "{back:?}");
+}
+
+/// A round or oblique surface that moves along changes the gap by its slope; one that turns about its own axis
+/// does not change it.
+#[test]
+fn leaning_surfaces_change_the_gap_as_they_pass() {
+    let mesh = block(&[1.0, 1.0], &[2, 2]);
+    let top = mesh.boundary("top").unwrap();
+    let along = vec![[0.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0]];
+    let x = [0.8, 1.0, 0.0];
+    let rates = |given: &scene::Obstacle| {
+        let obstacle = Obstacle::new(&mesh, top, given).unwrap();
+        let motions = ObstacleMotion::new(given, obstacle.normal).rates(&[x], &[obstacle.at(x)]);
+        (motions[0].0[0].gap, motions[0].0[0].drift[0])
+    };
+    // A circle of radius 0.5 about (0.5, 1.5): 3-4-5 at 0.3 aside, slope 3/4; the first tangent is -x.
+    let round = scene::Obstacle::at_rest(Shape::Cylinder { radius: 0.5, apex: [0.5, 1.0, 0.0], axis: None });
+    let (gap, drift) = rates(&scene::Obstacle { translation: along.clone(), ..round.clone() });
+    assert!((gap + 0.75).abs() < 1e-14 && drift == -1.0, "{gap} {drift}");
+    let rotation = Rotation { axis: Z, through: [0.5, 1.5, 0.0], history: vec![[0.0, 0.0], [1.0, 1.0]] };
+    let (gap, drift) = rates(&scene::Obstacle { rotation: Some(rotation), ..round });
+    // At the node itself, 0.5 below the axis, the surface passes with 0.5.
+    assert!(gap.abs() < 1e-15 && (drift + 0.5).abs() < 1e-15, "{gap} {drift}");
+    let formula = Shape::Formula(Formula::parse("0.5 * (x - 0.5)^2").unwrap());
+    let (gap, _) = rates(&scene::Obstacle { translation: along, ..scene::Obstacle::at_rest(formula) });
+    assert!((gap + 0.3).abs() < 1e-9, "{gap}");
+}
+
+const BELT: &str = r#"
+    title = "A block on a belt"
+    [mesh]
+    kind = "block"
+    size = [1.0, 0.5]
+    elements = [8, 4]
+    [material]
+    young = 1e9
+    poisson = 0.3
+    [[support]]
+    boundary = "top"
+    fix = ["x"]
+    [[contact]]
+    boundary = "bottom"
+    friction = 0.3
+    obstacle = { kind = "plane", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] } }
+    [[load]]
+    boundary = "top"
+    traction = [0.0, -1e5]
+    history = [[0, 0], [1, 1], [2, 1]]
+    [time]
+    end = 2.0
+    increments = 4
+"#;
+
+fn solve(text: &str) -> (Model, Vec<[f64; 2]>) {
+    let scene = Scene::parse("belt.toml", text, &[]).unwrap();
+    let model = Model::new(&scene).unwrap();
+    let mut keep = Keep::default();
+    let settings = stickslip::history::HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
+    let mut linear = model.linear(scene.solver.linear);
+    let outcome =
+        stickslip::history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut keep)
+            .unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    let sums = keep.states.iter().map(|state| [state.p_n.iter().sum(), state.p_t.iter().sum()]).collect();
+    (model, sums)
+}
+
+/// While the belt stands still the block sticks or spreads symmetrically; when it runs, every node slides, and the
+/// whole friction μ N pulls along the belt.
+#[test]
+fn a_running_belt_pulls_with_the_whole_friction() {
+    let (_, sums) = solve(BELT);
+    assert!((sums[1][0] - 1e5).abs() < 1e-3 && sums[1][1].abs() < 1e-3, "{sums:?}");
+    // p_t is the force of the body on the obstacle, against the motion of the belt.
+    for k in [2, 3] {
+        assert!((sums[k][0] - 1e5).abs() < 1e-3 && (sums[k][1] + 0.3e5).abs() < 1e-3, "{sums:?}");
+    }
+    let (_, sums) = solve(&BELT.replace("0.5, 0]", "-0.5, 0]"));
+    assert!((sums[3][1] - 0.3e5).abs() < 1e-3, "{sums:?}");
+}
+
+/// An obstacle that carries the whole body along is as if the body were pushed back: only the relative motion counts.
+#[test]
+fn approach_and_translation_along_the_normal_are_the_same() {
+    let pressed = BELT
+        .replace("traction = [0.0, -1e5]", "traction = [1e4, 0.0]")
+        .replace("fix = [\"x\"]", "fix = [\"x\", \"y\"]");
+    let translation = "motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
+    let (_, by_translation) =
+        solve(&pressed.replace(translation, "motion = { translation = [[0, 0, 0], [2, 0, 1e-4]] }"));
+    let (_, by_approach) = solve(&pressed.replace(translation, "approach = [[0, 0], [2, 1e-4]]"));
+    assert_eq!(by_translation, by_approach);
+    assert!(by_approach[3][0] > 1e4);
+}
+
+/// A cylinder that slides far leaves the range of its linearised gaps; one that turns and a plane that slides do not.
+#[test]
+fn only_what_changes_the_gap_leaves_the_range() {
+    let cylinder = |motion: &str| {
+        let kind = format!("kind = \"cylinder\", radius = 10.0, apex = [0.5, 0.0], motion = {{ {motion} }}");
+        let text =
+            BELT.replace("kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }", &kind);
+        let (model, _) = solve(&text);
+        left(&model, &text)
+    };
+    assert!(left(&solve(BELT).0, BELT).is_none());
+    assert!(cylinder("rotation = { through = [0.5, -10.0], history = [[0, 0], [2, 6.0]] }").is_none());
+    // Along the circle the gap bends by d² / 2R: 2e-3 and 2e-5 m, beside an indentation of some mm.
+    assert!(cylinder("translation = [[0, 0, 0], [1, 0, 0], [2, 0.2, 0]]").is_some());
+    assert!(cylinder("translation = [[0, 0, 0], [1, 0, 0], [2, 0.02, 0]]").is_none());
+}
+
+/// By how much the last state leaves the range.
+fn left(model: &Model, text: &str) -> Option<f64> {
+    let scene = Scene::parse("belt.toml", text, &[]).unwrap();
+    struct Last<'a>(&'a Model, Option<f64>);
+    impl stickslip::history::Observer for Last<'_> {
+        fn increment(&mut self, step: &stickslip::history::Step<'_>) -> stickslip::nonlinear::Flow {
+            let left = self.0.range_left(step.record.time, &step.state.u, step.increment.gap, step.statuses);
+            self.1 = left.map(|left| left.share);
+            stickslip::nonlinear::Flow::Continue
+        }
+    }
+    let mut last = Last(model, None);
+    let settings = stickslip::history::HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
+    let mut linear = model.linear(scene.solver.linear);
+    stickslip::history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut last)
+        .unwrap();
+    last.1
+}
+
+#[test]
+fn bad_obstacles_get_one_message() {
+    let kind = "kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
+    for (obstacle, message) in [
+        ("kind = \"plane\", gap = -0.3", "the obstacle starts 3e-1 m inside the body"),
+        ("kind = \"plane\", gap = -0.05, approach = [[0, 0.1]]", "the obstacle starts 1.5"),
+        (
+            "kind = \"cylinder\", radius = 0.3, apex = [0.5, 0.0]",
+            "the obstacle does not reach over the contact node at (0, 0) m",
+        ),
+        (
+            "kind = \"formula\", formula = \"sqrt(x - 0.5)\"",
+            "the formula has no finite value at the contact node at (0, 0) m",
+        ),
+        ("kind = \"formula\", formula = \"x +\"", "the formula: "),
+        ("kind = \"formula\", formula = \"r\"", "`r` is neither x, y nor z"),
+        ("kind = \"table\", file = \"none.csv\"", "none.csv: the table of gaps cannot be read"),
+        ("kind = \"plane\", normal = [0, 1]", "points into the body at `bottom`"),
+        ("kind = \"sphere\", radius = 1.0, apex = [0, 0]", "the obstacle is a sphere, but the body has two dimensions"),
+        ("kind = \"plane\", direction = \"nearest\"", "only a cylinder, a sphere or a wedge"),
+        ("kind = \"plane\", gap = 0, through = [0, 0]", "a plane has both gap and through"),
+        ("kind = \"plane\", radius = 1.0", "a plane has no radius"),
+        ("kind = \"wedge\", apex = [0, 0], angle = 2.0", "angle is 2.0, but must be between 0 and pi/2"),
+        ("kind = \"plane\", motion = { translation = [[1, 0, 0], [0, 0, 0]] }", "translation is not a list of points"),
+        ("kind = \"plane\", normal = [0, -1, 0, 0]", "invalid length 4, expected 2 or 3 values"),
+    ] {
+        let scene = Scene::parse("bad.toml", &BELT.replace(kind, obstacle), &[]);
+        let said = match scene {
+            Err(error) => error.to_string(),
+            Ok(scene) => Model::new(&scene).unwrap_err().to_string(),
+        };
+        assert!(said.starts_with("bad.toml:") && said.contains(message), "`{message}`: {said}");
+    }
+}
