@@ -117,7 +117,7 @@ fn what_the_scene_leaves_out_is_added() {
     assert_eq!((solver.max_iterations, solver.tolerance), (7, 1e-6));
     let changed = scene(&["contact.obstacle.normal=[0, -2]"]);
     let obstacle = &changed.contacts[0].obstacle;
-    assert_eq!((gap(obstacle), obstacle.normal), (1e-5, Some([0.0, -1.0])));
+    assert_eq!((gap(obstacle), obstacle.normal), (1e-5, Some([0.0, -1.0, 0.0])));
     // An added table is checked as any other.
     let error = parse(&bare, &["output.times=[5]"]).unwrap_err().to_string();
     assert!(error.contains("output.times holds 5"), "{error}");
