@@ -170,14 +170,11 @@ fn meshes_that_are_not_sound_are_refused_with_their_elements() {
 /// A plane mesh that is drawn clockwise throughout is turned over.
 #[test]
 fn a_clockwise_mesh_is_turned_over() {
-    let mut text = String::new();
-    for line in QUADS.lines() {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        match words[..] {
-            [e, a, b, c, d] if e.parse::<usize>().is_ok_and(|e| e > 10) => text += &format!("{e} {d} {c} {b} {a}\n"),
-            _ => text += &format!("{line}\n"),
-        }
-    }
+    let turned = |line: &str| match line.split_whitespace().collect::<Vec<_>>()[..] {
+        [e, a, b, c, d] if e.parse::<usize>().is_ok_and(|e| e > 10) => [e, d, c, b, a].join(" "),
+        _ => line.to_string(),
+    };
+    let text = QUADS.lines().map(turned).collect::<Vec<_>>().join("\n");
     assert_ne!(text, QUADS);
     let mesh = from_gmsh("clockwise.msh", text.as_bytes(), 1.0).unwrap();
     assert_eq!(area(&mesh, "top"), [0.0, 40.0, 0.0]);

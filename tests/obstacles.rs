@@ -239,17 +239,20 @@ fn only_what_changes_the_gap_leaves_the_range() {
     assert!(cylinder("translation = [[0, 0, 0], [1, 0, 0], [2, 0.02, 0]]").is_none());
 }
 
+/// Keeps by how much the last state leaves the range.
+struct Last<'a>(&'a Model, Option<f64>);
+
+impl stickslip::history::Observer for Last<'_> {
+    fn increment(&mut self, step: &stickslip::history::Step<'_>) -> stickslip::nonlinear::Flow {
+        let left = self.0.range_left(step.record.time, &step.state.u, step.increment.gap, step.statuses);
+        self.1 = left.map(|left| left.share);
+        stickslip::nonlinear::Flow::Continue
+    }
+}
+
 /// By how much the last state leaves the range.
 fn left(model: &Model, text: &str) -> Option<f64> {
     let scene = Scene::parse("belt.toml", text, &[]).unwrap();
-    struct Last<'a>(&'a Model, Option<f64>);
-    impl stickslip::history::Observer for Last<'_> {
-        fn increment(&mut self, step: &stickslip::history::Step<'_>) -> stickslip::nonlinear::Flow {
-            let left = self.0.range_left(step.record.time, &step.state.u, step.increment.gap, step.statuses);
-            self.1 = left.map(|left| left.share);
-            stickslip::nonlinear::Flow::Continue
-        }
-    }
     let mut last = Last(model, None);
     let settings = stickslip::history::HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
     let mut linear = model.linear(scene.solver.linear);

@@ -37,7 +37,7 @@ type Expression = FlatEx<f64, FloatOpsFactory<f64>, Number>;
 #[derive(Debug, Clone)]
 pub struct Formula {
     text: String,
-    expression: Expression,
+    expression: Box<Expression>,
     /// Which coordinate each variable of the expression is.
     variables: Vec<usize>,
 }
@@ -61,7 +61,7 @@ impl Formula {
             COORDINATES.iter().position(|c| c == name).ok_or_else(unknown)
         };
         let variables = expression.var_names().iter().map(variable).collect::<Result<_, _>>()?;
-        Ok(Formula { text: text.to_string(), expression, variables })
+        Ok(Formula { text: text.to_string(), expression: Box::new(expression), variables })
     }
 
     /// The formula as it was given.

@@ -55,7 +55,9 @@ pub(super) fn mesh(file: File, name: &str) -> Result<(Mesh, Vec<usize>), GmshErr
                 "a plane mesh has to lie in a plane z = const; a body needs volume elements (gmsh -3)",
             ));
         }
-        nodes.iter_mut().for_each(|x| x[2] = 0.0);
+        for x in &mut nodes {
+            x[2] = 0.0;
+        }
     }
     let mut mesh = Mesh { dimension, nodes, cells, groups, boundaries: Vec::new() };
     let clockwise = |cell: &Cell| mesh.corner_volumes(cell).iter().all(|&(volume, _)| volume < 0.0);
@@ -96,7 +98,9 @@ pub(super) fn boundaries(mesh: &mut Mesh, file: &File) -> Result<(), MeshFault> 
         }
     }
     if mesh.dimension == 2 {
-        boundaries.iter_mut().for_each(|boundary| boundary.facets = in_a_row(&boundary.facets));
+        for boundary in &mut boundaries {
+            boundary.facets = in_a_row(&boundary.facets);
+        }
     }
     mesh.boundaries = boundaries;
     Ok(())

@@ -185,13 +185,11 @@ fn nodes(lines: &mut Lines<'_>, file: &mut File) -> Result<HashMap<usize, usize>
             }
         }
     }
-    match file.nodes.len() == count {
-        true => Ok(indices),
-        false => {
-            let message = format!("$Nodes announces {count} nodes, but has {}", file.nodes.len());
-            Err(lines.error(message, "export the mesh again from Gmsh"))
-        }
+    if file.nodes.len() != count {
+        let message = format!("$Nodes announces {count} nodes, but has {}", file.nodes.len());
+        return Err(lines.error(message, "export the mesh again from Gmsh"));
     }
+    Ok(indices)
 }
 
 fn elements(
@@ -234,11 +232,9 @@ fn elements(
         }
         file.blocks.push(Block { kind, groups, elements, line });
     }
-    match read == count {
-        true => Ok(()),
-        false => {
-            let message = format!("$Elements announces {count} elements, but has {read}");
-            Err(lines.error(message, "export the mesh again from Gmsh"))
-        }
+    if read != count {
+        let message = format!("$Elements announces {count} elements, but has {read}");
+        return Err(lines.error(message, "export the mesh again from Gmsh"));
     }
+    Ok(())
 }
