@@ -31,7 +31,7 @@ fn end(p_n: &[f64], p_t: &[f64], work: f64) -> End {
     let positions = (0..p_n.len()).map(|i| [i as f64, 0.0]).collect();
     let tractions = p_n.iter().zip(p_t).map(|(n, t)| [*n, *t]).collect();
     let profile = Profile { positions, weight: vec![1.0; p_n.len()], tractions };
-    End { p_n: p_n.to_vec(), p_t: p_t.to_vec(), work, energy: 10.0, profile }
+    End { p_n: p_n.to_vec(), p_t: p_t.to_vec(), p_o: vec![0.0; p_n.len()], work, energy: 10.0, profile }
 }
 
 #[test]
