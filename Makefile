@@ -22,6 +22,9 @@ bench: deps
 	cargo bench --bench history
 	cargo bench --bench interior
 	cargo bench --bench cholesky
+	cargo bench --bench condensed
+	cargo bench --bench scaling
+	cargo bench --bench crossover
 
 tables: deps
 	cargo run --release -- tables punch
