@@ -55,10 +55,20 @@ pub fn measure(case: Case, who: Who) -> Measured {
     assert!(child.status.success(), "{case:?} {who}: {}", String::from_utf8_lossy(&child.stderr));
     let numbers = String::from_utf8(child.stdout).unwrap();
     let numbers: Vec<f64> = numbers.split_whitespace().map(|number| number.parse().unwrap()).collect();
-    let [cpu, history, unknowns, iterations, factorizations, entries, flops, megabytes, rest @ ..] = numbers[..] else {
-        panic!("{numbers:?}")
-    };
-    let [backward_error, converged, condensed] = rest[..] else { panic!("{rest:?}") };
+    let numbers: [f64; 11] = numbers.try_into().unwrap();
+    let [
+        cpu,
+        history,
+        unknowns,
+        iterations,
+        factorizations,
+        entries,
+        flops,
+        megabytes,
+        backward_error,
+        converged,
+        condensed,
+    ] = numbers;
     Measured {
         cpu,
         history,
