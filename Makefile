@@ -3,13 +3,14 @@
 # make bench  the benchmarks (minutes)
 # make tables the paper's Tables I and II, complete (minutes)
 # make extremes the suite of extreme scenes, into doc/stability (minutes)
-# make report the paper's Figures 4 to 7, into doc/figures, and both tables (minutes)
+# make compare error against time for four scenes, into doc/error-vs-time.md (minutes)
+# make report the paper's Figures 4 to 7, into doc/figures, both tables, and the comparison (minutes)
 # Each installs what is missing first.
 
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test bench tables report extremes deps
+.PHONY: demo test bench tables report extremes compare deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -33,9 +34,21 @@ tables: deps
 extremes: deps
 	cargo run --release -- extremes --long --out doc/stability
 
+COMPARE = cargo run --release -- compare
+PAGE = doc/error-vs-time
+
+compare: deps
+	$(COMPARE) data/scenes/block.toml --settings default,paper --meshes 16,32,64 --increments 10,20,40 --reference 16 --out $(PAGE)/block
+	$(COMPARE) data/scenes/punch.toml --settings default,paper --meshes 10,20,40 --increments 10,40,80 --reference 16 --out $(PAGE)/punch
+	$(COMPARE) data/scenes/frictionless.toml --settings default,paper --meshes 16,32,64 --increments 2,10 --out $(PAGE)/frictionless
+	$(COMPARE) data/scenes/strip.toml --meshes 125,250,500 --increments 15,30,60 --out $(PAGE)/strip
+	{ cat $(PAGE)/introduction.md; for scene in block punch frictionless strip; do \
+		echo; sed "s|](|](error-vs-time/$$scene/|" $(PAGE)/$$scene/compare.md; done; } >$(PAGE).md
+
 report: deps
 	cargo run --release -- figures --out doc/figures
 	$(MAKE) tables
+	$(MAKE) compare
 
 # SUITESPARSE_INCLUDE_DIR says that SuiteSparse is installed in a place of its own.
 deps:

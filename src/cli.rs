@@ -12,6 +12,7 @@ macro_rules! say {
 }
 
 mod check;
+mod compare;
 mod extremes;
 mod figures;
 mod interrupt;
@@ -56,6 +57,8 @@ enum Command {
     Figures(figures::FiguresArgs),
     /// Run the suite of extreme scenes, data/extremes.toml
     Extremes(extremes::ExtremesArgs),
+    /// Compare methods, linear algebra, increments and meshes on a scene: error against time
+    Compare(compare::CompareArgs),
 }
 
 /// A scene and what to change in it.
@@ -176,6 +179,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Tables(args) => tables::tables(args),
         Command::Figures(args) => figures::figures(args),
         Command::Extremes(args) => extremes::extremes(args),
+        Command::Compare(args) => compare::compare(args),
     };
     match result {
         Ok(code) => code,

@@ -33,6 +33,7 @@
 //! ```
 
 pub mod auto;
+pub mod compare;
 pub mod condense;
 pub mod contact;
 pub mod extremes;

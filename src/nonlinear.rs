@@ -133,12 +133,23 @@ pub struct IterationRecord {
     pub backward_error: f64,
     /// Whether the matrix was factored; not when it is that of the last iteration.
     pub factored: bool,
+    /// The error measure after the step, where the method has evaluated it: the settings `default`
+    /// end by it.
+    pub error: Option<f64>,
 }
 
 impl IterationRecord {
     /// The start, before any iteration.
     pub fn start(theta: f64) -> Self {
-        IterationRecord { iteration: 0, theta, step: 0.0, backtracks: 0, backward_error: 0.0, factored: false }
+        IterationRecord {
+            iteration: 0,
+            theta,
+            step: 0.0,
+            backtracks: 0,
+            backward_error: 0.0,
+            factored: false,
+            error: None,
+        }
     }
 }
 

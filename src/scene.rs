@@ -259,6 +259,14 @@ impl Scene {
         check::scene(document, source)
     }
 
+    /// The same scene with further `overrides`.
+    ///
+    /// # Errors
+    /// As [`Scene::parse`].
+    pub fn with(&self, overrides: &[Override]) -> Result<Self, SceneError> {
+        Self::parse(self.source.name.trim_end_matches(overrides::MARK), &self.source.text, overrides)
+    }
+
     /// An error at `span` of this scene, for what only a later stage can see.
     pub fn error_at(&self, span: Range<usize>, message: impl Into<String>, help: impl Into<String>) -> SceneError {
         self.source.error(span, message, help)

@@ -44,6 +44,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("report", &["auto", "contact", "formulation", "history", "model", "problem", "scene", "uniqueness"]),
     ("tables", &["history", "linear", "model", "scene"]),
     ("extremes", &["contact", "fem", "formulation", "history", "linear", "model", "report", "scene"]),
+    ("compare", &["contact", "history", "linear", "model", "nonlinear", "problem", "report", "scene"]),
     ("figures", &["history", "model", "nonlinear", "report", "tables"]),
 ];
 

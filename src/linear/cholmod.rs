@@ -167,10 +167,9 @@ pub(super) struct Factor {
     l: NonNull<sys::cholmod_factor>,
 }
 
-// SAFETY: for both, all of it is plain heap memory without thread affinity, `Factor` is its only owner,
-// and through `&Factor` it is read only.
+// SAFETY: all of it is plain heap memory without thread affinity, and `Factor` is its only owner.
 unsafe impl Send for Factor {}
-// SAFETY: see above.
+// SAFETY: through `&Factor` it is read only, by us and by nobody else.
 unsafe impl Sync for Factor {}
 
 impl Factor {

@@ -94,15 +94,16 @@ impl Bn {
             formulation.merit(&self.h)
         });
         let mut outcome = Outcome::new(theta);
-        if observe(&IterationRecord::start(theta)) == Flow::Stop {
-            return Ok(Outcome { stop: Stop::Interrupted, ..outcome });
-        }
         self.rest.fill(0.0);
         let tolerance = match self.settings.end {
             End::Merit(_) => None,
             End::Error(tolerance) => Some(tolerance),
         };
-        if tolerance.is_some_and(|tolerance| error(z, &self.rest) <= tolerance) {
+        let measured = tolerance.map(|_| error(z, &self.rest));
+        if observe(&IterationRecord { error: measured, ..IterationRecord::start(theta) }) == Flow::Stop {
+            return Ok(Outcome { stop: Stop::Interrupted, ..outcome });
+        }
+        if tolerance.zip(measured).is_some_and(|(tolerance, error)| error <= tolerance) {
             return Ok(Outcome { stop: Stop::Met, ..outcome });
         }
         let mut cycle = Cycle::default();
@@ -152,12 +153,21 @@ impl Bn {
             outcome.add(theta, backtracks, backward_error);
 
             // Step 4: termination.
-            let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored: fresh };
+            let measured = tolerance.map(|_| error(z, &self.rest));
+            let record = IterationRecord {
+                iteration,
+                theta,
+                step,
+                backtracks,
+                backward_error,
+                factored: fresh,
+                error: measured,
+            };
             let flow = observe(&record);
             let mut stalled = false;
             let met = match self.settings.end {
                 End::Merit(epsilon) => theta <= epsilon,
-                End::Error(tolerance) if error(z, &self.rest) <= tolerance => true,
+                End::Error(tolerance) if measured.is_some_and(|error| error <= tolerance) => true,
                 End::Error(tolerance) if refines => {
                     // Nothing is left to gain but by refinement.
                     stalled = self.refine(formulation, linear, z, tolerance, error)? > tolerance;

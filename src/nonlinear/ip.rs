@@ -170,7 +170,8 @@ impl Ip {
             outcome.add(theta, backtracks, backward_error);
 
             // Step 4: termination, and the next σ (36).
-            let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored: true };
+            let record =
+                IterationRecord { iteration, theta, step, backtracks, backward_error, factored: true, error: None };
             let flow = observe(&record);
             if outcome.ends(theta <= settings.epsilon || formulation.is_affine(), flow) {
                 break;

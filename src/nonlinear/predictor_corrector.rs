@@ -95,7 +95,16 @@ impl PredictorCorrector {
             });
             let Taken { step, backward_error, error } = taken;
             outcome.add(theta, 0, backward_error);
-            let record = IterationRecord { iteration, theta, step, backtracks: 0, backward_error, factored: true };
+            let record = IterationRecord {
+                iteration,
+                theta,
+                step,
+                backtracks: 0,
+                backward_error,
+                factored: true,
+                // A step that is not taken was measured at its end.
+                error: (step > 0.0).then_some(error),
+            };
             let flow = observe(&record);
             if outcome.ends(error <= settings.tolerance || formulation.is_affine(), flow) {
                 break;

@@ -11,6 +11,9 @@ use super::error::Source;
 /// The tables that a scene may hold several of.
 const LISTS: [&str; 3] = ["support", "contact", "load"];
 
+/// What stands behind the name of a scene with overrides, in messages.
+pub(super) const MARK: &str = " (with --set)";
+
 /// One override, parsed from `key=value`.
 ///
 /// The key is a path such as `mesh.elements`; in a list of tables it means all of them
@@ -148,5 +151,5 @@ pub(super) fn apply(name: &str, text: &str, overrides: &[Override]) -> Result<So
     for change in overrides {
         change.set(document.as_table_mut(), &change.path)?;
     }
-    Ok(Source { name: format!("{name} (with --set)"), text: document.to_string() })
+    Ok(Source { name: format!("{name}{MARK}"), text: document.to_string() })
 }

@@ -4,8 +4,7 @@
 //! along and leave `L_cr` to a second pass over the factors, and the blocks are so small that a call of
 //! a matrix product for each costs more than its work.
 
-use super::nodes;
-use super::supernodal::{Supernodal, Supernode};
+use super::{Supernodal, Supernode, nodes};
 
 /// `[b_r; b_c] → [L_rr⁻¹ b_r; b_c - L_cr L_rr⁻¹ b_r]`, in the order of the factors.
 pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {

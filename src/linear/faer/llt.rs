@@ -21,8 +21,8 @@ use crate::linear::cholesky::supernodal::{Supernodal, Supernode};
 use crate::linear::{FactorInfo, LinearError};
 use crate::sparse::{Csc, Pattern};
 
-/// An order of low fill for a symmetric matrix with this lower triangle. faer has no nested dissection;
-/// on plane grids minimum degree comes within a few per cent of its fill, on solid ones it does not.
+/// An order of low fill for a symmetric matrix with this lower triangle. faer has no nested dissection.
+/// On plane grids CHOLMOD chooses minimum degree, too.
 pub(in crate::linear) fn minimum_degree(lower: &Pattern) -> Result<Vec<usize>, LinearError> {
     let failed = |error| out_of_memory(error, "the ordering");
     let lower = Indices::new(lower);

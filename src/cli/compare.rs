@@ -1,0 +1,320 @@
+//! `stickslip compare`.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use serde::de::value::Error as NameError;
+use serde::de::{DeserializeOwned, IntoDeserializer};
+use stickslip::compare::{self, CompareError, Comparison, MeshResult, Phases, Plan, Run, SolverPath};
+use stickslip::history::Status;
+use stickslip::linear;
+use stickslip::report::{Table, csv_table, write_file};
+use stickslip::scene::{LinearBackend, MethodName, Override, Scene, Setting};
+
+use super::Failure;
+use super::progress::bar;
+use super::run::write_failure;
+
+#[derive(Args)]
+pub(super) struct CompareArgs {
+    /// The scene file (TOML)
+    scene: PathBuf,
+    /// Put VALUE in place of what the scene says, e.g. contact.friction=0
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<Override>,
+    /// The algorithms
+    #[arg(long, value_delimiter = ',', value_parser = named::<MethodName>, default_value = "bn,ip")]
+    methods: Vec<MethodName>,
+    /// Their settings
+    #[arg(long, value_delimiter = ',', value_parser = named::<Setting>, default_value = "default")]
+    settings: Vec<Setting>,
+    /// The linear algebra
+    #[arg(long, value_delimiter = ',', value_parser = named::<LinearBackend>, default_value = "umfpack,condensed,faer")]
+    solvers: Vec<LinearBackend>,
+    /// The first number of elements of each mesh, the others in the proportions of the scene; an eighth, a
+    /// quarter and half of the scene's unless given
+    #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    meshes: Vec<u32>,
+    /// Increments of the whole history; a quarter, half and all of the scene's unless given
+    #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    increments: Vec<u32>,
+    /// Increments of the reference, in those of the finest history
+    #[arg(long, value_name = "TIMES", default_value_t = 8, value_parser = clap::value_parser!(u32).range(2..))]
+    reference: u32,
+    /// Write the tables as compare.csv, iterations.csv and meshes.csv, the charts, and all of it as
+    /// compare.md into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the runs as comma-separated values and nothing else
+    #[arg(long)]
+    csv: bool,
+}
+
+/// A name as a scene writes it.
+fn named<T: DeserializeOwned>(text: &str) -> Result<T, NameError> {
+    T::deserialize(text.into_deserializer())
+}
+
+/// Exit status 1: a history in a default setting, or a reference, did not converge. The settings of the paper may
+/// fail; the table tells.
+pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
+    let scene = Scene::read(&args.scene, &args.overrides)?;
+    let plan = plan(args, &scene);
+    linear::process::keep_freed_memory();
+    let bar = bar(plan.histories(), "histories");
+    let mut started = false;
+    let mut progress = |what: String| {
+        bar.inc(u64::from(started));
+        started = true;
+        bar.set_message(what);
+    };
+    let comparison = compare::compute(&scene, &plan, &mut progress).map_err(|error| match error {
+        CompareError::Model(error) => Failure::from(error),
+        CompareError::Linear(error) => Failure::linear(&error),
+    })?;
+    bar.finish_and_clear();
+
+    if args.csv {
+        runs_csv(&comparison).lines().for_each(|line| say!("{line}"));
+    } else {
+        say!("{}\n\n{}", comparison.title, tables(&comparison, &comparison.meshes));
+        comparison.answers().iter().for_each(|answer| say!("{answer}"));
+    }
+    if let Some(folder) = &args.out {
+        write(folder, &comparison)?;
+        if !args.csv {
+            say!("written to   {}", folder.display());
+        }
+    }
+    let runs = comparison.runs.iter().filter(|run| run.path.setting == Setting::Default).map(|run| run.status);
+    let mut statuses = runs.chain(comparison.meshes.iter().map(|result| result.status));
+    let sound = statuses.all(|status| status == Status::Converged);
+    Ok(if sound { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+fn plan(args: &CompareArgs, scene: &Scene) -> Plan {
+    let mut paths = Vec::new();
+    for &linear in &args.solvers {
+        for &method in &args.methods {
+            paths.extend(args.settings.iter().map(|&setting| SolverPath { method, setting, linear }));
+        }
+    }
+    let mut plan = Plan { reference: args.reference as usize, ..Plan::modest(scene, paths) };
+    for (given, numbers) in [(&args.meshes, &mut plan.meshes), (&args.increments, &mut plan.increments)] {
+        if !given.is_empty() {
+            *numbers = given.iter().map(|&number| number as usize).collect();
+        }
+    }
+    plan
+}
+
+/// What a person reads, but for the answers; runs on some of the `meshes` only.
+fn tables(comparison: &Comparison, meshes: &[MeshResult]) -> String {
+    let mut text = String::new();
+    for result in meshes {
+        let MeshResult { mesh, displacements, contacts, increments, status, seconds, .. } = result;
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "n = {mesh}: {displacements} displacements, {contacts} contact nodes; reference: {increments} increments, \
+             {status}, {seconds:.2} s\n{}",
+            runs_table(comparison, *mesh)
+        );
+    }
+    text + "* no other run is better in time and in the error of the forces; times but CPU are wall times, s\n\n"
+        + &meshes_table(comparison).to_string()
+}
+
+const RUN_HEADS: [&str; 18] = [
+    "path", "inc", "iter", "fact", "CPU, s", "wall", "set-up", "assembly", "factor", "solve", "rest", "entries", "MB",
+    "p_n", "p_t", "forces", "work", "",
+];
+
+fn runs_table(comparison: &Comparison, mesh: usize) -> Table {
+    let mut table = Table::new(&RUN_HEADS);
+    let front = comparison.front(mesh);
+    for run in comparison.on(mesh) {
+        let Phases { model, analysis, assembly, factorization, solve, rest, wall, cpu } = run.seconds;
+        let mut row = vec![run.path.to_string(), run.increments.to_string(), run.iterations.to_string()];
+        row.push(run.factorizations.to_string());
+        row.extend([cpu, wall, model + analysis, assembly, factorization, solve, rest].map(|s| format!("{s:.3}")));
+        row.push(run.factor_entries.to_string());
+        let megabytes = run.factor_peak_bytes * 1e-6;
+        row.push(if megabytes > 0.0 { format!("{megabytes:.1}") } else { "-".into() });
+        let errors = run.errors.map(|errors| [errors.p_n, errors.p_t, errors.forces, errors.work]);
+        row.extend(errors.unwrap_or([f64::NAN; 4]).map(|error| shown(error, comparison.tolerance)));
+        row.push(match run.status {
+            Status::Converged if front.contains(&run) => "*".into(),
+            Status::Converged => String::new(),
+            status => format!("{status} in increment {}", run.converged + 1),
+        });
+        table.push(row);
+    }
+    table
+}
+
+/// An error with two digits; what is below the tolerance is no more than that.
+fn shown(error: f64, tolerance: f64) -> String {
+    match error {
+        _ if error.is_nan() => "-".into(),
+        _ if error < tolerance => format!("<{tolerance:.0e}"),
+        _ => format!("{error:.1e}"),
+    }
+}
+
+fn meshes_table(comparison: &Comparison) -> Table {
+    let heads = [
+        "n",
+        "n_u",
+        "n_c",
+        "sum p_n, N",
+        "sum p_t, N",
+        "energy, J",
+        "friction work, J",
+        "d sum p_n",
+        "d sum p_t",
+        "d energy",
+        "d tractions",
+    ];
+    let mut table = Table::new(&heads);
+    for result in &comparison.meshes {
+        let mut row = [result.mesh, result.displacements, result.contacts].map(|count| count.to_string()).to_vec();
+        row.extend(resultants(result).map(|number| format!("{number:.6e}")));
+        let errors = result.errors.map(|errors| [errors.sum_p_n, errors.sum_p_t, errors.energy, errors.tractions]);
+        row.extend(errors.unwrap_or([f64::NAN; 4]).map(|error| shown(error, comparison.tolerance)));
+        table.push(row);
+    }
+    table
+}
+
+fn resultants(result: &MeshResult) -> [f64; 4] {
+    // + 0.0: the sum of no forces is -0.
+    let sum = |forces: &[f64]| forces.iter().sum::<f64>() + 0.0;
+    [sum(&result.end.p_n), sum(&result.end.p_t), result.end.energy, result.end.work]
+}
+
+const RUN_COLUMNS: [&str; 25] = [
+    "method",
+    "setting",
+    "solver",
+    "mesh",
+    "increments",
+    "status",
+    "converged",
+    "iterations",
+    "factorizations",
+    "cpu_seconds",
+    "wall_seconds",
+    "model_seconds",
+    "analysis_seconds",
+    "assembly_seconds",
+    "factor_seconds",
+    "solve_seconds",
+    "rest_seconds",
+    "factor_entries",
+    "factor_peak_bytes",
+    "kkt_error",
+    "error_p_n",
+    "error_p_t",
+    "error_forces",
+    "error_work",
+    "front",
+];
+
+fn runs_csv(comparison: &Comparison) -> String {
+    let row = |run: &Run| {
+        let mut row = named_path(run);
+        row.extend([run.status.to_string(), run.converged.to_string()]);
+        row.extend([run.iterations, run.factorizations].map(|count| count.to_string()));
+        let Phases { model, analysis, assembly, factorization, solve, rest, wall, cpu } = run.seconds;
+        row.extend([cpu, wall, model, analysis, assembly, factorization, solve, rest].map(|s| format!("{s:.6}")));
+        row.extend([
+            run.factor_entries.to_string(),
+            format!("{:.0}", run.factor_peak_bytes),
+            format!("{:.2e}", run.kkt),
+        ]);
+        let errors = run.errors.map(|errors| [errors.p_n, errors.p_t, errors.forces, errors.work]);
+        row.extend(numbers(errors));
+        row.push(comparison.front(run.mesh).contains(&run).to_string());
+        row
+    };
+    csv_table(&RUN_COLUMNS, comparison.runs.iter().map(row))
+}
+
+fn named_path(run: &Run) -> Vec<String> {
+    let SolverPath { method, setting, linear } = run.path;
+    let numbers = [run.mesh, run.increments].map(|number| number.to_string());
+    [method.to_string(), setting.to_string(), linear.to_string()].into_iter().chain(numbers).collect()
+}
+
+/// Empty fields for what is not known.
+fn numbers<const N: usize>(numbers: Option<[f64; N]>) -> [String; N] {
+    numbers.unwrap_or([f64::NAN; N]).map(|number| if number.is_nan() { String::new() } else { format!("{number:.4e}") })
+}
+
+fn iterations_csv(comparison: &Comparison) -> String {
+    let header =
+        ["method", "setting", "solver", "mesh", "increments", "increment", "iteration", "seconds", "theta", "error"];
+    let rows = comparison.runs.iter().flat_map(|run| {
+        run.iterates.iter().map(|iterate| {
+            let mut row = named_path(run);
+            row.extend([iterate.increment, iterate.iteration].map(|number| number.to_string()));
+            row.extend([format!("{:.6}", iterate.seconds), format!("{:.4e}", iterate.theta)]);
+            row.extend(numbers(iterate.error.map(|error| [error])));
+            row
+        })
+    });
+    csv_table(&header, rows)
+}
+
+fn meshes_csv(comparison: &Comparison) -> String {
+    let header = [
+        "mesh",
+        "displacements",
+        "contacts",
+        "increments",
+        "status",
+        "sum_p_n",
+        "sum_p_t",
+        "energy",
+        "friction_work",
+        "error_sum_p_n",
+        "error_sum_p_t",
+        "error_energy",
+        "error_tractions",
+    ];
+    let row = |result: &MeshResult| {
+        let counts = [result.mesh, result.displacements, result.contacts, result.increments];
+        let mut row = counts.map(|count| count.to_string()).to_vec();
+        row.push(result.status.to_string());
+        row.extend(resultants(result).map(|number| number.to_string()));
+        let errors = result.errors.map(|errors| [errors.sum_p_n, errors.sum_p_t, errors.energy, errors.tractions]);
+        row.extend(numbers(errors));
+        row
+    };
+    csv_table(&header, comparison.meshes.iter().map(row))
+}
+
+fn write(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
+    let written = |result: std::io::Result<()>| result.map_err(|error| write_failure(folder, &error));
+    written(fs::create_dir_all(folder))?;
+    written(write_file(folder, "compare.csv", &runs_csv(comparison)))?;
+    written(write_file(folder, "iterations.csv", &iterations_csv(comparison)))?;
+    written(write_file(folder, "meshes.csv", &meshes_csv(comparison)))?;
+    let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
+    let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
+    page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));
+    for (stem, what, chart) in compare::charts(comparison) {
+        let svg = chart.to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+        let file = format!("{stem}.svg");
+        written(write_file(folder, &file, &svg))?;
+        page.extend(["\n![", what, "](", &file, ")\n"]);
+    }
+    // The other meshes are in compare.csv.
+    let finest = comparison.meshes.len().saturating_sub(1);
+    page.extend(["\n```text\n", &tables(comparison, &comparison.meshes[finest..]), "```\n"]);
+    written(write_file(folder, "compare.md", &page))
+}

@@ -1,0 +1,270 @@
+//! Methods, linear algebra, increments and meshes compared on one scene: how small an error in how
+//! much time.
+//!
+//! Three errors are kept apart. The *algebraic* one is the error measure, iteration by iteration
+//! ([`Run::iterates`]). That of *time stepping* is the distance to a reference on the same mesh with many
+//! more increments ([`TimeErrors`]); the difference to half the increments does not serve, for a node that
+//! closes and sticks in the first half comes out the same with either. That of the *mesh* is the
+//! distance of such a reference to that on the finest mesh ([`MeshErrors`]). Time is CPU time of the
+//! process, which the other programs of a machine disturb least.
+
+mod answers;
+mod cases;
+mod errors;
+mod pareto;
+mod picture;
+
+use std::fmt;
+
+pub use answers::{Estimate, Lead};
+pub use errors::{End, MeshErrors, Profile, TimeErrors, friction_work};
+pub use pareto::front;
+pub use picture::charts;
+
+use cases::Study;
+
+use crate::history::Status;
+use crate::linear::LinearError;
+use crate::model::ModelError;
+use crate::scene::{LinearBackend, MethodName, Scene, SceneError, Setting};
+
+/// A way to solve a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SolverPath {
+    /// The algorithm.
+    pub method: MethodName,
+    /// Its named set of constants; that of the paper's interior point method starts from the safe point.
+    pub setting: Setting,
+    /// The linear algebra.
+    pub linear: LinearBackend,
+}
+
+/// What to compare.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Plan {
+    /// The ways to solve the scene.
+    pub paths: Vec<SolverPath>,
+    /// The first number of elements of each mesh; the others follow in the proportions of the scene.
+    pub meshes: Vec<usize>,
+    /// Increments of a whole history.
+    pub increments: Vec<usize>,
+    /// The reference has so many times the increments of the finest history. It carries the error of its
+    /// own increments, so that those of the finest history are told up to this share too small.
+    pub reference: usize,
+}
+
+/// Where the time of a run went, s.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Phases {
+    /// Mesh, `K`, contact maps and loads: wall time, measured once a mesh.
+    pub model: f64,
+    /// Symbolic analysis: wall time, as the following.
+    pub analysis: f64,
+    /// Residuals, merits and Jacobian values.
+    pub assembly: f64,
+    /// Factorisations, that of the held body included.
+    pub factorization: f64,
+    /// Solves with refinement and backward error.
+    pub solve: f64,
+    /// Everything else.
+    pub rest: f64,
+    /// All of it, wall time.
+    pub wall: f64,
+    /// All of it, CPU time of the process.
+    pub cpu: f64,
+}
+
+/// One iteration of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Iterate {
+    /// The increment, from 1.
+    pub increment: usize,
+    /// Its number in the increment, over all attempts; 0 is the start.
+    pub iteration: usize,
+    /// CPU time since the last increment, s.
+    pub seconds: f64,
+    /// The merit `Theta`, in the unit of the setting.
+    pub theta: f64,
+    /// The error measure. The settings `paper` do not evaluate it; there it is known at the end only.
+    pub error: Option<f64>,
+}
+
+/// A history, solved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// How.
+    pub path: SolverPath,
+    /// The first number of elements of the mesh.
+    pub mesh: usize,
+    /// The number of increments asked for.
+    pub increments: usize,
+    /// The verdict.
+    pub status: Status,
+    /// The increments that converged.
+    pub converged: usize,
+    /// Linear systems solved by the method.
+    pub iterations: usize,
+    /// Numerical factorisations, that of the held body included.
+    pub factorizations: usize,
+    /// Where the time went.
+    pub seconds: Phases,
+    /// Entries stored in the factors, or a bound of them.
+    pub factor_entries: usize,
+    /// Peak memory of a factorisation, bytes; 0 if the solver does not tell.
+    pub factor_peak_bytes: f64,
+    /// The largest error measure of any increment.
+    pub kkt: f64,
+    /// The distance to the reference; none if either did not converge.
+    pub errors: Option<TimeErrors>,
+    /// Its iterations.
+    pub iterates: Vec<Iterate>,
+}
+
+/// A mesh and its reference, the default BN with many increments.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshResult {
+    /// The first number of elements.
+    pub mesh: usize,
+    /// n_u.
+    pub displacements: usize,
+    /// n_c.
+    pub contacts: usize,
+    /// The increments of the reference.
+    pub increments: usize,
+    /// Its verdict.
+    pub status: Status,
+    /// Its CPU time, s.
+    pub seconds: f64,
+    /// What it comes to.
+    pub end: End,
+    /// The distance to the finest mesh; none on that itself, or if either did not converge.
+    pub errors: Option<MeshErrors>,
+}
+
+/// Everything about a comparison.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// The scene's title.
+    pub title: String,
+    /// The error that every law may have; no error of a run means anything below it.
+    pub tolerance: f64,
+    /// The meshes, from coarse to fine.
+    pub meshes: Vec<MeshResult>,
+    /// The runs, mesh by mesh.
+    pub runs: Vec<Run>,
+}
+
+/// Why scenes could not be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// A mesh of the plan could not be built.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The linear algebra failed.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+}
+
+impl From<SceneError> for CompareError {
+    fn from(error: SceneError) -> Self {
+        CompareError::Model(error.into())
+    }
+}
+
+impl fmt::Display for SolverPath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}, {}", self.method, self.setting, self.linear)
+    }
+}
+
+impl Plan {
+    /// How many histories are computed, the references included.
+    pub fn histories(&self) -> usize {
+        self.meshes.len() * (1 + self.paths.len() * self.increments.len())
+    }
+
+    /// A plan for `paths` that takes seconds to minutes: meshes with an eighth, a quarter and half of the scene's
+    /// elements in each direction, histories with a quarter, half and all of its increments.
+    pub fn modest(scene: &Scene, paths: Vec<SolverPath>) -> Self {
+        let shares = |whole: usize, parts: [usize; 3], least: usize| {
+            let mut counts = parts.map(|part| (whole / part).max(least)).to_vec();
+            counts.dedup();
+            counts
+        };
+        Plan {
+            paths,
+            meshes: shares(scene.mesh.first_elements(), [8, 4, 2], 2),
+            increments: shares(scene.time.increments, [4, 2, 1], 1),
+            reference: 8,
+        }
+    }
+}
+
+/// Computes every history of `plan`, one after the other, and tells `progress` before each what it is.
+///
+/// # Errors
+/// When a mesh of the plan cannot be built, or the linear algebra cannot go on.
+pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> Result<Comparison, CompareError> {
+    let sorted = |numbers: &[usize]| {
+        let mut numbers = numbers.to_vec();
+        numbers.sort_unstable();
+        numbers.dedup();
+        numbers
+    };
+    let (meshes, increments) = (sorted(&plan.meshes), sorted(&plan.increments));
+    let reference = plan.reference * increments.last().copied().unwrap_or(1);
+    let (mut results, mut runs) = (Vec::new(), Vec::new());
+    for mesh in meshes {
+        progress(format!("n = {mesh}, reference with {reference} increments"));
+        let study = Study::new(scene, mesh, reference)?;
+        for &path in &plan.paths {
+            for &increments in &increments {
+                progress(format!("n = {mesh}, {path}, {increments} increments"));
+                runs.push(study.run(path, increments)?);
+            }
+        }
+        results.push(study.result());
+    }
+    if let Some((finest, coarser)) = results.split_last_mut() {
+        let ends = coarser.first().map(|coarsest| coarsest.end.profile.interior());
+        for result in coarser {
+            let sound = result.status == Status::Converged && finest.status == Status::Converged;
+            result.errors = ends.filter(|_| sound).map(|ends| MeshErrors::new(&result.end, &finest.end, ends));
+        }
+    }
+    let tolerance = scene.solver.tolerance;
+    Ok(Comparison { title: scene.title.clone(), tolerance, meshes: results, runs })
+}
+
+impl Comparison {
+    /// The runs on a mesh.
+    pub fn on(&self, mesh: usize) -> impl Iterator<Item = &Run> {
+        self.runs.iter().filter(move |run| run.mesh == mesh)
+    }
+
+    /// Those of them that no other beats in time and error in the contact forces, the cheapest first.
+    pub fn front(&self, mesh: usize) -> Vec<&Run> {
+        let points = |run| Some((run, Run::point(run, |errors| errors.forces, self.tolerance)?));
+        let (runs, points): (Vec<&Run>, Vec<[f64; 2]>) = self.on(mesh).filter_map(points).unzip();
+        front(&points).into_iter().map(|k| runs[k]).collect()
+    }
+
+    /// The ways that were compared, in order.
+    pub fn paths(&self) -> Vec<SolverPath> {
+        let mut paths = Vec::new();
+        for run in &self.runs {
+            if !paths.contains(&run.path) {
+                paths.push(run.path);
+            }
+        }
+        paths
+    }
+}
+
+impl Run {
+    /// CPU time (s) and one of the errors, at least `floor`; none if the error is not known.
+    pub fn point(&self, error: fn(&TimeErrors) -> f64, floor: f64) -> Option<[f64; 2]> {
+        let error = error(self.errors.as_ref()?);
+        error.is_finite().then(|| [self.seconds.cpu, error.max(floor)])
+    }
+}

@@ -1,0 +1,223 @@
+//! A scene on one mesh: its reference, and the histories measured against it.
+
+use std::time::Instant;
+
+use super::errors::{End, TimeErrors, friction_work};
+use super::{CompareError, Iterate, MeshResult, Phases, Run, SolverPath};
+use crate::history::{self, HistoryOutcome, HistorySettings, Observer, Start, Status, Step};
+use crate::model::Model;
+use crate::nonlinear::{Flow, IterationRecord};
+use crate::report::cpu_seconds;
+use crate::scene::{HalfPlane, LinearBackend, Mesh, MethodName, Override, Scene, Setting};
+
+/// What the reference is computed with. With many increments the condensed path is the cheapest.
+const REFERENCE: SolverPath =
+    SolverPath { method: MethodName::Bn, setting: Setting::Default, linear: LinearBackend::Condensed };
+
+/// The paper's interior point method ends at an absolute Theta, which leaves errors of 1e-7 on the paper's problems;
+/// scenes ask no more of it either, unless they say so.
+const PAPER_IP_TOLERANCE: f64 = 1e-6;
+
+/// A scene on one mesh.
+pub(super) struct Study {
+    scene: Scene,
+    model: Model,
+    mesh: usize,
+    /// Wall and CPU time of the model, s.
+    built: [f64; 2],
+    reference: Solved,
+}
+
+/// A history, solved.
+struct Solved {
+    increments: usize,
+    outcome: HistoryOutcome,
+    end: End,
+    seconds: Phases,
+    iterates: Vec<Iterate>,
+}
+
+impl Study {
+    /// `scene` with `mesh` elements in the first direction, and its reference of so many increments.
+    pub(super) fn new(scene: &Scene, mesh: usize, reference: usize) -> Result<Self, CompareError> {
+        let scene = scene.with(&scene.mesh.refined(mesh))?;
+        let (wall, cpu) = (Instant::now(), cpu_seconds());
+        let model = Model::new(&scene)?;
+        let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
+        let reference = solve(&scene, &model, built, REFERENCE, reference)?;
+        Ok(Study { scene, model, mesh, built, reference })
+    }
+
+    /// The history by `path` in so many increments.
+    pub(super) fn run(&self, path: SolverPath, increments: usize) -> Result<Run, CompareError> {
+        let Solved { outcome, end, seconds, iterates, .. } =
+            solve(&self.scene, &self.model, self.built, path, increments)?;
+        let records = &outcome.records;
+        let sound = outcome.status == Status::Converged && self.reference.outcome.status == Status::Converged;
+        Ok(Run {
+            path,
+            mesh: self.mesh,
+            increments,
+            status: outcome.status,
+            converged: records.iter().filter(|record| record.status == Status::Converged).count(),
+            iterations: records.iter().map(|record| record.iterations).sum(),
+            factorizations: outcome.linear.factorizations,
+            seconds,
+            factor_entries: outcome.linear.factor.entries,
+            factor_peak_bytes: outcome.linear.factor.peak_bytes,
+            kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
+            errors: sound.then(|| TimeErrors::new(&end, &self.reference.end, &self.model.problem.weight)),
+            iterates,
+        })
+    }
+
+    /// The mesh and its reference.
+    pub(super) fn result(self) -> MeshResult {
+        let Solved { increments, outcome, end, seconds, .. } = self.reference;
+        let problem = &self.model.problem;
+        MeshResult {
+            mesh: self.mesh,
+            displacements: problem.displacements(),
+            contacts: problem.contacts(),
+            increments,
+            status: outcome.status,
+            seconds: seconds.cpu,
+            end,
+            errors: None,
+        }
+    }
+}
+
+fn solve(
+    scene: &Scene,
+    model: &Model,
+    built: [f64; 2],
+    path: SolverPath,
+    increments: usize,
+) -> Result<Solved, CompareError> {
+    let scene = scene.with(&[Override::value("time.increments", increments as i64)])?;
+    let (wall, cpu) = (Instant::now(), cpu_seconds());
+    let settings = path.settings(&scene, model);
+    let mut linear = model.linear(path.linear);
+    let mut recorder = Recorder { model, last: cpu_seconds(), work: 0.0, iterates: Vec::new() };
+    let outcome =
+        history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut recorder)?;
+    let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
+    let [analysis, factorization, solve] =
+        [outcome.linear.analysis_seconds, outcome.linear.factor_seconds, outcome.linear.solve_seconds];
+    let assembly: f64 = outcome.records.iter().map(|record| record.seconds.assembly).sum();
+    let seconds = Phases {
+        model: built[0],
+        analysis,
+        assembly,
+        factorization,
+        solve,
+        rest: wall - analysis - assembly - factorization - solve,
+        wall: built[0] + wall,
+        cpu: built[1] + cpu,
+    };
+    let Recorder { work, iterates, .. } = recorder;
+    let end = End::new(model, &outcome.state, work);
+    Ok(Solved { increments, outcome, end, seconds, iterates })
+}
+
+impl SolverPath {
+    /// The settings of a history, with the tolerance and the limit of iterations of `scene`.
+    fn settings(self, scene: &Scene, model: &Model) -> HistorySettings {
+        let (problem, scaling) = (&model.problem, model.scaling());
+        let (limit, tolerance) = (scene.solver.max_iterations, scene.solver.tolerance);
+        match (self.method, self.setting) {
+            (MethodName::Bn, Setting::Default) => HistorySettings::bn(problem, scaling, limit, tolerance),
+            (MethodName::Bn, Setting::Paper) => HistorySettings::paper_bn(problem, scaling, limit, tolerance),
+            (MethodName::Ip, Setting::Default) => HistorySettings::ip(problem, scaling, limit, tolerance),
+            (MethodName::Ip, Setting::Paper) => {
+                HistorySettings::paper_ip(problem, Start::Safe, limit, tolerance.max(PAPER_IP_TOLERANCE))
+            }
+        }
+    }
+}
+
+/// Keeps the iterations and adds up the friction work.
+struct Recorder<'a> {
+    model: &'a Model,
+    /// The CPU time at the end of the last increment, s.
+    last: f64,
+    work: f64,
+    iterates: Vec<Iterate>,
+}
+
+impl Observer for Recorder<'_> {
+    fn ready(&mut self) {
+        self.last = cpu_seconds();
+    }
+
+    fn iteration(&mut self, increment: usize, record: &IterationRecord) -> Flow {
+        let iteration = match self.iterates.last() {
+            // A further attempt at the increment starts where the last one is known to have failed.
+            Some(last) if last.increment == increment && record.iteration == 0 => return Flow::Continue,
+            Some(last) if last.increment == increment => last.iteration + 1,
+            _ => record.iteration,
+        };
+        let seconds = cpu_seconds() - self.last;
+        self.iterates.push(Iterate { increment, iteration, seconds, theta: record.theta, error: record.error });
+        Flow::Continue
+    }
+
+    fn increment(&mut self, step: &Step<'_>) -> Flow {
+        if let Some(last) = self.iterates.last_mut().filter(|last| last.increment == step.record.index) {
+            last.error = Some(step.record.kkt.worst().1);
+        }
+        // The slip of a part that is not the last is not seen here.
+        self.work += if step.record.parts == 1 {
+            friction_work(&self.model.problem, step.increment, step.state)
+        } else {
+            f64::NAN
+        };
+        self.last = cpu_seconds();
+        Flow::Continue
+    }
+}
+
+impl Mesh {
+    /// The elements in the first direction, or along the contact zone.
+    pub(super) fn first_elements(&self) -> usize {
+        match *self {
+            Mesh::Block { elements: [first, _], .. } => first,
+            Mesh::HalfPlane(HalfPlane { contact_elements, .. }) => contact_elements,
+        }
+    }
+
+    /// What makes a mesh with `first` of them of this one, the other numbers in proportion.
+    fn refined(&self, first: usize) -> Vec<Override> {
+        let share = first as f64 / self.first_elements() as f64;
+        let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
+        match *self {
+            Mesh::Block { elements, .. } => {
+                vec![Override::value("mesh.elements", elements.map(scaled).into_iter().collect::<toml_edit::Value>())]
+            }
+            Mesh::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => vec![
+                Override::value("mesh.contact_elements", scaled(contact_elements)),
+                Override::value("mesh.outer_elements", scaled(outer_elements)),
+                Override::value("mesh.layers", scaled(layers)),
+            ],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn all_directions_are_refined_in_proportion() {
+        let punch = Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &[]).unwrap();
+        let Mesh::HalfPlane(finer) = punch.with(&punch.mesh.refined(60)).unwrap().mesh else { panic!() };
+        assert_eq!((finer.contact_elements, finer.outer_elements, finer.layers), (60, 100, 22));
+        let block = "mesh.elements=[40,8]".parse().unwrap();
+        let block = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &[block]).unwrap();
+        let Mesh::Block { elements, .. } = block.with(&block.mesh.refined(2)).unwrap().mesh else { panic!() };
+        assert_eq!(elements, [2, 1]);
+    }
+}

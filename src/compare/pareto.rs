@@ -1,0 +1,24 @@
+//! The Pareto front of runs.
+
+/// Errors that differ by less count as equal: paths that make the same increments come to the same state but for
+/// their algebraic errors.
+const SAME: f64 = 0.01;
+
+/// The places of those `points` (time, error) that have a smaller error than all that take less time, in the order
+/// of growing time. Points that are not finite do not count.
+pub fn front(points: &[[f64; 2]]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..points.len()).filter(|&k| points[k].iter().all(|x| x.is_finite())).collect();
+    order.sort_by(|&a, &b| {
+        let ([time_a, error_a], [time_b, error_b]) = (points[a], points[b]);
+        time_a.total_cmp(&time_b).then(error_a.total_cmp(&error_b))
+    });
+    let mut best = f64::INFINITY;
+    order.retain(|&k| {
+        let better = points[k][1] < (1.0 - SAME) * best;
+        if better {
+            best = points[k][1];
+        }
+        better
+    });
+    order
+}
