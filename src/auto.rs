@@ -9,11 +9,12 @@ use crate::linear::{Cholesky, LinearError};
 use crate::model::Model;
 use crate::scene::{LinearBackend, MethodName, Scene};
 
-/// Newton matrices that BN factors in an increment: 3.5 to 7.5 in two increments of the paper's block with 25
-/// to 100 contact nodes, 0.7 to 2 in forty.
-const BN_FACTORIZATIONS: f64 = 3.0;
+/// BN keeps its factors while no contact status changes, so its factorisations grow as the root of the number
+/// of increments, this many times it: 5, 7.5, 11 and 14 on the paper's block with 25, 50, 100 and 200 contact nodes (2 to
+/// 100 increments), 3 to 11 on strips.
+const BN_FACTORIZATIONS: f64 = 8.0;
 
-/// The same for the interior point methods: see doc/benchmarks.md.
+/// An interior point method changes its matrix in each iteration: 5 to 8 in an increment in the tables of the paper.
 const IP_FACTORIZATIONS: f64 = 6.0;
 
 /// A choice, with its reason if it was left open.
@@ -50,14 +51,13 @@ impl Choice {
             contact_displacements: problem.contact_displacements().len(),
             stiffness: Cholesky::predict(&problem.stiffness)?,
         };
-        let method = scene.solver.method.name();
-        let each = match method {
-            MethodName::Bn => BN_FACTORIZATIONS,
-            MethodName::Ip => IP_FACTORIZATIONS,
+        let (method, increments) = (scene.solver.method.name(), scene.time.increments);
+        let factorizations = match method {
+            // Without contact the problem is linear: one matrix.
+            _ if contacts == 0 => 1.0,
+            MethodName::Bn => BN_FACTORIZATIONS * (increments as f64).sqrt(),
+            MethodName::Ip => IP_FACTORIZATIONS * increments as f64,
         };
-        let increments = scene.time.increments;
-        // Without contact the problem is linear: one matrix.
-        let factorizations = if contacts == 0 { 1.0 } else { each * increments as f64 };
         let work = Work { increments, factorizations, all_free: method == MethodName::Ip };
         let sparse = cost::sparse(&sizes, &work, whole == LinearBackend::Faer);
         let condensed = cost::condensed(&sizes, &work);

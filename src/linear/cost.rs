@@ -23,9 +23,9 @@ mod seconds {
     /// An unknown of the sparse system: nested dissection.
     pub const ORDER: f64 = 10e-6;
     /// An entry of `L` and `U`. Fronts are small: moving their entries takes longer than the operations.
-    pub const LU_ENTRY: f64 = 22e-9;
+    pub const LU_ENTRY: f64 = 26e-9;
     /// The same with faer.
-    pub const FAER_LU_ENTRY: f64 = 30e-9;
+    pub const FAER_LU_ENTRY: f64 = 34e-9;
     /// An entry of `L` and `U` in a refined solve.
     pub const LU_SOLVE_ENTRY: f64 = 4e-9;
     /// An entry of `L` of `K`, ordering by minimum degree included.
