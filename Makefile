@@ -1,6 +1,7 @@
 # make demo   solve the paper's block, 100 x 100 elements, and say where the results are
 # make test   all tests
 # make bench  the benchmarks (minutes)
+# make instructions the instructions of each kernel, counted by callgrind
 # make tables the paper's Tables I and II, complete (minutes)
 # make extremes the suite of extreme scenes, into doc/stability (minutes)
 # make compare error against time for four scenes, into doc/error-vs-time.md (minutes)
@@ -10,7 +11,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test bench tables report extremes compare deps
+.PHONY: demo test bench instructions tables report extremes compare deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -23,6 +24,23 @@ bench: deps
 	cargo bench --bench history
 	cargo bench --bench interior
 	cargo bench --bench cholesky
+	cargo bench --bench condensed
+	cargo bench --bench scaling
+	cargo bench --bench crossover
+
+KERNELS = assembly condensation jacobian residual dense-factor substitution bn-iteration
+
+# callgrind takes a program, and cargo names it: the last executable that it builds is this one.
+instructions: deps
+	@command -v valgrind >/dev/null || $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends valgrind
+	@program=$$(cargo bench --bench instructions --no-run --message-format=json 2>/dev/null \
+		| sed -n 's/.*"executable":"\([^"]*instructions-[^"]*\)".*/\1/p'); \
+	for kernel in $(KERNELS); do \
+		count=$$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*measured_kernel*' \
+			"$$program" $$kernel 2>&1 | sed -n 's/.*Collected : //p'); \
+		[ -n "$$count" ] || { echo "callgrind failed on $$kernel"; exit 1; }; \
+		printf '%-14s %14s\n' "$$kernel" "$$count"; \
+	done
 
 tables: deps
 	cargo run --release -- tables punch

@@ -184,7 +184,7 @@ fn run(
     let scene = table.scene(contact_nodes, MU, increments)?;
     let model = Model::new(&scene)?;
     let settings = table.settings(method, &model);
-    let mut linear = model.linear(scene.solver.linear);
+    let mut linear = model.linear(scene.solver.linear.unwrap_or_default());
     let mut keep = Keep { model: &model, wanted, progress, lines: Vec::new(), iterations: Vec::new() };
     let times = scene.time.all();
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut keep)?;

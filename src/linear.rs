@@ -14,6 +14,7 @@ pub mod built_in;
 mod cholesky;
 #[cfg(feature = "umfpack")]
 mod cholmod;
+pub mod cost;
 mod dense;
 mod direct;
 mod error;

@@ -445,6 +445,25 @@ fn the_uniqueness_is_told_where_it_is_asked_for() {
     assert!(json(&output).get("critical_friction").is_none());
 }
 
+/// What is chosen is told, and solves as if it had been named.
+#[test]
+fn the_linear_algebra_is_chosen_where_that_is_asked_for() {
+    let (_folder, scene) = Folder::with_scene(&small());
+    let output = stickslip(&["run", &scene, "--solver", "auto"]);
+    assert_exit(&output, 0);
+    let line = stdout(&output).lines().find(|line| line.starts_with("solver       auto: ")).unwrap();
+    let open = json(&stickslip(&["run", &scene, "--solver", "auto", "--json"]));
+    let chosen = open["solver"].as_str().unwrap();
+    assert!(line.contains(open["solver_choice"].as_str().unwrap()), "{line}");
+    assert!(line.starts_with(&format!("solver       auto: {chosen} (")), "{line}");
+    let named = json(&stickslip(&["run", &scene, "--solver", chosen, "--json"]));
+    assert!(named.get("solver_choice").is_none());
+    for field in ["solver", "final"] {
+        assert_eq!(open[field], named[field]);
+    }
+    assert_eq!(open["totals"]["iterations"], named["totals"]["iterations"]);
+}
+
 /// Ctrl-C ends the run after the iteration at hand, with what was reached on disk.
 #[test]
 fn an_interrupted_run_keeps_its_increments() {

@@ -11,7 +11,7 @@ use stickslip::contact::{Facing, Obstacle, ObstacleError, ObstacleMotion};
 use stickslip::history::Status;
 use stickslip::mesh::{Mesh, block};
 use stickslip::model::Model;
-use stickslip::scene::{self, Formula, GapDirection, Rotation, Scene, Shape};
+use stickslip::scene::{self, Formula, GapDirection, LinearBackend, Rotation, Scene, Shape};
 
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
@@ -185,7 +185,7 @@ fn solve(text: &str) -> (Model, Vec<[f64; 2]>) {
     let model = Model::new(&scene).unwrap();
     let mut keep = Keep::default();
     let settings = stickslip::history::HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
-    let mut linear = model.linear(scene.solver.linear);
+    let mut linear = model.linear(LinearBackend::default());
     let outcome =
         stickslip::history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut keep)
             .unwrap();
@@ -255,7 +255,7 @@ fn left(model: &Model, text: &str) -> Option<f64> {
     let scene = Scene::parse("belt.toml", text, &[]).unwrap();
     let mut last = Last(model, None);
     let settings = stickslip::history::HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
-    let mut linear = model.linear(scene.solver.linear);
+    let mut linear = model.linear(LinearBackend::default());
     stickslip::history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut last)
         .unwrap();
     last.1

@@ -1,21 +1,59 @@
 //! What the benchmarks share: the paper's block, the naive caller to compare with, and children.
 #![allow(dead_code, clippy::unwrap_used, clippy::print_stdout)]
 
+pub mod run;
+
 use std::process::Command;
 use std::sync::Arc;
 
 use stickslip::linear::{self, FactorInfo, LinearError, LinearSolver, Strategy, Umfpack};
 use stickslip::model::Model;
+use stickslip::report::Table;
 use stickslip::scene::Scene;
 use stickslip::sparse::{Csc, Pattern};
 
 /// The paper's block with n × n elements, mu = 0.4.
 pub fn block(n: usize, increments: usize) -> (Scene, Model) {
-    let overrides = [format!("mesh.elements=[{n},{n}]"), format!("time.increments={increments}")];
+    scene(&[format!("mesh.elements=[{n},{n}]"), format!("time.increments={increments}")])
+}
+
+/// The paper's block with overrides.
+pub fn scene(overrides: &[String]) -> (Scene, Model) {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
     let scene = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &overrides).unwrap();
     let model = Model::new(&scene).unwrap();
     (scene, model)
+}
+
+/// The value after `name` on the command line.
+pub fn option(args: &[String], name: &str) -> Option<String> {
+    args.iter().skip_while(|arg| *arg != name).nth(1).cloned()
+}
+
+/// Rows of a table that is printed for people, or with `--csv` for a script.
+pub struct Rows {
+    heads: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Rows {
+    pub fn new(heads: &[&str]) -> Self {
+        Rows { heads: heads.iter().map(|head| (*head).to_string()).collect(), rows: Vec::new() }
+    }
+
+    pub fn push(&mut self, row: Vec<String>) {
+        self.rows.push(row);
+    }
+
+    pub fn print(self, caption: &str, args: &[String]) {
+        if args.iter().any(|arg| arg == "--csv") {
+            [self.heads].iter().chain(&self.rows).for_each(|row| println!("{}", row.join(",")));
+            return;
+        }
+        let mut table = Table::new(&self.heads.iter().map(String::as_str).collect::<Vec<_>>());
+        self.rows.into_iter().for_each(|row| table.push(row));
+        println!("\n{caption}\n\n{table}");
+    }
 }
 
 /// Who is measured.

@@ -34,10 +34,10 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         scene.time.end
     );
     say!(
-        "solver       {}, setting {}, {:?}; at most {} iterations; error of every law at most {:.0e}",
+        "solver       {}, setting {}, {}; at most {} iterations; error of every law at most {:.0e}",
         solver.method.name(),
         solver.method.setting(),
-        solver.linear,
+        solver.linear.map_or("auto".to_string(), |linear| linear.to_string()),
         solver.max_iterations,
         solver.tolerance
     );

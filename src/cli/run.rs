@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
+use stickslip::auto::Choice;
 use stickslip::contact::RangeLeft;
 use stickslip::formulation::Layout;
 use stickslip::history::{self, HistorySettings, Method, Observer, Start, Status, Step};
@@ -13,7 +14,8 @@ use stickslip::linear;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IpSettings, IterationRecord, PredictorCorrectorSettings};
 use stickslip::report::{
-    ContactLine, Final, Measured, ResultFolder, Resultant, RunReport, Unknowns, cpu_seconds, fields, peak_rss_bytes,
+    ContactLine, Final, Measured, ResultFolder, Resultant, RunReport, Unknowns, available_bytes, cpu_seconds, fields,
+    peak_rss_bytes,
 };
 use stickslip::scene::{self, NewtonSystem, Scene, Solver};
 
@@ -43,8 +45,9 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let model = discretise(&scene)?;
     let model_seconds = start.elapsed().as_secs_f64();
     let folder = args.out.as_deref().map(open_folder).transpose()?;
+    let choice = Choice::new(&scene, &model, available_bytes()).map_err(|error| Failure::linear(&error))?;
     if !args.json {
-        print_head(&scene, &model);
+        print_head(&scene, &model, &choice);
     }
 
     let times = scene.time.all();
@@ -60,7 +63,7 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         last: args.uniqueness.then(LastIncrement::default),
     };
     let settings = settings(&scene, &model);
-    let mut linear = model.linear(scene.solver.linear);
+    let mut linear = model.linear(choice.backend);
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut watcher);
     watcher.progress.finish();
     let Watcher { folder, failed_write, last, range_left, .. } = watcher;
@@ -77,7 +80,7 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     };
     let explanation = verdict::explain(&scene, &model, &outcome);
     let name = args.scene.scene.display().to_string();
-    let mut report = RunReport::new(&name, &scene, &model.contact_boundaries, &outcome, explanation, measured);
+    let mut report = RunReport::new(&name, &scene, &model.contact_boundaries, &choice, &outcome, explanation, measured);
     report.critical_friction = critical_friction;
     report.range_left = range_left;
     let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
@@ -223,7 +226,7 @@ fn disk_failure(path: &Path, error: &io::Error) -> Failure {
     Failure::Machine(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
 }
 
-fn print_head(scene: &Scene, model: &Model) {
+fn print_head(scene: &Scene, model: &Model, choice: &Choice) {
     let method = scene.solver.method;
     let Unknowns { u, p_t, p_n, v_n, s, lambda } = Unknowns::new(&Layout::new(&model.problem), method.name());
     let blocks = [(u, "u"), (p_t, "p_t"), (p_n, "p_n"), (v_n, "v_n"), (s, "s"), (lambda, "lambda")];
@@ -236,6 +239,9 @@ fn print_head(scene: &Scene, model: &Model) {
     };
     say!("{}", scene.title);
     say!("method       {}, setting {}", method.name(), method.setting());
+    if let Some(reason) = choice.reason() {
+        say!("solver       auto: {reason}");
+    }
     let total: usize = blocks.iter().map(|(count, _)| count).sum();
     say!("unknowns     {total} = {}{reduced}\n", present.collect::<Vec<_>>().join(" + "));
 }

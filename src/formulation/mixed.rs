@@ -132,8 +132,13 @@ pub(super) fn take_equilibrium(problem: &ContactProblem, layout: &Layout, take: 
 /// Writes the equilibrium rows, which are constant.
 pub(super) fn write_equilibrium(matrix: &mut Csc, problem: &ContactProblem, layout: &Layout, scaling: &Scaling) {
     let Csc { pattern, values } = matrix;
+    // The rows of each column come in ascending order, and those of K are the first: no search, which would
+    // take longest of all in the set-up where K is dense.
+    let mut next: Vec<usize> = pattern.column_starts().iter().map(|&start| start as usize).collect();
     for (row, column, value) in problem.stiffness.entries() {
-        values[slot(pattern, row, column)] = value / scaling.stiffness();
+        debug_assert_eq!(pattern.row_indices()[next[column]], row as i64);
+        values[next[column]] = value / scaling.stiffness();
+        next[column] += 1;
     }
     for i in 0..layout.contacts() {
         for &(dof, c) in problem.c_n.row(i) {

@@ -93,6 +93,30 @@ impl Cholesky {
         Self::new(Box::new(factor), order, last.len())
     }
 
+    /// Entries of `L` and operations for a matrix of this pattern, without factoring it: what an order of
+    /// low fill makes, no unknown held back.
+    ///
+    /// # Errors
+    /// When memory is short, and [`LinearError::NotBuiltIn`] when this build has no backend.
+    pub fn predict(k: &Symmetric) -> Result<FactorInfo, LinearError> {
+        #[cfg(feature = "umfpack")]
+        {
+            let mut session = super::cholmod::Session::new()?;
+            session.order(&k.lower().pattern)?;
+            Ok(session.predicted())
+        }
+        #[cfg(all(feature = "faer", not(feature = "umfpack")))]
+        {
+            let order = super::faer::minimum_degree(&k.lower().pattern)?;
+            super::faer::Llt::predict(k.lower(), &order)
+        }
+        #[cfg(not(any(feature = "umfpack", feature = "faer")))]
+        {
+            let _ = k;
+            Err(LinearError::NotBuiltIn { backend: "sparse Cholesky factorisation" })
+        }
+    }
+
     fn new(factor: Box<dyn Supernodal>, order: Vec<usize>, border: usize) -> Result<Self, LinearError> {
         let pivot_ratio = pivot_ratio(&*factor, order.len())?;
         let info = FactorInfo { pivot_ratio, ..factor.info() };

@@ -95,6 +95,12 @@ impl Session {
         }
     }
 
+    /// The entries and operations of the factor that was analysed last.
+    pub(super) fn predicted(&self) -> FactorInfo {
+        let common = self.common();
+        FactorInfo { entries: common.lnz as usize, flops: common.fl, ..FactorInfo::default() }
+    }
+
     /// Factors the symmetric matrix with this lower triangle in the given order.
     pub(super) fn factor(mut self, lower: &Csc, order: &[usize]) -> Result<Factor, LinearError> {
         let mut permutation: Vec<i64> = order.iter().map(|&unknown| unknown as i64).collect();
@@ -200,13 +206,7 @@ impl Supernodal for Factor {
     }
 
     fn info(&self) -> FactorInfo {
-        let common = self.session.common();
-        FactorInfo {
-            entries: common.lnz as usize,
-            flops: common.fl,
-            peak_bytes: common.memory_usage as f64,
-            ..FactorInfo::default()
-        }
+        FactorInfo { peak_bytes: self.session.common().memory_usage as f64, ..self.session.predicted() }
     }
 }
 

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
+use crate::auto::Choice;
 use crate::contact::{ContactBoundary, Law, RangeLeft};
 use crate::formulation::Layout;
 use crate::history::{HistoryOutcome, IncrementRecord, Status};
@@ -24,6 +25,9 @@ pub struct RunReport {
     pub setting: Setting,
     /// The linear algebra.
     pub solver: LinearBackend,
+    /// Why that, where it was left open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solver_choice: Option<String>,
     /// The verdict.
     pub status: Status,
     /// Why the run ended early.
@@ -160,6 +164,7 @@ impl RunReport {
         name: &str,
         scene: &Scene,
         boundaries: &[ContactBoundary],
+        choice: &Choice,
         outcome: &HistoryOutcome,
         explanation: Explanation,
         measured: Measured,
@@ -169,7 +174,8 @@ impl RunReport {
             title: scene.title.clone(),
             method: scene.solver.method.name(),
             setting: scene.solver.method.setting(),
-            solver: scene.solver.linear,
+            solver: choice.backend,
+            solver_choice: choice.reason(),
             status: outcome.status,
             explanation,
             unknowns: Unknowns::new(&outcome.layout, scene.solver.method.name()),

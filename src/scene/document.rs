@@ -6,10 +6,8 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::Source;
-use super::{
-    CellShape, Element, GapDirection, LinearBackend, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting,
-    Start,
-};
+use super::solver::LinearName;
+use super::{CellShape, Element, GapDirection, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start};
 
 /// `N` values, two unless it says otherwise. An array type would do but for that the TOML reader passes over what is too many.
 #[derive(Clone, Copy, Deserialize)]
@@ -210,7 +208,7 @@ pub(super) struct Solver {
     #[serde(default)]
     pub method: MethodName,
     pub setting: Option<Spanned<Setting>>,
-    pub linear: Option<Spanned<LinearBackend>>,
+    pub linear: Option<Spanned<LinearName>>,
     pub start: Option<Spanned<Start>>,
     pub partition: Option<Spanned<Partition>>,
     pub newton: Option<Spanned<NewtonSystem>>,

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 pub struct Solver {
     /// The algorithm with its named set of constants.
     pub method: Method,
-    /// The linear algebra.
-    pub linear: LinearBackend,
+    /// The linear algebra; `None` leaves it to [`crate::auto`].
+    pub linear: Option<LinearBackend>,
     /// The most iterations an increment may take.
     pub max_iterations: usize,
     /// An increment has converged when every component of the error measure is at most this.
@@ -126,6 +126,28 @@ pub enum LinearBackend {
     Faer,
     /// Static condensation: what no contact touches is eliminated once a run.
     Condensed,
+}
+
+/// What a scene may say about the linear algebra.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum LinearName {
+    Umfpack,
+    Faer,
+    Condensed,
+    Auto,
+}
+
+impl LinearName {
+    /// The one it stands for, unless that is to be found out.
+    pub(super) fn backend(self) -> Option<LinearBackend> {
+        match self {
+            LinearName::Umfpack => Some(LinearBackend::Umfpack),
+            LinearName::Faer => Some(LinearBackend::Faer),
+            LinearName::Condensed => Some(LinearBackend::Condensed),
+            LinearName::Auto => None,
+        }
+    }
 }
 
 impl Default for LinearBackend {

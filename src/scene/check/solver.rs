@@ -4,7 +4,11 @@ use toml::Spanned;
 
 use super::Check;
 use crate::scene::document;
+use crate::scene::solver::LinearName;
 use crate::scene::{LinearBackend, Method, MethodName, SceneError, Setting, Solver};
+
+const NOTHING_BUILT_IN: &str = "this build has no linear algebra to choose from";
+const BUILD_IT: &str = "build it with the cargo feature umfpack or faer";
 
 /// The paper's interior point method ends at an absolute `Theta`, which leaves errors of up to
 /// 1e-7 on the paper's problems; the other methods reach rounding.
@@ -31,10 +35,15 @@ impl Check<'_> {
         Ok(Solver { method, linear: self.linear(solver.linear.as_ref())?, max_iterations, tolerance })
     }
 
-    fn linear(&self, given: Option<&Spanned<LinearBackend>>) -> Result<LinearBackend, SceneError> {
-        let Some(given) = given else { return Ok(LinearBackend::default()) };
-        let missing = match given.get_ref() {
-            linear if linear.is_built_in() => return Ok(*linear),
+    fn linear(&self, given: Option<&Spanned<LinearName>>) -> Result<Option<LinearBackend>, SceneError> {
+        let Some(given) = given else { return Ok(Some(LinearBackend::default())) };
+        // What is compared: if one of both is built in, the other is, too.
+        let Some(linear) = given.get_ref().backend() else {
+            let compared = LinearBackend::default().is_built_in();
+            return if compared { Ok(None) } else { self.fail(given.span(), NOTHING_BUILT_IN.to_string(), BUILD_IT) };
+        };
+        let missing = match linear {
+            linear if linear.is_built_in() => return Ok(Some(linear)),
             LinearBackend::Umfpack => "UMFPACK",
             LinearBackend::Faer => "faer",
             LinearBackend::Condensed => "Cholesky factorisation, which \"condensed\" needs",
@@ -42,7 +51,7 @@ impl Check<'_> {
         let help = if LinearBackend::default().is_built_in() {
             format!("use \"{}\" or \"condensed\"", LinearBackend::default())
         } else {
-            "build it with the cargo feature umfpack or faer".to_string()
+            BUILD_IT.to_string()
         };
         self.fail(given.span(), format!("this build has no {missing}"), &help)
     }

@@ -1,0 +1,142 @@
+//! What a history costs on the whole system and on a condensed one, estimated from sizes alone.
+//!
+//! With `m` contact displacements, `|L|` entries in the Cholesky factor of `K` and `φ` operations to make it:
+//!
+//! | | whole system, sparse LU | condensed |
+//! | --- | --- | --- |
+//! | once | order the unknowns | order, factor `K` (`|L|`, `φ`), form `S` (`2/3 m³`), store it (`m²`) |
+//! | a factorisation with its solve | `2 |L|` entries, `2 φ` operations | `2/3 k³` operations, some passes over `m²` entries |
+//! | an increment | – | substitutions with `L` |
+//!
+//! `k` is the number of displacements that contact leaves free, half of `m` where nothing better is known.
+//! Contact rows add a few per cent to the sparse factors and are left out. So is what both ways share: mesh,
+//! assembly, error measure.
+
+use super::FactorInfo;
+
+/// Seconds for each unit of work, from runs of the paper's block (n = 25 … 200) and of strips (1000 × 4 …
+/// 2000 × 50) on one core with AVX-512: CPU time of whole runs and of their parts, sizes from the
+/// factorisations. Elsewhere all of them change together, and the choice hangs on their ratios.
+mod seconds {
+    /// An operation in a dense kernel.
+    pub const OPERATION: f64 = 1.0 / 30e9;
+    /// An unknown of the sparse system: nested dissection.
+    pub const ORDER: f64 = 10e-6;
+    /// An entry of `L` and `U`. Fronts are small: moving their entries takes longer than the operations.
+    pub const LU_ENTRY: f64 = 26e-9;
+    /// The same with faer.
+    pub const FAER_LU_ENTRY: f64 = 34e-9;
+    /// An entry of `L` and `U` in a refined solve.
+    pub const LU_SOLVE_ENTRY: f64 = 4e-9;
+    /// An entry of `L` of `K`, ordering by minimum degree included.
+    pub const L_ENTRY: f64 = 35e-9;
+    /// An entry of `L` in the substitutions of an increment.
+    pub const L_SOLVE_ENTRY: f64 = 4e-9;
+    /// An entry of `S`: formed, copied into the matrix that is factored.
+    pub const S_ENTRY: f64 = 100e-9;
+    /// An entry of `S` in an iteration: gathered, multiplied, residuals measured.
+    pub const S_ITERATION_ENTRY: f64 = 25e-9;
+}
+
+/// Bytes an entry of `S` takes at most, with its copies and 64-bit indices (measured: 60 at m = 2000).
+const S_BYTES: f64 = 64.0;
+/// Bytes an entry of a sparse factor takes at most, while it is made.
+const LU_BYTES: f64 = 16.0;
+
+/// The part of the contact displacements that contact leaves free in a Newton matrix of BN.
+const FREE_SHARE: f64 = 0.5;
+
+/// What there is to solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sizes {
+    /// Unknowns of the whole system.
+    pub unknowns: usize,
+    /// Contact displacements, `m`.
+    pub contact_displacements: usize,
+    /// The Cholesky factor of `K`, see [`super::Cholesky::predict`].
+    pub stiffness: FactorInfo,
+}
+
+/// How often.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Work {
+    /// Increments.
+    pub increments: usize,
+    /// Factorisations in all of them.
+    pub factorizations: f64,
+    /// Whether all contact displacements stay free, as in an interior point method.
+    pub all_free: bool,
+}
+
+/// An estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// The linear algebra of the whole history, set-up included, s.
+    pub seconds: f64,
+    /// Operations of a factorisation.
+    pub flops: f64,
+    /// Peak memory, bytes.
+    pub bytes: f64,
+}
+
+/// The whole system with UMFPACK or, if `faer`, with faer's sparse LU.
+pub fn sparse(sizes: &Sizes, work: &Work, faer: bool) -> Cost {
+    let (entries, flops) = (2.0 * sizes.stiffness.entries as f64, 2.0 * sizes.stiffness.flops);
+    let factor = if faer { seconds::FAER_LU_ENTRY } else { seconds::LU_ENTRY };
+    let iteration = entries * (factor + seconds::LU_SOLVE_ENTRY) + flops * seconds::OPERATION;
+    Cost {
+        seconds: sizes.unknowns as f64 * seconds::ORDER + work.factorizations * iteration,
+        flops,
+        bytes: LU_BYTES * entries,
+    }
+}
+
+/// The condensed system.
+pub fn condensed(sizes: &Sizes, work: &Work) -> Cost {
+    let (m, entries) = (sizes.contact_displacements as f64, sizes.stiffness.entries as f64);
+    let free = if work.all_free { m } else { FREE_SHARE * m };
+    let flops = 2.0 / 3.0 * free.powi(3);
+    let once = entries * seconds::L_ENTRY
+        + m * m * seconds::S_ENTRY
+        + (sizes.stiffness.flops + 2.0 / 3.0 * m.powi(3)) * seconds::OPERATION;
+    let iteration = flops * seconds::OPERATION + m * m * seconds::S_ITERATION_ENTRY;
+    let increment = entries * seconds::L_SOLVE_ENTRY;
+    Cost {
+        seconds: once + work.factorizations * iteration + work.increments as f64 * increment,
+        flops,
+        bytes: LU_BYTES * entries + S_BYTES * m * m,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sizes(unknowns: usize, m: usize, entries: usize, flops: f64) -> Sizes {
+        Sizes { unknowns, contact_displacements: m, stiffness: FactorInfo { entries, flops, ..FactorInfo::default() } }
+    }
+
+    #[test]
+    fn a_square_condenses_and_a_strip_does_not() {
+        // 100 × 100 and 1000 × 4 elements.
+        let (square, strip) = (sizes(20_400, 200, 1_300_000, 1.5e8), sizes(12_000, 2000, 190_000, 4e6));
+        for increments in [2, 40] {
+            let work = Work { increments, factorizations: 3.0 * increments as f64, all_free: false };
+            assert!(condensed(&square, &work).seconds < 0.5 * sparse(&square, &work, false).seconds);
+            assert!(sparse(&strip, &work, false).seconds < 0.5 * condensed(&strip, &work).seconds);
+        }
+    }
+
+    #[test]
+    fn costs_grow_with_the_work() {
+        let sizes = sizes(20_400, 200, 1_300_000, 1.5e8);
+        let work = Work { increments: 10, factorizations: 30.0, all_free: false };
+        let twice = Work { increments: 20, factorizations: 60.0, all_free: false };
+        assert!(sparse(&sizes, &twice, false).seconds > sparse(&sizes, &work, false).seconds);
+        assert!(condensed(&sizes, &twice).seconds > condensed(&sizes, &work).seconds);
+        // The whole of S is factored, eight times the operations.
+        let all_free = condensed(&sizes, &Work { all_free: true, ..work });
+        assert_eq!(all_free.flops, 8.0 * condensed(&sizes, &work).flops);
+        assert!(sparse(&sizes, &work, true).seconds > sparse(&sizes, &work, false).seconds);
+    }
+}
