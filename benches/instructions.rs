@@ -29,7 +29,7 @@ fn main() {
     let mut formulation = Bdiff::new(small, scaling, &Conventions::paper(small));
     let (mut force, w_t_last) = (vec![0.0; small.displacements()], vec![0.0; small.contacts()]);
     condensed.loading.force(1.0, &mut force);
-    formulation.begin(&Increment { force: &force, gap: &model.loading.gap, w_t_last: &w_t_last });
+    formulation.begin(&Increment { force: &force, gap: &model.loading.gap, w_t_last: &w_t_last, w_o_last: &w_t_last });
     let [first, second] = [0, 1].map(|shift| formulation.layout().pack(&mixed(small, &model, shift), &scaling));
     formulation.linearize(&first);
     let (mut h, mut dz) = (vec![0.0; first.len()], vec![0.0; first.len()]);

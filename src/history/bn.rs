@@ -66,6 +66,10 @@ impl IncrementSolver for BnMethod<'_> {
         self.formulation.jacobian()
     }
 
+    fn linearize(&mut self) {
+        self.formulation.linearize(&self.z);
+    }
+
     fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
         self.formulation.hold_contacts();
         self.formulation.unheld_motion().map_or(Ok(()), Err)

@@ -57,6 +57,10 @@ impl IncrementSolver for IpMethod {
         self.formulation.matrix()
     }
 
+    fn linearize(&mut self) {
+        self.formulation.linearize(&self.z);
+    }
+
     fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
         self.formulation.hold_contacts();
         self.formulation.unheld_motion().map_or(Ok(()), Err)

@@ -37,6 +37,9 @@ pub(super) trait IncrementSolver {
     /// The matrix it factors; its pattern never changes.
     fn matrix(&self) -> &Csc;
 
+    /// Writes the matrix of the state it has reached.
+    fn linearize(&mut self);
+
     /// Writes the matrix of the body with all contact nodes held; `Err` with the weights of a free
     /// motion that is possible all the same.
     fn hold_contacts(&mut self) -> Result<(), Vec<f64>>;

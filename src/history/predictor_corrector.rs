@@ -123,6 +123,10 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         self.formulation.matrix()
     }
 
+    fn linearize(&mut self) {
+        self.formulation.linearize(&self.z);
+    }
+
     fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
         self.formulation.hold_contacts();
         self.formulation.unheld_motion().map_or(Ok(()), Err)

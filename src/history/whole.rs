@@ -1,8 +1,8 @@
 //! The state of the whole body at the end of an increment that was solved on the contact displacements.
 //!
 //! The interior follows from them (35). Where that leaves a law of equilibrium violated by more than
-//! rounding, as in slender bodies, the whole system is refined: its imbalance, reduced, is solved for with the
-//! factors of the last iteration, and the interior follows the change.
+//! rounding, as in slender bodies, the whole system is refined: its imbalance, reduced, is solved for with
+//! the linearisation of that state, and the interior follows the change.
 
 use super::method::IncrementSolver;
 use super::settings::HistorySettings;
@@ -40,10 +40,13 @@ impl Whole<'_> {
         let mut state = self.condensed.state(self.time, &method.state())?;
         let mut imbalance = self.problem.imbalance(self.increment.force, &state);
         let mut error = self.backward_error(&state, &imbalance);
-        for _ in 0..REFINEMENTS {
+        for refinement in 0..REFINEMENTS {
             let violation = imbalance.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
             let allowed = self.settings.tolerance * self.scales.with_state(&state).force;
             if error <= BACKWARD_ERROR && violation <= allowed {
+                break;
+            }
+            if refinement == 0 && !factor(method, linear)? {
                 break;
             }
             let mut refined = state.clone();
@@ -52,7 +55,10 @@ impl Whole<'_> {
                 refined.u_rest.resize(state.u.len(), 0.0);
                 imbalance = self.problem.imbalance(self.increment.force, &refined);
             }
-            let Some(change) = self.correct(&imbalance, &mut refined, method, linear)? else { break };
+            let change = match self.correct(&imbalance, &mut refined, method, linear) {
+                Err(LinearError::NotFinite) => break,
+                change => change?,
+            };
             let left = self.problem.imbalance(self.increment.force, &refined);
             let reached = self.backward_error(&refined, &left);
             if reached.is_nan() || reached > 0.5 * error {
@@ -65,25 +71,20 @@ impl Whole<'_> {
         Ok((state, error))
     }
 
-    /// Takes an imbalance off a state; what that changes in the unknowns of the method, or `None` if
-    /// there are no factors to solve with.
+    /// Takes an imbalance off a state; what that changes in the unknowns of the method.
     fn correct(
         &self,
         imbalance: &[f64],
         state: &mut State,
         method: &mut dyn IncrementSolver,
         linear: &mut Direct,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
+    ) -> Result<Vec<f64>, LinearError> {
         let scaling = self.settings.scaling;
         let forces = self.condensed.reduce(&imbalance.iter().map(|r| -r).collect::<Vec<_>>())?;
         let n = method.matrix().pattern.columns();
         let (mut rhs, mut change) = (vec![0.0; n], vec![0.0; n]);
         rhs.iter_mut().zip(&forces.border).for_each(|(b, force)| *b = force / scaling.force);
-        match linear.solve(method.matrix(), &rhs, &mut change) {
-            Ok(_) => {}
-            Err(LinearError::Order { .. } | LinearError::NotFinite) => return Ok(None),
-            Err(error) => return Err(error),
-        }
+        linear.solve(method.matrix(), &rhs, &mut change)?;
         let border: Vec<f64> = change.iter().take(forces.border.len()).map(|du| du * scaling.length).collect();
         let du = self.condensed.displacements(&forces, &border)?;
         if state.u_rest.is_empty() {
@@ -97,7 +98,7 @@ impl Whole<'_> {
         for (p, dp) in [(&mut state.p_n, dp.p_n), (&mut state.p_t, dp.p_t), (&mut state.p_o, dp.p_o)] {
             p.iter_mut().zip(&dp).for_each(|(p, dp)| *p += dp);
         }
-        Ok(Some(change))
+        Ok(change)
     }
 
     /// The componentwise backward error of the equations of equilibrium, whose contact forces are given.
@@ -122,5 +123,15 @@ impl Whole<'_> {
             problem.stiffness.entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
             row_norm
         })
+    }
+}
+
+/// Factors the linearisation of the state that the method has reached; tells whether that can be solved with.
+fn factor(method: &mut dyn IncrementSolver, linear: &mut Direct) -> Result<bool, LinearError> {
+    method.linearize();
+    match linear.factorize(method.matrix()) {
+        Ok(_) => Ok(true),
+        Err(LinearError::Singular { .. } | LinearError::NotFinite) => Ok(false),
+        Err(error) => Err(error),
     }
 }
