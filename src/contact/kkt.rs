@@ -247,9 +247,7 @@ fn exceeds(a: f64, b: f64) -> bool {
 /// force scale: `ε |K| |u| / F`. In slender bodies it is far above ε, and no solver can do better.
 pub fn rounding_level(problem: &ContactProblem, state: &State, scales: &KktScales) -> f64 {
     let mut sums = vec![0.0; state.u.len()];
-    for (row, column, value) in problem.stiffness.entries() {
-        sums[row] += (value * state.u[column]).abs();
-    }
+    problem.stiffness.add_sizes(&state.u, &mut sums);
     f64::EPSILON * sums.into_iter().fold(0.0, f64::max) / scales.force
 }
 

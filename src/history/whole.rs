@@ -105,14 +105,8 @@ impl Whole<'_> {
     fn backward_error(&self, state: &State, imbalance: &[f64]) -> f64 {
         let Whole { problem, increment, .. } = self;
         let mut sizes: Vec<f64> = increment.force.iter().map(|f| f.abs()).collect();
-        let mut largest = 0.0_f64;
-        for (row, column, value) in problem.stiffness.lower().entries() {
-            largest = largest.max(value.abs());
-            sizes[row] += (value * state.u[column]).abs();
-            if row != column {
-                sizes[column] += (value * state.u[row]).abs();
-            }
-        }
+        problem.stiffness.add_sizes(&state.u, &mut sizes);
+        let largest = problem.stiffness.lower().values.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
         for (map, forces) in [(&problem.c_n, &state.p_n), (&problem.c_t, &state.p_t), (&problem.c_o, &state.p_o)] {
             for (i, p) in forces.iter().enumerate() {
                 map.row(i).iter().for_each(|&(dof, c)| sizes[dof] += (c * p).abs());

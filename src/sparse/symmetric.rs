@@ -68,11 +68,28 @@ impl Symmetric {
     /// `y = A x`.
     pub fn mul(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
-        for (row, column, value) in self.lower.entries() {
-            y[row] += value * x[column];
-            if row != column {
-                y[column] += value * x[row];
+        self.accumulate(x, y, |value, x| value * x);
+    }
+
+    /// `y += |A| |x|`.
+    pub fn add_sizes(&self, x: &[f64], y: &mut [f64]) {
+        self.accumulate(x, y, |value, x| (value * x).abs());
+    }
+
+    /// `y_i += Σ_j term(A_ij, x_j)`, with a column of the lower triangle and its mirror image at a time.
+    fn accumulate(&self, x: &[f64], y: &mut [f64], term: impl Fn(f64, f64) -> f64) {
+        let Csc { pattern, values } = &self.lower;
+        for column in 0..self.order() {
+            let slots = pattern.column(column);
+            let (factor, mut sum) = (x[column], 0.0);
+            for (&row, &value) in pattern.row_indices()[slots.clone()].iter().zip(&values[slots]) {
+                let row = row as usize;
+                y[row] += term(value, factor);
+                if row != column {
+                    sum += term(value, x[row]);
+                }
             }
+            y[column] += sum;
         }
     }
 
