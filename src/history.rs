@@ -71,8 +71,6 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<HistoryOutcome, LinearError> {
     let start = Instant::now();
-    let mut method = method::new(problem, loading, settings);
-    linear.analyze(&method.matrix().pattern)?;
     let mut outcome = HistoryOutcome {
         status: Status::Converged,
         records: Vec::with_capacity(times.len()),
@@ -86,6 +84,12 @@ pub fn run(
         linear: *linear.statistics(),
         setup_seconds: 0.0,
     };
+    if outcome.layout.has_second_tangent() && !settings.method.knows_two_tangents() {
+        return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
+    }
+    let mut method = method::new(problem, loading, settings);
+    linear.analyze(&method.matrix().pattern)?;
+    outcome.linear = *linear.statistics();
     let held = match HeldBody::new(method.as_mut(), problem, loading, &settings.scaling, linear)? {
         Ok(held) => held,
         Err(free_motion) => {

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use stickslip::contact::coulomb::{NormalCase, TangentialCase};
-use stickslip::formulation::{Bdiff, Constrained, Conventions, Formulation};
+use stickslip::formulation::{Bdiff, Constrained, Conventions, Formulation, InteriorPoint};
 use stickslip::linear::{Condensed, Direct, LinearError, LinearSolver, Umfpack, backward_error};
 use stickslip::model::Model;
 use stickslip::scene::{NewtonSystem, Partition, Scene};
