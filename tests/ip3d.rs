@@ -27,11 +27,11 @@ fn scaling(problem: &ContactProblem, loading: &Loading) -> Scaling {
 
 /// Without halving.
 fn ip(problem: &ContactProblem, loading: &Loading) -> HistorySettings {
-    HistorySettings { halvings: 0, ..HistorySettings::ip(problem, scaling(problem, loading), 100, 1e-10) }
+    HistorySettings { halvings: 0, ..HistorySettings::ip(problem, scaling(problem, loading), 100, 1e-12) }
 }
 
 fn bn(problem: &ContactProblem, loading: &Loading) -> HistorySettings {
-    HistorySettings { halvings: 0, ..HistorySettings::bn(problem, scaling(problem, loading), 100, 1e-10) }
+    HistorySettings { halvings: 0, ..HistorySettings::bn(problem, scaling(problem, loading), 100, 1e-12) }
 }
 
 fn iterations(outcome: &HistoryOutcome) -> Vec<usize> {
@@ -111,6 +111,7 @@ fn random_histories_of_uneven_bodies() {
         count.add(&iterations(&outcome));
     }
     println!("{count}");
+    assert!(count.mean() <= 20.0, "{count}");
 }
 
 /// Nodes without friction among others, and nodes that have one tangent or none.
