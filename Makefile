@@ -53,10 +53,10 @@ COMPARE = cargo run --release -- compare
 PAGE = doc/error-vs-time
 
 compare: deps
-	$(COMPARE) data/scenes/block.toml --settings default,paper --meshes 16,32,64 --increments 10,20,40 --reference 16 --out $(PAGE)/block
+	$(COMPARE) data/scenes/block.toml --settings default,paper --meshes 25,50,100 --increments 10,20,40 --reference 16 --out $(PAGE)/block
 	$(COMPARE) data/scenes/punch.toml --settings default,paper --meshes 10,20,40 --increments 10,40,80 --reference 16 --out $(PAGE)/punch
-	$(COMPARE) data/scenes/frictionless.toml --settings default,paper --meshes 16,32,64 --increments 2,10 --out $(PAGE)/frictionless
-	$(COMPARE) data/scenes/strip.toml --meshes 125,250,500 --increments 15,30,60 --out $(PAGE)/strip
+	$(COMPARE) data/scenes/frictionless.toml --settings default,paper --meshes 25,50,100 --increments 2,10 --out $(PAGE)/frictionless
+	$(COMPARE) data/scenes/strip.toml --meshes 250,500,1000 --increments 15,30,60 --out $(PAGE)/strip
 	{ cat $(PAGE)/introduction.md; for scene in block punch frictionless strip; do \
 		echo; sed "s|](|](error-vs-time/$$scene/|" $(PAGE)/$$scene/compare.md; done; } >$(PAGE).md
 

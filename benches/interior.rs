@@ -13,7 +13,7 @@ mod common;
 use std::time::Instant;
 
 use common::block;
-use stickslip::formulation::{Constrained, Conventions};
+use stickslip::formulation::{Constrained, Conventions, InteriorPoint};
 use stickslip::linear::{self, Direct, FactorInfo, LinearSolver, Umfpack, backward_error};
 use stickslip::model::Model;
 use stickslip::problem::Increment;

@@ -1,14 +1,18 @@
 //! Equations `H(z) = 0` of one increment and their linearisation on one fixed pattern.
 
 mod bdiff;
+mod cone;
 mod constrained;
+mod interior;
 mod layout;
 mod mixed;
 mod natural;
 mod scaled;
 
 pub use bdiff::Bdiff;
-pub use constrained::{Constrained, Face, Pair, SlackLayout};
+pub use cone::Cone;
+pub use constrained::{Constrained, Face, SlackLayout};
+pub use interior::{InteriorPoint, Pair, largest_step};
 pub use layout::Layout;
 pub use natural::{Conventions, Pressure};
 

@@ -86,6 +86,9 @@ pub fn run(
         linear: *linear.statistics(),
         setup_seconds: 0.0,
     };
+    if outcome.layout.has_second_tangent() && !settings.method.knows_two_tangents() {
+        return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
+    }
     let condensed = match linear.condenses().then(|| Condensed::new(problem, loading)).transpose() {
         Ok(condensed) => condensed,
         Err(LinearError::Singular { .. }) => {
@@ -103,6 +106,7 @@ pub fn run(
     };
     let mut method = method::new(small, loads, settings);
     linear.analyze(&method.matrix().pattern)?;
+    outcome.linear = *linear.statistics();
     let held = match HeldBody::new(method.as_mut(), small, loads, &settings.scaling, linear)? {
         Ok(held) => held,
         Err(free_motion) => {

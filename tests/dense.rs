@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use stickslip::condense::Condensed;
 use stickslip::contact::coulomb::{NormalCase, TangentialCase};
-use stickslip::formulation::{Bdiff, Constrained, Conventions, Formulation};
+use stickslip::formulation::{Bdiff, Constrained, Conventions, Formulation, InteriorPoint};
 use stickslip::linear::{Dense, Direct, LinearError, LinearSolver, backward_error};
 use stickslip::model::Model;
 use stickslip::problem::ContactProblem;

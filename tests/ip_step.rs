@@ -4,7 +4,7 @@
 
 mod common;
 
-use stickslip::formulation::{Constrained, Conventions};
+use stickslip::formulation::{Constrained, Conventions, InteriorPoint};
 use stickslip::history::{self, HistorySettings, Method, Start, Status};
 use stickslip::linear::Direct;
 use stickslip::model::Model;

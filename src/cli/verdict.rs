@@ -17,6 +17,11 @@ fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
         return match outcome.status {
             Status::Singular => unheld(model, outcome),
             Status::Interrupted => "stopped on request".to_string(),
+            Status::Unsupported => {
+                "the setting \"paper\" of the method ip, and newton = \"extended\", know one tangential direction at a \
+                 contact node; leave them out, or use the method bn"
+                    .to_string()
+            }
             Status::OutOfMemory => {
                 "memory ran out; the increments before are complete: use a coarser mesh or a machine with more memory"
                     .to_string()
@@ -52,7 +57,7 @@ fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
         Status::Diverged | Status::NotFinite => {
             format!("the numbers left the range of double precision: {violated}; {}", advice(scene))
         }
-        Status::Converged | Status::OutOfMemory => violated,
+        Status::Converged | Status::OutOfMemory | Status::Unsupported => violated,
     };
     let before = record.index.checked_sub(2).map_or(0.0, |k| outcome.records[k].time);
     let reached = match outcome.reached {

@@ -26,13 +26,13 @@ pub use layout::SlackLayout;
 
 use std::ops::Range;
 
-use super::Conventions;
+use super::interior::{InteriorPoint, Pair, largest_step, least, reach};
 use super::natural::{NaturalRows, half_square};
 use super::scaled::Scaled;
-use crate::null_space::null_space;
+use super::{Conventions, Layout};
 use crate::problem::{ContactProblem, Increment};
 use crate::scene::{NewtonSystem, Partition};
-use crate::sparse::{Csc, Csr};
+use crate::sparse::Csc;
 use crate::units::Scaling;
 use extended::Extended;
 use reduced::Reduced;
@@ -51,15 +51,6 @@ pub struct Constrained {
     pairs: Vec<Pair>,
     partition: Partition,
     system: System,
-}
-
-/// Two unknowns of which one vanishes in the solution.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Pair {
-    /// The place of `p_n` or `s`, a force.
-    pub force: usize,
-    /// The place of `v_n` or `λ`, a length, and of the product's row.
-    pub length: usize,
 }
 
 impl Constrained {
@@ -86,59 +77,14 @@ impl Constrained {
         &self.layout
     }
 
-    /// The units of `z`.
-    pub fn scaling(&self) -> &Scaling {
-        &self.data.scaling
-    }
-
-    /// The complementary pairs: `(p_n, v_n)` and `(s, λ)`.
-    pub fn pairs(&self) -> &[Pair] {
-        &self.pairs
-    }
-
     /// `μ` of every contact node.
     pub fn mu(&self) -> &[f64] {
         &self.data.mu
     }
 
-    /// The gap `g - w_n` that `z` leaves at node `i`, scaled.
-    pub fn distance(&self, i: usize, z: &[f64]) -> f64 {
-        self.data.gap[i] - self.data.w_n(i, z)
-    }
-
     /// n_2, the number of rows of `G`.
     pub fn n_2(&self) -> usize {
         self.pairs.len() + self.positive_cone_rows().len()
-    }
-
-    /// Sets the data of a new increment.
-    pub fn begin(&mut self, increment: &Increment<'_>) {
-        self.data.begin(increment);
-    }
-
-    /// `h = H_I(z)`, (25).
-    pub fn residual(&self, z: &[f64], h: &mut [f64]) {
-        let Constrained { data, layout, .. } = self;
-        // The equilibrium rows of either matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t - f.
-        let matrix = self.matrix();
-        let n = matrix.pattern.rows();
-        matrix.mul(&z[..n], &mut h[..n]);
-        for (row, force) in h.iter_mut().zip(&data.force) {
-            *row -= force;
-        }
-        for i in 0..data.layout.contacts() {
-            let p_n = data.layout.p_n(i);
-            h[p_n] = z[layout.v_n(i)] - self.distance(i, z);
-            if let Some(p_t) = data.layout.p_t(i) {
-                let ([s_plus, s_minus], [l_plus, l_minus]) = (layout.s(p_t), layout.lambda(p_t));
-                h[p_t] = z[l_plus] - z[l_minus] - (data.w_t(i, z) - data.w_t_last[i]);
-                h[s_plus] = z[s_plus] - data.mu[i] * z[p_n] + z[p_t];
-                h[s_minus] = z[s_minus] - data.mu[i] * z[p_n] - z[p_t];
-            }
-        }
-        for pair in &self.pairs {
-            h[pair.length] = z[pair.force] * z[pair.length];
-        }
     }
 
     /// The places of the rows of `G`.
@@ -157,18 +103,6 @@ impl Constrained {
     /// `β = eᵀG / n_2` of a residual.
     pub fn beta(&self, h: &[f64]) -> f64 {
         self.g_rows().map(|k| h[k]).sum::<f64>() / self.n_2() as f64
-    }
-
-    /// The mean product of the pairs at `z + t dz`.
-    pub fn beta_ahead(&self, z: &[f64], dz: &[f64], t: f64) -> f64 {
-        let at = |k: usize| z[k] + t * dz[k];
-        self.pairs.iter().map(|pair| at(pair.force) * at(pair.length)).sum::<f64>() / self.pairs.len() as f64
-    }
-
-    /// `Theta` (10) of the `(u, p_t, p_n)` in `z`, SI, where `h` is the residual there.
-    pub fn theta(&self, z: &[f64], h: &[f64]) -> f64 {
-        let equilibrium = half_square(&h[..self.data.layout.displacements()]);
-        self.natural.theta(&self.data, equilibrium, z, z, 0.0)
     }
 
     /// `t ↦ ψ(z + t dz)` (13), with `h = H_I(z)` and a direction `dz` that solves (14) with
@@ -200,66 +134,139 @@ impl Constrained {
     /// `δ`, the largest step for which `z + δ dz` is in the closure of `Ω₊₊`; infinite if there is
     /// no largest. `h` is the residual at `z`, and `centring` what the rows of `G` go to.
     pub fn largest_step(&self, z: &[f64], dz: &[f64], h: &[f64], centring: f64) -> f64 {
-        let reach = |value: f64, change: f64| if change < 0.0 { -value / change } else { f64::INFINITY };
-        let pairs = self.pairs.iter().flat_map(|pair| [pair.force, pair.length]).map(|k| reach(z[k], dz[k]));
         let cone = self.positive_cone_rows().map(|k| reach(h[k], centring - h[k]));
-        // Not `f64::min`, which loses a NaN.
-        pairs.chain(cone).fold(f64::INFINITY, |least, step| if step < least || step.is_nan() { step } else { least })
+        least(cone.chain([largest_step(&self.pairs, z, dz)]))
+    }
+}
+
+impl InteriorPoint for Constrained {
+    fn unknowns(&self) -> usize {
+        self.layout.unknowns()
     }
 
-    /// Writes the matrix of (14) at `z`.
-    pub fn linearize(&mut self, z: &[f64]) {
+    fn forces(&self) -> &Layout {
+        &self.data.layout
+    }
+
+    fn scaling(&self) -> &Scaling {
+        &self.data.scaling
+    }
+
+    fn pairs(&self) -> &[Pair] {
+        &self.pairs
+    }
+
+    fn distance(&self, i: usize, z: &[f64]) -> f64 {
+        self.data.gap[i] - self.data.w_n(i, z)
+    }
+
+    fn begin(&mut self, increment: &Increment<'_>) {
+        self.data.begin(increment);
+    }
+
+    fn residual(&self, z: &[f64], h: &mut [f64]) {
+        let Constrained { data, layout, .. } = self;
+        // The equilibrium rows of either matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t - f.
+        let matrix = self.matrix();
+        let n = matrix.pattern.rows();
+        matrix.mul(&z[..n], &mut h[..n]);
+        for (row, force) in h.iter_mut().zip(&data.force) {
+            *row -= force;
+        }
+        for i in 0..data.layout.contacts() {
+            let p_n = data.layout.p_n(i);
+            h[p_n] = z[layout.v_n(i)] - self.distance(i, z);
+            if let Some(p_t) = data.layout.p_t(i) {
+                let ([s_plus, s_minus], [l_plus, l_minus]) = (layout.s(p_t), layout.lambda(p_t));
+                h[p_t] = z[l_plus] - z[l_minus] - (data.w_t(i, z) - data.w_t_last[i]);
+                h[s_plus] = z[s_plus] - data.mu[i] * z[p_n] + z[p_t];
+                h[s_minus] = z[s_minus] - data.mu[i] * z[p_n] - z[p_t];
+            }
+        }
+        for pair in &self.pairs {
+            h[pair.length] = z[pair.force] * z[pair.length];
+        }
+    }
+
+    fn theta(&self, z: &[f64], h: &[f64]) -> f64 {
+        let equilibrium = half_square(&h[..self.data.layout.displacements()]);
+        self.natural.theta(&self.data, equilibrium, z, z, 0.0)
+    }
+
+    fn linearize(&mut self, z: &[f64]) {
         match &mut self.system {
             System::Reduced(system) => system.linearize(&self.data, &self.layout, z),
             System::Extended(system) => system.linearize(&self.layout, z),
         }
     }
 
-    /// Linearises as if every contact node were held where it is: closed, and sticking where there
-    /// is friction. With that matrix the other displacements follow a change of the load alone.
-    pub fn hold_contacts(&mut self) {
-        let mut z = vec![0.0; self.layout.unknowns()];
-        // Pressure without distance, friction to spare without slip.
-        self.pairs.iter().for_each(|pair| z[pair.force] = 1.0);
-        self.linearize(&z);
-    }
-
-    /// The matrix of the last linearisation. Its pattern never changes.
-    pub fn matrix(&self) -> &Csc {
+    fn matrix(&self) -> &Csc {
         match &self.system {
             System::Reduced(system) => system.matrix(),
             System::Extended(system) => system.matrix(),
         }
     }
 
-    /// The right-hand side for [`Constrained::matrix`] that stands for `∇H_I(z) dz = b`.
-    pub fn reduce(&self, z: &[f64], b: &[f64], rhs: &mut [f64]) {
+    fn reduce(&self, z: &[f64], b: &[f64], rhs: &mut [f64]) {
         match &self.system {
             System::Reduced(system) => system.reduce(&self.data, &self.layout, z, b, rhs),
             System::Extended(_) => rhs.copy_from_slice(b),
         }
     }
 
-    /// Completes `dz`, which begins with the solution for the right-hand side of
-    /// [`Constrained::reduce`].
-    pub fn recover(&self, z: &[f64], b: &[f64], dz: &mut [f64]) {
+    fn recover(&self, z: &[f64], b: &[f64], dz: &mut [f64]) {
         if let System::Reduced(_) = &self.system {
             reduced::recover(&self.data, &self.layout, z, b, dz);
         }
     }
 
-    /// Weights of a combination of the problem's free motions that no contact node stops, so that
-    /// the matrix is singular in every state; `None` if there is none.
-    pub fn unheld_motion(&self) -> Option<Vec<f64>> {
-        let Scaled { layout, c_n, c_t, free_motions, .. } = &self.data;
-        let normal = (0..layout.contacts()).map(|i| (c_n, i));
-        let tangential = (0..layout.contacts()).filter(|&i| layout.p_t(i).is_some()).map(|i| (c_t, i));
-        let row = |(c, i): (&Csr, usize)| free_motions.iter().map(|motion| c.dot(i, motion)).collect();
-        null_space(free_motions.len(), normal.chain(tangential).map(row)).into_iter().next()
+    fn unheld_motion(&self) -> Option<Vec<f64>> {
+        self.data.unheld_motion()
     }
 
-    /// Whether there is no contact node, so that a single step solves the increment.
-    pub fn is_affine(&self) -> bool {
-        self.pairs.is_empty()
+    /// As far from the last solution as the scales say.
+    fn move_inside(&self, z: &mut [f64], force: f64, length: f64) {
+        let layout = &self.layout;
+        for i in 0..self.data.layout.contacts() {
+            let (p_n, v_n) = (self.data.layout.p_n(i), layout.v_n(i));
+            let pressure = z[p_n].max(0.0);
+            if let Some(p_t) = self.data.layout.p_t(i) {
+                let (mu, s, lambda) = (self.data.mu[i], layout.s(p_t), layout.lambda(p_t));
+                for (sign, s, lambda) in [(1.0, s[0], lambda[0]), (-1.0, s[1], lambda[1])] {
+                    let reserve = (mu * pressure - sign * z[p_t]).max(0.0);
+                    (z[s], z[lambda]) = central_pair(reserve, mu * force, 0.0, length);
+                }
+            }
+            let distance = self.distance(i, z).max(0.0);
+            (z[p_n], z[v_n]) = central_pair(pressure, force, distance, length);
+        }
+    }
+
+    fn face_ahead(&self, before: &[f64], z: &[f64]) -> Option<Face> {
+        Some(self.face_between(before, z))
+    }
+}
+
+/// The pair with the product `force · length` nearest to a force `x` and a length `y` of which one
+/// is about zero: the positive root of `a - 1/a = x/force - y/length`.
+fn central_pair(x: f64, force: f64, y: f64, length: f64) -> (f64, f64) {
+    let q = x / force - y / length;
+    // The larger of a and 1/a, without cancellation.
+    let larger = 0.5 * (q.abs() + q.hypot(2.0));
+    let a = if q > 0.0 { larger } else { 1.0 / larger };
+    (force * a, length / a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::central_pair;
+
+    #[test]
+    fn a_central_pair_keeps_what_is_large() {
+        for (x, y) in [(0.0, 0.0), (5.0, 0.0), (0.0, 7.0), (1e12, 0.0), (0.0, 1e12)] {
+            let (a, b) = central_pair(x, 2.0, y, 3.0);
+            assert!((a * b / 6.0 - 1.0).abs() < 1e-12, "{a} {b}");
+            assert!((a / 2.0 - b / 3.0 - (x / 2.0 - y / 3.0)).abs() <= 1e-12 * (a + b));
+        }
     }
 }

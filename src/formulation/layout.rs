@@ -70,6 +70,11 @@ impl Layout {
         self.tangential[i] != [None; 2]
     }
 
+    /// Whether any contact node has a `p_o`, so that friction may turn.
+    pub fn has_second_tangent(&self) -> bool {
+        self.tangential.iter().any(|[_, p_o]| p_o.is_some())
+    }
+
     /// Whether contact node `i` can slide in more than one direction.
     pub fn slides_in_a_plane(&self, i: usize) -> bool {
         self.tangential[i].iter().all(Option::is_some)

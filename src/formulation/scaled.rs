@@ -1,6 +1,7 @@
 //! A problem and the data of its increment in the units of a scaling: what every formulation reads.
 
 use super::Layout;
+use crate::null_space::null_space;
 use crate::problem::{ContactProblem, Increment};
 use crate::sparse::Csr;
 use crate::units::Scaling;
@@ -74,5 +75,18 @@ impl Scaled {
     /// `p_T = (p_t, p_o)` of node `i`; a component it does not have is 0.
     pub(super) fn friction(&self, i: usize, z: &[f64]) -> [f64; 2] {
         self.layout.tangential(i).map(|k| k.map_or(0.0, |k| z[k]))
+    }
+
+    /// Weights of a combination of the free motions that no contact node stops, were they all closed
+    /// and sticking.
+    pub(super) fn unheld_motion(&self) -> Option<Vec<f64>> {
+        let Scaled { layout, c_n, c_t, c_o, free_motions, .. } = self;
+        let normal = (0..layout.contacts()).map(|i| (c_n, i));
+        let tangential = (0..layout.contacts()).flat_map(|i| {
+            let maps = [c_t, c_o].into_iter().zip(layout.tangential(i));
+            maps.filter_map(move |(map, place)| place.map(|_| (map, i)))
+        });
+        let row = |(c, i): (&Csr, usize)| free_motions.iter().map(|motion| c.dot(i, motion)).collect();
+        null_space(free_motions.len(), normal.chain(tangential).map(row)).into_iter().next()
     }
 }

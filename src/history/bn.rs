@@ -42,13 +42,7 @@ impl<'a> BnMethod<'a> {
         let formulation = Bdiff::new(problem, history.scaling, &history.conventions);
         let p_n = start_forces(problem, loading, history, start);
         let z = formulation.layout().pack(&State { p_n, ..State::zero(problem) }, &history.scaling);
-        // The interior point method knows one tangent.
-        let second_tangent = (0..problem.contacts()).any(|i| formulation.layout().p_o(i).is_some());
-        let rescue = rescue.filter(|_| !second_tangent).map(|settings| Rescue {
-            settings,
-            history: history.clone(),
-            method: None,
-        });
+        let rescue = rescue.map(|settings| Rescue { settings, history: history.clone(), method: None });
         BnMethod {
             bn: Bn::new(settings, formulation.unknowns()),
             problem,

@@ -2,7 +2,7 @@
 
 use super::method::{IncrementSolver, Task};
 use super::settings::{HistorySettings, Start};
-use crate::formulation::{Constrained, Pair, SlackLayout};
+use crate::formulation::{Constrained, InteriorPoint, Pair, SlackLayout};
 use crate::linear::{Direct, LinearError};
 use crate::nonlinear::{Flow, Ip, IpSettings, IterationRecord, Outcome, Stop};
 use crate::problem::{ContactProblem, State};

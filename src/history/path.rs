@@ -199,7 +199,11 @@ impl<'a> Path<'a> {
     /// Whether a smaller load could make the difference.
     fn smaller_may_do(&self, attempt: &Attempt) -> bool {
         match attempt.status {
-            Status::Converged | Status::Interrupted | Status::NoEquilibrium | Status::OutOfMemory => false,
+            Status::Converged
+            | Status::Interrupted
+            | Status::NoEquilibrium
+            | Status::OutOfMemory
+            | Status::Unsupported => false,
             // Where rounding sets the limit, it does so at any load.
             _ => attempt.kkt.worst().1 > 10.0 * rounding_level(self.problem, &attempt.state, &attempt.scales),
         }

@@ -4,7 +4,7 @@ use super::held::Response;
 use super::method::{IncrementSolver, Task};
 use super::newton_end::NewtonEnd;
 use super::settings::HistorySettings;
-use crate::formulation::{Constrained, Conventions};
+use crate::formulation::{Cone, Constrained, Conventions, InteriorPoint, Layout};
 use crate::linear::{Direct, LinearError};
 use crate::nonlinear::{Flow, IterationRecord, Outcome, PredictorCorrector, PredictorCorrectorSettings, Stop};
 use crate::problem::{ContactProblem, State};
@@ -25,7 +25,7 @@ const NEAR: f64 = 1e-8;
 
 pub(super) struct PredictorCorrectorMethod<'a> {
     problem: &'a ContactProblem,
-    formulation: Constrained,
+    formulation: Box<dyn InteriorPoint>,
     settings: PredictorCorrectorSettings,
     method: PredictorCorrector,
     /// The median stiffness of a contact node along its normal, scaled. Only its order of magnitude matters.
@@ -47,12 +47,17 @@ impl<'a> PredictorCorrectorMethod<'a> {
         newton: NewtonSystem,
     ) -> Self {
         let HistorySettings { scaling, conventions, .. } = history;
-        let formulation = Constrained::new(problem, *scaling, conventions, Partition::Products, newton);
+        let (formulation, stiffness): (Box<dyn InteriorPoint>, f64) = if Layout::new(problem).has_second_tangent() {
+            (Box::new(Cone::new(problem, *scaling, conventions)), mean_of_compliances(&history.contact_stiffness))
+        } else {
+            let formulation = Constrained::new(problem, *scaling, conventions, Partition::Products, newton);
+            (Box::new(formulation), median(&history.contact_stiffness))
+        };
         PredictorCorrectorMethod {
-            stiffness: median(&history.contact_stiffness) / scaling.stiffness(),
+            stiffness: stiffness / scaling.stiffness(),
             natural: Conventions::of_stiffness(&history.contact_stiffness),
-            z: vec![0.0; formulation.layout().unknowns()],
-            rest: vec![0.0; formulation.layout().forces().unknowns()],
+            z: vec![0.0; formulation.unknowns()],
+            rest: vec![0.0; formulation.forces().unknowns()],
             end: None,
             method: PredictorCorrector::default(),
             problem,
@@ -64,7 +69,7 @@ impl<'a> PredictorCorrectorMethod<'a> {
     /// Takes over the last state of another method, with so many iterations left.
     pub(super) fn go_on_from(&mut self, state: &State, left: usize) {
         self.settings.max_iterations = left;
-        let forces = self.formulation.layout().forces();
+        let forces = self.formulation.forces();
         let z = forces.pack(state, self.formulation.scaling());
         self.z[..forces.unknowns()].copy_from_slice(&z);
     }
@@ -74,8 +79,7 @@ impl<'a> PredictorCorrectorMethod<'a> {
     /// from the gaps that change or are violated, and taken `times` as far; ten times too much or too
     /// little costs a few iterations.
     fn move_inside(&mut self, response: &Response, times: f64) {
-        let layout = self.formulation.layout();
-        let contacts = layout.forces().contacts();
+        let contacts = self.formulation.forces().contacts();
         let violated =
             (0..contacts).map(|i| -self.formulation.distance(i, &self.z)).fold(response.gap_change, f64::max);
         let mut force = response.contact_force.max(self.stiffness * violated);
@@ -84,31 +88,8 @@ impl<'a> PredictorCorrectorMethod<'a> {
             force = self.stiffness;
         }
         force *= times;
-        let length = force / self.stiffness;
-        for i in 0..contacts {
-            let (p_n, v_n) = (layout.forces().p_n(i), layout.v_n(i));
-            let pressure = self.z[p_n].max(0.0);
-            if let Some(p_t) = layout.forces().p_t(i) {
-                let (mu, s, lambda) = (self.formulation.mu()[i], layout.s(p_t), layout.lambda(p_t));
-                for (sign, s, lambda) in [(1.0, s[0], lambda[0]), (-1.0, s[1], lambda[1])] {
-                    let reserve = (mu * pressure - sign * self.z[p_t]).max(0.0);
-                    (self.z[s], self.z[lambda]) = central_pair(reserve, mu * force, 0.0, length);
-                }
-            }
-            let distance = self.formulation.distance(i, &self.z).max(0.0);
-            (self.z[p_n], self.z[v_n]) = central_pair(pressure, force, distance, length);
-        }
+        self.formulation.move_inside(&mut self.z, force, force / self.stiffness);
     }
-}
-
-/// The pair with the product `force · length` nearest to a force `x` and a length `y` of which one
-/// is about zero: the positive root of `a - 1/a = x/force - y/length`.
-fn central_pair(x: f64, force: f64, y: f64, length: f64) -> (f64, f64) {
-    let q = x / force - y / length;
-    // The larger of a and 1/a, without cancellation.
-    let larger = 0.5 * (q.abs() + q.hypot(2.0));
-    let a = if q > 0.0 { larger } else { 1.0 / larger };
-    (force * a, length / a)
 }
 
 /// The median, or 1 of nothing.
@@ -116,6 +97,12 @@ fn median(values: &[f64]) -> f64 {
     let mut values = values.to_vec();
     let middle = values.len() / 2;
     if values.is_empty() { 1.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+/// The stiffness with the mean compliance: the cold start of the exact cone has to reach as far as the soft
+/// nodes do. On stiffness over six decades the median loses 11 histories of 40, this 4.
+fn mean_of_compliances(stiffness: &[f64]) -> f64 {
+    stiffness.len() as f64 / stiffness.iter().map(|k| 1.0 / k).sum::<f64>()
 }
 
 impl IncrementSolver for PredictorCorrectorMethod<'_> {
@@ -141,7 +128,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         self.formulation.begin(task.increment);
         task.response.add_to(&mut self.z);
         let (problem, scaling) = (self.problem, *self.formulation.scaling());
-        let forces = self.formulation.layout().forces().clone();
+        let forces = self.formulation.forces().clone();
         let mut error = |z: &[f64]| task.error(problem, &forces.unpack(z, &scaling));
         let tolerance = self.settings.tolerance;
         self.rest.fill(0.0);
@@ -159,7 +146,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
             let max_iterations = if last_attempt { left } else { left.min(PATIENCE) };
             let settings = PredictorCorrectorSettings { max_iterations, tolerance: tolerance.max(NEAR) };
             let attempt =
-                self.method.solve(&settings, &mut self.formulation, linear, &mut self.z, &mut error, observe)?;
+                self.method.solve(&settings, self.formulation.as_mut(), linear, &mut self.z, &mut error, observe)?;
             outcome = outcome.then(attempt);
             let left = self.settings.max_iterations.saturating_sub(outcome.iterations);
             if left > 0 && outcome.stop != Stop::Interrupted && error(&self.z) > tolerance {
@@ -185,24 +172,10 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
     }
 
     fn state(&self) -> State {
-        self.formulation.layout().forces().unpack_with(&self.z, &self.rest, self.formulation.scaling())
+        self.formulation.forces().unpack_with(&self.z, &self.rest, self.formulation.scaling())
     }
 
     fn unknowns(&mut self) -> &mut Vec<f64> {
         &mut self.z
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::central_pair;
-
-    #[test]
-    fn a_central_pair_keeps_what_is_large() {
-        for (x, y) in [(0.0, 0.0), (5.0, 0.0), (0.0, 7.0), (1e12, 0.0), (0.0, 1e12)] {
-            let (a, b) = central_pair(x, 2.0, y, 3.0);
-            assert!((a * b / 6.0 - 1.0).abs() < 1e-12, "{a} {b}");
-            assert!((a / 2.0 - b / 3.0 - (x / 2.0 - y / 3.0)).abs() <= 1e-12 * (a + b));
-        }
     }
 }

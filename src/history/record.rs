@@ -34,6 +34,9 @@ pub enum Status {
     OutOfMemory,
     /// Stopped on request.
     Interrupted,
+    /// The method does not know such a problem: the paper's interior point method, and the extended Newton
+    /// system, have one tangent at every node.
+    Unsupported,
 }
 
 impl fmt::Display for Status {
@@ -50,6 +53,7 @@ impl fmt::Display for Status {
             Status::NotFinite => "not-finite",
             Status::OutOfMemory => "out-of-memory",
             Status::Interrupted => "interrupted",
+            Status::Unsupported => "unsupported",
         })
     }
 }

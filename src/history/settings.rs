@@ -34,7 +34,7 @@ pub enum Method {
         /// solution.
         start: FirstGuess,
         /// If given, the increments that BN does not solve within the settings' iterations are
-        /// solved by the predictor–corrector interior point method, unless the problem has a `p_o`.
+        /// solved by the predictor–corrector interior point method.
         rescue: Option<PredictorCorrectorSettings>,
     },
     /// The potential reduction interior point method, with the paper's starting points.
@@ -55,6 +55,17 @@ pub enum Method {
         /// The linear system of a direction.
         newton: NewtonSystem,
     },
+}
+
+impl Method {
+    /// Whether it solves problems in which a node has two tangents.
+    pub(super) fn knows_two_tangents(&self) -> bool {
+        match self {
+            Method::Bn { .. } => true,
+            Method::Ip { .. } => false,
+            Method::PredictorCorrector { newton, .. } => *newton == NewtonSystem::Reduced,
+        }
+    }
 }
 
 /// The contact forces from which BN starts its first increment.

@@ -2,7 +2,7 @@
 
 use super::clock::Clock;
 use super::{Flow, IterationRecord, Outcome, Stop};
-use crate::formulation::Constrained;
+use crate::formulation::{Constrained, InteriorPoint};
 use crate::linear::{Direct, LinearError, SolveInfo};
 
 /// The constants of Algorithm IP.
@@ -73,18 +73,18 @@ pub(super) struct Workspace {
 }
 
 impl Workspace {
-    pub(super) fn resize(&mut self, formulation: &Constrained) {
-        let n = formulation.layout().unknowns();
+    pub(super) fn resize(&mut self, formulation: &dyn InteriorPoint) {
+        let n = formulation.unknowns();
         for vector in [&mut self.h, &mut self.b, &mut self.dz] {
             vector.resize(n, 0.0);
         }
         self.rhs.resize(formulation.matrix().pattern.rows(), 0.0);
     }
 
-    /// Solves `∇H_I(z) dz = b` with the last factors.
+    /// Solves `∇H(z) dz = b` with the last factors.
     pub(super) fn solve(
         &mut self,
-        formulation: &Constrained,
+        formulation: &dyn InteriorPoint,
         linear: &mut Direct,
         z: &[f64],
     ) -> Result<SolveInfo, LinearError> {

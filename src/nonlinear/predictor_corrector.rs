@@ -1,5 +1,5 @@
-//! The predictor–corrector interior point method of Mehrotra on the equations (25) of Algorithm IP,
-//! ended by one step on the face it has found.
+//! The predictor–corrector interior point method of Mehrotra, ended by one step on the face it has
+//! found where the equations are linear on their faces, as (25) of Algorithm IP.
 //!
 //! It has no number that depends on the problem: `σ` comes from how far the predictor gets, the
 //! step from the border, and the iteration ends when the caller's own error measure says so.
@@ -7,7 +7,7 @@
 use super::clock::Clock;
 use super::ip::Workspace;
 use super::{Flow, IterationRecord, Outcome, Stop};
-use crate::formulation::{Constrained, Face};
+use crate::formulation::{Face, InteriorPoint, Pair, largest_step};
 use crate::linear::{Direct, LinearError};
 
 /// The share of the way to the border that a step may go. Closer makes the next steps short;
@@ -39,7 +39,7 @@ struct Taken {
 }
 
 impl PredictorCorrector {
-    /// Solves `H_I(z) = 0` from a `z` whose pairs are positive, and leaves it at the last iterate.
+    /// Solves `H(z) = 0` from a `z` whose pairs are positive, and leaves it at the last iterate.
     /// `error` measures the state in `z`. An iteration is one matrix factored; for the predictor
     /// and the corrector it serves two right-hand sides.
     ///
@@ -49,7 +49,7 @@ impl PredictorCorrector {
     pub fn solve(
         &mut self,
         settings: &PredictorCorrectorSettings,
-        formulation: &mut Constrained,
+        formulation: &mut dyn InteriorPoint,
         linear: &mut Direct,
         z: &mut [f64],
         error: &mut dyn FnMut(&[f64]) -> f64,
@@ -77,8 +77,8 @@ impl PredictorCorrector {
                 _ => {
                     let taken = self.step(formulation, linear, z, error);
                     let face = formulation.face_ahead(&self.before, z);
-                    settled = ahead.as_ref() == Some(&face);
-                    ahead = Some(face);
+                    settled = ahead == face;
+                    ahead = face;
                     taken
                 }
             };
@@ -117,29 +117,29 @@ impl PredictorCorrector {
     /// A predictor and a corrector with one matrix, and the step.
     fn step(
         &mut self,
-        formulation: &mut Constrained,
+        formulation: &mut dyn InteriorPoint,
         linear: &mut Direct,
         z: &mut [f64],
         error: &mut dyn FnMut(&[f64]) -> f64,
     ) -> Result<Taken, LinearError> {
-        let beta = formulation.beta(&self.work.h);
+        let beta = mean_product(formulation.pairs(), z, &self.work.dz, 0.0);
         formulation.linearize(z);
         linear.factorize(formulation.matrix())?;
 
         // The predictor aims at the solution itself, σ = 0.
         self.work.b.iter_mut().zip(&self.work.h).for_each(|(b, h)| *b = -h);
         let predicted = self.work.solve(formulation, linear, z)?;
-        let reach = formulation.largest_step(z, &self.work.dz, &self.work.h, 0.0).min(1.0);
+        let reach = largest_step(formulation.pairs(), z, &self.work.dz).min(1.0);
 
         // The corrector aims at products of σ β, with σ after Mehrotra, and takes the second order
         // of the products from the predictor.
-        let sigma = (formulation.beta_ahead(z, &self.work.dz, reach) / beta).powi(3).min(1.0);
+        let sigma = (mean_product(formulation.pairs(), z, &self.work.dz, reach) / beta).powi(3).min(1.0);
         let centring = if sigma.is_finite() { sigma * beta } else { 0.0 };
         for pair in formulation.pairs() {
             self.work.b[pair.length] += centring - self.work.dz[pair.force] * self.work.dz[pair.length];
         }
         let corrected = self.work.solve(formulation, linear, z)?;
-        let step = (SHARE * formulation.largest_step(z, &self.work.dz, &self.work.h, 0.0)).min(1.0);
+        let step = (SHARE * largest_step(formulation.pairs(), z, &self.work.dz)).min(1.0);
 
         self.before.clear();
         self.before.extend_from_slice(z);
@@ -153,15 +153,15 @@ impl PredictorCorrector {
     fn step_to(
         &mut self,
         face: &Face,
-        formulation: &mut Constrained,
+        formulation: &mut dyn InteriorPoint,
         linear: &mut Direct,
         z: &mut [f64],
         tolerance: f64,
         error: &mut dyn FnMut(&[f64]) -> f64,
     ) -> Result<Taken, LinearError> {
-        let point = formulation.point_on(face);
+        let point = face.point(formulation.pairs(), z.len());
         formulation.linearize(&point);
-        formulation.towards(face, z, &self.work.h, &mut self.work.b);
+        face.towards(formulation.pairs(), z, &self.work.h, &mut self.work.b);
         let solved = linear.factorize(formulation.matrix()).and_then(|_| self.work.solve(formulation, linear, &point));
         let info = match solved {
             Ok(info) => info,
@@ -171,8 +171,7 @@ impl PredictorCorrector {
             }
             Err(error) => return Err(error),
         };
-        let mut end: Vec<f64> = z.iter().zip(&self.work.dz).map(|(z, dz)| z + dz).collect();
-        formulation.complete(&mut end);
+        let end: Vec<f64> = z.iter().zip(&self.work.dz).map(|(z, dz)| z + dz).collect();
         let error = error(&end);
         let reached = error <= tolerance;
         if reached {
@@ -180,4 +179,9 @@ impl PredictorCorrector {
         }
         Ok(Taken { step: f64::from(u8::from(reached)), backward_error: info.backward_error, error })
     }
+}
+
+/// The mean product of the `pairs` at `z + t dz`.
+fn mean_product(pairs: &[Pair], z: &[f64], dz: &[f64], t: f64) -> f64 {
+    pairs.iter().map(|pair| pair.product_ahead(z, dz, t)).sum::<f64>() / pairs.len() as f64
 }

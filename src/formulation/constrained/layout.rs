@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::Pair;
-use crate::formulation::Layout;
+use crate::formulation::{Layout, Pair};
 
 /// The layout of `z = (u, p_t, p_n, v_n, s, λ)`.
 #[derive(Debug, Clone, PartialEq, Eq)]
