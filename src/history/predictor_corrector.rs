@@ -97,7 +97,7 @@ fn median_stiffness(problem: &ContactProblem) -> f64 {
 }
 
 /// The stiffness of a contact node with the mean compliance, N/m: the cold start of the exact cone has to reach
-/// as far as the soft nodes do. On stiffness over six decades the median loses 11 histories of 40, this 4.
+/// as far as the soft nodes do. On stiffness over six decades the median loses a quarter of the histories, this a tenth.
 fn mean_stiffness(problem: &ContactProblem) -> f64 {
     let stiffness = problem.contact_stiffness();
     stiffness.len() as f64 / stiffness.iter().map(|k| 1.0 / k).sum::<f64>()
