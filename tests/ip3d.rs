@@ -155,7 +155,9 @@ fn a_body_held_by_contact_only() {
         }
         let stiffness: Symmetric = random::symmetric(n, |i, j| full[i * n + j] - force[i] * force[j] / energy);
         let size = motion.iter().map(|x| x * x).sum::<f64>().sqrt();
-        motion.iter_mut().for_each(|x| *x /= size);
+        for x in &mut motion {
+            *x /= size;
+        }
         let problem = ContactProblem { stiffness, free_motions: vec![motion], ..held };
         count.add(&agree(&problem, &loading, &format!("seed {seed}")));
     }
@@ -252,10 +254,14 @@ fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Lo
     let own: Vec<_> = problem.stiffness.entries().filter(|(row, column, _)| row >= column).collect();
     let idle = problem.contact_stiffness();
     let mut stiffness = Symmetric::from_entries(n + contacts, |take| {
-        own.iter().for_each(|&(row, column, _)| take(row, column));
+        for &(row, column, _) in &own {
+            take(row, column);
+        }
         (0..contacts).for_each(|i| take(n + i, n + i));
     });
-    own.iter().for_each(|&(row, column, value)| stiffness.add(row, column, value));
+    for &(row, column, value) in &own {
+        stiffness.add(row, column, value);
+    }
     (0..contacts).for_each(|i| stiffness.add(n + i, n + i, idle[i]));
     let wide = |map: &Csr| {
         let mut wide = Csr::new(n + contacts);
