@@ -17,7 +17,7 @@ use stickslip::units::Scaling;
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 
 fn run(problem: &ContactProblem, loading: &Loading, times: &[f64], settings: &HistorySettings) -> HistoryOutcome {
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     history::run(problem, loading, times, settings, &mut linear, &mut ()).unwrap()
 }
 
@@ -196,7 +196,7 @@ fn the_newton_system_is_the_derivative() {
     let force = loading.cases[0].force.clone();
     let last = [(); 2].map(|()| (0..7).map(|_| 0.3 * random.sign()).collect::<Vec<f64>>());
     formulation.begin(&Increment { force: &force, gap: &loading.gap, w_t_last: &last[0], w_o_last: &last[1] });
-    let mut linear = Direct::new(Box::new(Umfpack::default()));
+    let mut linear = Direct::default();
     linear.analyze(&formulation.matrix().pattern).unwrap();
     for spread in [0.0, 0.5, 1.0] {
         // Inside and outside of the cone, pairs tilted either way.

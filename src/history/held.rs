@@ -7,6 +7,7 @@
 //! interior's answer to each is worked out once a run.
 
 use super::method::IncrementSolver;
+use crate::contact::coulomb::length;
 use crate::formulation::Layout;
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
@@ -17,7 +18,7 @@ use crate::units::Scaling;
 pub(super) struct HeldBody {
     /// `∂(u, p_t, p_n)/∂factor` per case, scaled.
     answers: Vec<Vec<f64>>,
-    displacements: usize,
+    layout: Layout,
     scaling: Scaling,
 }
 
@@ -26,7 +27,7 @@ pub(super) struct Response {
     u: Vec<f64>,
     /// The changes of the contact forces that hold the nodes, `(p_t, p_n)`.
     forces: Vec<f64>,
-    /// The largest change of a contact force that holds a node.
+    /// The largest change of a contact force that holds a node, `p_n` or `|p_T|`.
     pub contact_force: f64,
     /// The largest change of a gap.
     pub gap_change: f64,
@@ -57,7 +58,7 @@ impl HeldBody {
         if let Err(motion) = method.hold_contacts() {
             return Ok(Err(Some(motion)));
         }
-        let (displacements, unknowns) = (problem.displacements(), Layout::new(problem).unknowns());
+        let layout = Layout::new(problem);
         let mut answers = Vec::with_capacity(loading.cases.len());
         // Without contact nodes a Newton step does all there is to do.
         if problem.contacts() > 0 && !loading.cases.is_empty() {
@@ -77,15 +78,14 @@ impl HeldBody {
                     Err(LinearError::NotFinite) => return Ok(Err(None)),
                     Err(error) => return Err(error),
                 }
-                answers.push(z[..unknowns].to_vec());
+                answers.push(z[..layout.unknowns()].to_vec());
             }
         }
-        Ok(Ok(HeldBody { answers, displacements, scaling: *scaling }))
+        Ok(Ok(HeldBody { answers, layout, scaling: *scaling }))
     }
 
     /// What the change of the load from one time to another does; `None` stands for the unloaded body.
     pub(super) fn response(&self, loading: &Loading, from: Option<f64>, to: f64) -> Response {
-        let largest = |changes: &mut dyn Iterator<Item = f64>| changes.fold(0.0_f64, |m, change| m.max(change.abs()));
         let mut u = vec![0.0; self.answers.first().map_or(0, Vec::len)];
         for (case, answer) in loading.cases.iter().zip(&self.answers) {
             let change = case.factor(to) - from.map_or(0.0, |from| case.factor(from));
@@ -93,18 +93,19 @@ impl HeldBody {
                 *u += change * a;
             }
         }
-        let forces = u.split_off(self.displacements.min(u.len()));
+        let contacts = if u.is_empty() { 0 } else { self.layout.contacts() };
+        let force = |i: usize| {
+            let friction = self.layout.tangential(i).map(|k| k.map_or(0.0, |k| u[k]));
+            length(friction).max(u[self.layout.p_n(i)].abs())
+        };
+        let contact_force = (0..contacts).map(force).fold(0.0, f64::max);
+        let forces = u.split_off(self.layout.displacements().min(u.len()));
         let (mut before, mut after) = (loading.gap.clone(), loading.gap.clone());
         if let Some(from) = from {
             loading.gap_at(from, &mut before);
         }
         loading.gap_at(to, &mut after);
-        let gap_changes = &mut after.iter().zip(&before).map(|(now, before)| now - before);
-        Response {
-            u,
-            contact_force: largest(&mut forces.iter().copied()),
-            forces,
-            gap_change: largest(gap_changes) / self.scaling.length,
-        }
+        let gap_change = after.iter().zip(&before).fold(0.0_f64, |m, (now, before)| m.max((now - before).abs()));
+        Response { u, contact_force, forces, gap_change: gap_change / self.scaling.length }
     }
 }
