@@ -20,7 +20,7 @@ fn solve(scene: &Scene) -> (Model, HistoryOutcome, Keep) {
     (model, outcome, keep)
 }
 
-/// Every increment of the small cubes is solved by BN as it stands, in 4.2 iterations at most on average.
+/// Every increment of the small cubes is solved by BN as it stands, without parts or rescue, in 4.67 iterations on average.
 #[test]
 fn small_cubes() {
     let [forwards, sideways] = ["load[2].traction=[0,0,0]", "load[1].traction=[0,10e6,0]"];
@@ -42,7 +42,7 @@ fn small_cubes() {
     }
     let mean = iterations as f64 / increments as f64;
     assert_eq!(increments, 288);
-    assert!((3.0..4.7).contains(&mean), "{mean}");
+    assert!(mean < 4.7, "{mean}");
 }
 
 /// A slab of the plane x, z, one element thick and held across, does what the block in plane strain does, increment
@@ -55,12 +55,10 @@ fn a_slab_is_plane() {
     let thickness = 0.125;
     let size = format!("mesh.size=[1,{thickness},1]");
     let elements = format!("mesh.elements=[{n},1,{n}]");
-    let supports = ["left", "front", "back"].map(|boundary| {
-        let fix = if boundary == "left" { "[\"x\", \"y\", \"z\"]" } else { "[\"y\"]" };
-        format!("{{ boundary = \"{boundary}\", fix = {fix} }}")
-    });
-    let supports = format!("support=[{}]", supports.join(","));
-    let slab = common::scene("cube.toml", &[&size, &elements, &supports, "load[2].traction=[0,0,0]"]);
+    let held = "[[support]]\nboundary = \"front\"\nfix = [\"y\"]\n[[support]]\nboundary = \"back\"\nfix = [\"y\"]\n";
+    let text = include_str!("../data/scenes/cube.toml").to_string() + held;
+    let overrides = [&size, &elements, "load[2].traction=[0,0,0]"].map(|text| text.parse().unwrap());
+    let slab = Scene::parse("slab.toml", &text, &overrides).unwrap();
     let ((plane, flat, flat_states), (space, thick, thick_states)) = (solve(&block), solve(&slab));
     let counts = |outcome: &HistoryOutcome| -> Vec<_> { outcome.records.iter().map(|r| r.iterations).collect() };
     assert_eq!(counts(&flat), counts(&thick));
@@ -114,7 +112,8 @@ fn tangents_do_not_matter() {
     let (model, first, keep) = solve(&common::scene("cube.toml", &[mesh]));
     for tangent in ["[0.6,0.8,0]", "[-0.28,0.96,0]", "[0,-1,0]"] {
         let tangent = format!("contact.obstacle.tangent={tangent}");
-        let (other, turned, states) = solve(&common::scene("cube.toml", &[mesh, &tangent]));
+        let (other, turned, states) =
+            solve(&common::scene("cube.toml", &[mesh, "contact.obstacle.normal=[0,0,-1]", &tangent]));
         assert!(same_counts(&first, &turned), "{tangent}");
         let difference = largest_difference(&forces(&model, &keep), &forces(&other, &states));
         assert!(difference < 1e-9, "{tangent}: {difference:e}");

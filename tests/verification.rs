@@ -56,9 +56,11 @@ fn hertz_line(elements: usize) -> [f64; 3] {
 #[test]
 fn hertz_cylinder() {
     let errors = [12, 24, 48, 96].map(hertz_line);
-    println!("{errors:?}");
     let [p0, a, _] = errors[3];
-    assert!(p0.abs() < 0.002 && a.abs() < 0.002, "{errors:?}");
+    assert!(p0.abs() < 0.02 && a.abs() < 0.02, "{errors:?}");
+    // The end of the contact is somewhere within an element: an error of the order of its size, halved three times.
+    assert!(p0.abs() < errors[0][0].abs() / 8.0 && a.abs() < errors[0][1].abs() / 8.0, "{errors:?}");
+    assert!(errors.windows(2).all(|pair| pair[1][2] < pair[0][2]), "{errors:?}");
 }
 
 /// A quarter of a sphere: the same, with the second moment 2 P a²/5.
@@ -77,9 +79,9 @@ fn hertz_sphere(n: usize) -> [f64; 3] {
 #[test]
 fn hertz_sphere_in_space() {
     let errors = [8, 12, 16].map(hertz_sphere);
-    println!("{errors:?}");
     let [p0, a, _] = errors[2];
     assert!(p0.abs() < 0.02 && a.abs() < 0.02, "{errors:?}");
+    assert!(errors.windows(2).all(|pair| pair[1][0].abs() < pair[0][0].abs()), "{errors:?}");
 }
 
 /// The zone that sticks, to one element, loading and half unloaded; and the traction.
@@ -97,13 +99,14 @@ fn cattaneo_mindlin() {
         let place = |i: usize| model.contacts[i].position[0] - 1.2;
         let stuck: Vec<f64> = (0..model.contacts.len()).filter(|&i| sticks(i)).map(place).collect();
         let c = hertz.stick(reversal);
-        let (left, right) = (-stuck[0], stuck[stuck.len() - 1]);
+        let [left, right] = [-1.0, 1.0].map(|side| stuck.iter().fold(0.0_f64, |m, x| m.max(side * x)));
         assert!((left - c).abs() < h && (right - c).abs() < h, "{left} {right} {c} {h}");
         let exact = |x: [f64; 3]| match k {
             9 => -mu * hertz.shear(x[0] - 1.2, shares[1]),
             _ => -mu * hertz.shear_unloaded(x[0] - 1.2, shares[1], shares[2]),
         };
-        println!("c {left} {right} {c}, shear {}", distance(&model, &state.p_t, exact));
+        let error = distance(&model, &state.p_t, exact);
+        println!("sticks to {left} and {right} m, exact {c}; traction off by {error}");
     }
 }
 
