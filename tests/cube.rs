@@ -179,3 +179,30 @@ fn a_turned_scene_gives_turned_results() {
     let difference = largest_difference(&turned, &displacements(&other, &states));
     assert!(difference < 1e-9, "{difference:e}");
 }
+
+/// What the program says and writes in three dimensions.
+#[test]
+fn the_program_in_space() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cube");
+    let stickslip = |args: &[&str]| {
+        let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes/cube.toml");
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_stickslip"));
+        command.arg(args[0]).arg(scene).args(["--set", "mesh.elements=[2,2,2]"]).args(&args[1..]).output().unwrap()
+    };
+    let run = stickslip(&["run", "--out", folder.to_str().unwrap(), "--json"]);
+    assert!(run.status.success(), "{run:?}");
+    let report: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    let unknowns = ["u", "p_t", "p_o", "p_n"].map(|name| report["unknowns"][name].as_u64().unwrap());
+    assert_eq!(unknowns, [54, 6, 6, 6]);
+    assert!(report["final"]["sum_p_o"].as_f64().unwrap().abs() > 1e5, "{}", report["final"]);
+    let table = std::fs::read_to_string(folder.join("contact_0010.csv")).unwrap();
+    assert!(table.starts_with("x,y,z,p_n,p_t,p_o,sigma_n,sigma_t,sigma_o,w_n,w_t,w_o,status\n"), "{table}");
+    assert_eq!(table.lines().count(), 7);
+    assert!(!folder.join("contact_0010.svg").exists() && folder.join("fields_0010.vtu").exists());
+
+    let check = String::from_utf8(stickslip(&["check"]).stdout).unwrap();
+    assert!(check.contains("12 tangential forces p_t and p_o; 6 nodes slide in a plane\n"), "{check}");
+    let refused = stickslip(&["run", "--uniqueness"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(refused.stdout.is_empty() && String::from_utf8_lossy(&refused.stderr).contains("slide in a plane"));
+}
