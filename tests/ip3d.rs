@@ -6,7 +6,7 @@ mod common;
 use common::random::{self, Random};
 use stickslip::formulation::{Cone, Conventions, InteriorPoint};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status};
-use stickslip::linear::{Direct, Umfpack};
+use stickslip::linear::Direct;
 use stickslip::loading::Loading;
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Increment};

@@ -131,11 +131,16 @@ fn contact(scene: &Scene, model: &Model) {
         (0, _) => say!("             no contact: one linear solve an increment, one factorisation"),
         (n, t) => {
             say!("             {n} normal forces p_n");
-            let rest = n - t;
-            match rest {
-                0 => say!("             {t} tangential forces p_t"),
-                _ => say!("             {t} tangential forces p_t; {rest} nodes have no friction or cannot slide"),
-            }
+            let with = |has: &dyn Fn(usize) -> bool| (0..n).filter(|&i| has(i)).count();
+            let rest = match with(&|i| !layout.has_friction(i)) {
+                0 => String::new(),
+                rest => format!("; {rest} nodes have no friction or cannot slide"),
+            };
+            let along = match model.mesh.dimension {
+                2 => "p_t".to_string(),
+                _ => format!("p_t and p_o; {} nodes slide in a plane", with(&|i| layout.slides_in_a_plane(i))),
+            };
+            say!("             {t} tangential forces {along}{rest}");
         }
     }
 }

@@ -44,6 +44,9 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let scene = args.scene.read()?;
     let model = discretise(&scene)?;
     let model_seconds = start.elapsed().as_secs_f64();
+    if args.uniqueness {
+        uniqueness::applies(&model)?;
+    }
     let folder = args.out.as_deref().map(open_folder).transpose()?;
     let choice = Choice::new(&scene, &model, available_bytes()).map_err(|error| Failure::linear(&error))?;
     if !args.json {
@@ -80,7 +83,7 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     };
     let explanation = verdict::explain(&scene, &model, &outcome);
     let name = args.scene.scene.display().to_string();
-    let mut report = RunReport::new(&name, &scene, &model.contact_boundaries, &choice, &outcome, explanation, measured);
+    let mut report = RunReport::new(&name, &scene, &model, &choice, &outcome, explanation, measured);
     report.critical_friction = critical_friction;
     report.range_left = range_left;
     let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
@@ -228,12 +231,12 @@ fn disk_failure(path: &Path, error: &io::Error) -> Failure {
 
 fn print_head(scene: &Scene, model: &Model, choice: &Choice) {
     let method = scene.solver.method;
-    let Unknowns { u, p_t, p_n, v_n, s, lambda } = Unknowns::new(&Layout::new(&model.problem), method.name());
-    let blocks = [(u, "u"), (p_t, "p_t"), (p_n, "p_n"), (v_n, "v_n"), (s, "s"), (lambda, "lambda")];
+    let Unknowns { u, p_t, p_o, p_n, v_n, s, lambda } = Unknowns::new(&Layout::new(&model.problem), method.name());
+    let blocks = [(u, "u"), (p_t, "p_t"), (p_o, "p_o"), (p_n, "p_n"), (v_n, "v_n"), (s, "s"), (lambda, "lambda")];
     let present = blocks.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}"));
     let reduced = match method {
         scene::Method::PaperIp { newton, .. } | scene::Method::Ip { newton } if newton == NewtonSystem::Reduced => {
-            format!(", reduced to {} in the matrix", u + p_t + p_n)
+            format!(", reduced to {} in the matrix", u + p_t + p_o + p_n)
         }
         _ => String::new(),
     };
@@ -262,8 +265,9 @@ fn print_verdict(report: &RunReport, increments: usize) {
         return;
     }
     say!("error        {error:.1e} at most ({law}); backward error of the solves {:.1e}", totals.backward_error);
-    for Resultant { boundary, sums: Final { sum_p_n, sum_p_t } } in &report.boundaries {
-        say!("contact      {boundary}: sum p_n = {sum_p_n:.6e} N, sum p_t = {sum_p_t:.6e} N");
+    for Resultant { boundary, sums: Final { sum_p_n, sum_p_t, sum_p_o } } in &report.boundaries {
+        let other = sum_p_o.map_or(String::new(), |sum| format!(", sum p_o = {sum:.6e} N"));
+        say!("contact      {boundary}: sum p_n = {sum_p_n:.6e} N, sum p_t = {sum_p_t:.6e} N{other}");
     }
     say!(
         "work         {} iterations, {} factorisations, {} symbolic analysis, {} entries in L and U",

@@ -1,10 +1,25 @@
 //! `stickslip run --uniqueness`: how far friction is from making the last increment ambiguous.
 
+use stickslip::formulation::Layout;
 use stickslip::history::{HistoryOutcome, Status, Step};
 use stickslip::linear::{Direct, LinearError};
 use stickslip::model::Model;
 use stickslip::problem::Increment;
 use stickslip::uniqueness::{self, CriticalFriction};
+
+use super::Failure;
+
+/// Refuses what [`uniqueness::critical_friction`] does not cover, before anything is solved.
+pub(super) fn applies(model: &Model) -> Result<(), Failure> {
+    let layout = Layout::new(&model.problem);
+    if (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i)) {
+        return Err(Failure::Input(miette::miette!(
+            help = "leave out --uniqueness, or let supports leave one direction to slide in",
+            "--uniqueness needs nodes that slide along a line: where they slide in a plane, friction turns with the slip"
+        )));
+    }
+    Ok(())
+}
 
 /// The data of the last converged increment.
 #[derive(Default)]

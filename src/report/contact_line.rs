@@ -8,6 +8,7 @@ use super::csv;
 use crate::contact::{ContactBoundary, ContactStatus};
 use crate::history::Step;
 use crate::model::Model;
+use crate::vector::{minus, norm};
 
 /// One contact node at the end of an increment, SI.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -16,21 +17,29 @@ pub struct ContactPoint {
     pub x: f64,
     /// Position, m.
     pub y: f64,
+    /// Position, m; 0 in two dimensions, like the components below that only space has.
+    pub z: f64,
     /// Distance along the contact boundary from its first node, m.
     pub s: f64,
-    /// Normal contact force, N per unit depth, positive in compression.
+    /// Normal contact force, N, in two dimensions per unit depth, positive in compression.
     pub p_n: f64,
-    /// Tangential contact force, N per unit depth: of the body on the obstacle, along the positive
-    /// tangent.
+    /// Tangential contact force, N, in two dimensions per unit depth: of the body on the obstacle, along the
+    /// first tangent.
     pub p_t: f64,
+    /// The same along the second tangent.
+    pub p_o: f64,
     /// Normal contact stress `p_n / l` (32), Pa.
     pub sigma_n: f64,
     /// Tangential contact stress `p_t / l` (32), Pa.
     pub sigma_t: f64,
+    /// Tangential contact stress `p_o / l`, Pa.
+    pub sigma_o: f64,
     /// Normal contact displacement, m, positive towards the obstacle.
     pub w_n: f64,
-    /// Tangential contact displacement, m.
+    /// Tangential contact displacement along the first tangent, m.
     pub w_t: f64,
+    /// The same along the second tangent, m.
+    pub w_o: f64,
     /// Friction coefficient.
     pub mu: f64,
     /// What the node does.
@@ -46,6 +55,8 @@ pub struct ContactLine {
     pub index: usize,
     /// The time at its end, s.
     pub time: f64,
+    /// 2 or 3: in space the contact nodes make up a surface, and `s` says nothing.
+    pub dimension: usize,
     /// One point a node.
     pub points: Vec<ContactPoint>,
 }
@@ -58,46 +69,73 @@ impl ContactLine {
             boundary: several.then(|| boundary.name.clone()),
             index: step.record.index,
             time: step.record.time,
+            dimension: model.mesh.dimension,
             points: points(model, boundary.nodes.clone(), step),
         };
         model.contact_boundaries.iter().map(line).collect()
     }
 
-    /// As CSV, SI units.
+    /// As CSV, SI units: the columns of the plane, and in three dimensions those of space among them.
     pub fn to_csv(&self) -> String {
-        csv::table(
-            &["x", "y", "p_n", "p_t", "sigma_n", "sigma_t", "w_n", "w_t", "status"],
-            self.points.iter().map(|p| {
-                let numbers = [p.x, p.y, p.p_n, p.p_t, p.sigma_n, p.sigma_t, p.w_n, p.w_t];
-                let status = match p.status {
-                    ContactStatus::Open => "open",
-                    ContactStatus::Stick => "stick",
-                    ContactStatus::Slip => "slip",
-                };
-                numbers.iter().map(ToString::to_string).chain([status.to_string()]).collect()
-            }),
-        )
+        let columns: Vec<&Column> = COLUMNS.iter().filter(|column| column.dimension <= self.dimension).collect();
+        let header: Vec<&str> = columns.iter().map(|column| column.name).chain(["status"]).collect();
+        let row = |p: &ContactPoint| {
+            let status = match p.status {
+                ContactStatus::Open => "open",
+                ContactStatus::Stick => "stick",
+                ContactStatus::Slip => "slip",
+            };
+            columns.iter().map(|column| (column.value)(p).to_string()).chain([status.to_string()]).collect()
+        };
+        csv::table(&header, self.points.iter().map(row))
     }
 }
+
+/// A column of numbers, written from so many dimensions on.
+struct Column {
+    name: &'static str,
+    dimension: usize,
+    value: fn(&ContactPoint) -> f64,
+}
+
+const COLUMNS: [Column; 12] = [
+    Column { name: "x", dimension: 2, value: |p| p.x },
+    Column { name: "y", dimension: 2, value: |p| p.y },
+    Column { name: "z", dimension: 3, value: |p| p.z },
+    Column { name: "p_n", dimension: 2, value: |p| p.p_n },
+    Column { name: "p_t", dimension: 2, value: |p| p.p_t },
+    Column { name: "p_o", dimension: 3, value: |p| p.p_o },
+    Column { name: "sigma_n", dimension: 2, value: |p| p.sigma_n },
+    Column { name: "sigma_t", dimension: 2, value: |p| p.sigma_t },
+    Column { name: "sigma_o", dimension: 3, value: |p| p.sigma_o },
+    Column { name: "w_n", dimension: 2, value: |p| p.w_n },
+    Column { name: "w_t", dimension: 2, value: |p| p.w_t },
+    Column { name: "w_o", dimension: 3, value: |p| p.w_o },
+];
 
 fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec<ContactPoint> {
     let (problem, state) = (&model.problem, step.state);
     let mut s = 0.0;
-    let mut last: Option<[f64; 2]> = None;
+    let mut last: Option<[f64; 3]> = None;
     let point = |i: usize| {
-        let [x, y, _] = model.contacts[i].position;
-        s += last.replace([x, y]).map_or(0.0, |[x0, y0]| (x - x0).hypot(y - y0));
-        let (p_n, p_t, l) = (state.p_n[i], state.p_t[i], problem.weight[i]);
+        let position = model.contacts[i].position;
+        s += last.replace(position).map_or(0.0, |last| norm(minus(position, last)));
+        let [x, y, z] = position;
+        let (p_n, p_t, p_o, l) = (state.p_n[i], state.p_t[i], state.p_o[i], problem.weight[i]);
         ContactPoint {
             x,
             y,
+            z,
             s,
             p_n,
             p_t,
+            p_o,
             sigma_n: p_n / l,
             sigma_t: p_t / l,
+            sigma_o: p_o / l,
             w_n: problem.c_n.dot(i, &state.u),
             w_t: problem.c_t.dot(i, &state.u),
+            w_o: problem.c_o.dot(i, &state.u),
             mu: problem.mu[i],
             status: step.statuses[i],
         }

@@ -70,7 +70,8 @@ impl ResultFolder {
     }
 
     /// Writes a contact line as CSV and as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`; with
-    /// the boundary's name behind the number if there are several.
+    /// the boundary's name behind the number if there are several. A contact surface in three dimensions has no plot:
+    /// the fields show it.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -78,7 +79,7 @@ impl ResultFolder {
         let boundary = line.boundary.as_ref().map_or(String::new(), |name| format!("_{name}"));
         let name = format!("contact_{:04}{boundary}", line.index);
         self.write(&format!("{name}.csv"), &line.to_csv())?;
-        if line.points.len() > 1 {
+        if line.dimension == 2 && line.points.len() > 1 {
             self.write(&format!("{name}.svg"), &plot::contact_stresses(line, title).map_err(io::Error::other)?)?;
         }
         Ok(())

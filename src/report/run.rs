@@ -5,9 +5,10 @@ use std::ops::Range;
 use serde::Serialize;
 
 use crate::auto::Choice;
-use crate::contact::{ContactBoundary, Law, RangeLeft};
+use crate::contact::{Law, RangeLeft};
 use crate::formulation::Layout;
 use crate::history::{HistoryOutcome, IncrementRecord, Status};
+use crate::model::Model;
 use crate::problem::State;
 use crate::scene::{LinearBackend, MethodName, Scene, Setting};
 use crate::uniqueness::CriticalFriction;
@@ -80,8 +81,10 @@ pub struct WorstNode {
 pub struct Unknowns {
     /// Displacements.
     pub u: usize,
-    /// Tangential contact forces.
+    /// Tangential contact forces along the first tangent.
     pub p_t: usize,
+    /// The same along the second, in three dimensions.
+    pub p_o: usize,
     /// Normal contact forces.
     pub p_n: usize,
     /// Distances, the slacks of the interior point method.
@@ -95,10 +98,12 @@ pub struct Unknowns {
 impl Unknowns {
     /// Those of `method` for the unknowns in `layout`.
     pub fn new(layout: &Layout, method: MethodName) -> Self {
-        let (u, p_t, p_n) = (layout.displacements(), layout.tangentials(), layout.contacts());
+        let (u, p_n) = (layout.displacements(), layout.contacts());
+        let p_o = (0..p_n).filter(|&i| layout.p_o(i).is_some()).count();
+        let p_t = layout.tangentials() - p_o;
         match method {
-            MethodName::Bn => Unknowns { u, p_t, p_n, v_n: 0, s: 0, lambda: 0 },
-            MethodName::Ip => Unknowns { u, p_t, p_n, v_n: p_n, s: 2 * p_t, lambda: 2 * p_t },
+            MethodName::Bn => Unknowns { u, p_t, p_o, p_n, v_n: 0, s: 0, lambda: 0 },
+            MethodName::Ip => Unknowns { u, p_t, p_o, p_n, v_n: p_n, s: 2 * p_t, lambda: 2 * p_t },
         }
     }
 }
@@ -133,6 +138,9 @@ pub struct Final {
     pub sum_p_n: f64,
     /// `Σ p_t`, N.
     pub sum_p_t: f64,
+    /// `Σ p_o`, N; only in three dimensions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sum_p_o: Option<f64>,
 }
 
 /// The resultant of one boundary: on several, normals and tangents point different ways.
@@ -159,11 +167,11 @@ pub struct Measured {
 }
 
 impl RunReport {
-    /// The report of a run of `scene`, which was read from the file `name`.
+    /// The report of a run of `scene`, read from the file `name` and discretised as `model`.
     pub fn new(
         name: &str,
         scene: &Scene,
-        boundaries: &[ContactBoundary],
+        model: &Model,
         choice: &Choice,
         outcome: &HistoryOutcome,
         explanation: Explanation,
@@ -191,11 +199,11 @@ impl RunReport {
                 nnz_factors: outcome.linear.factor.entries,
                 backward_error: outcome.linear.worst_backward_error,
             },
-            end: Final::of(&outcome.state, 0..outcome.state.p_n.len()),
-            boundaries: (boundaries.iter())
+            end: Final::of(&outcome.state, 0..outcome.state.p_n.len(), model.mesh.dimension),
+            boundaries: (model.contact_boundaries.iter())
                 .map(|boundary| Resultant {
                     boundary: boundary.name.clone(),
-                    sums: Final::of(&outcome.state, boundary.nodes.clone()),
+                    sums: Final::of(&outcome.state, boundary.nodes.clone(), model.mesh.dimension),
                 })
                 .collect(),
             critical_friction: None,
@@ -213,9 +221,9 @@ impl RunReport {
 }
 
 impl Final {
-    fn of(state: &State, nodes: Range<usize>) -> Self {
+    fn of(state: &State, nodes: Range<usize>, dimension: usize) -> Self {
         // + 0.0: the sum of no forces is -0.
         let sum = |forces: &[f64]| forces[nodes.clone()].iter().sum::<f64>() + 0.0;
-        Final { sum_p_n: sum(&state.p_n), sum_p_t: sum(&state.p_t) }
+        Final { sum_p_n: sum(&state.p_n), sum_p_t: sum(&state.p_t), sum_p_o: (dimension == 3).then(|| sum(&state.p_o)) }
     }
 }

@@ -1,6 +1,7 @@
 //! What several tests need: the block of the paper, built and run.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod hertz;
 pub mod random;
 
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Observer};
@@ -20,6 +21,21 @@ pub fn run(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> History
     let solver = &scene.solver;
     let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
     let mut linear = Direct::default();
+    history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, observer).unwrap()
+}
+
+/// A scene of data/scenes with overrides.
+pub fn scene(name: &str, overrides: &[&str]) -> Scene {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes").join(name);
+    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
+    Scene::read(&path, &overrides).unwrap()
+}
+
+/// Runs a scene with BN in its default setting on condensed matrices.
+pub fn run_default(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> HistoryOutcome {
+    let solver = &scene.solver;
+    let settings = HistorySettings::bn(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
+    let mut linear = model.linear(stickslip::scene::LinearBackend::Condensed);
     history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, observer).unwrap()
 }
 

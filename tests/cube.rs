@@ -1,0 +1,208 @@
+//! Three dimensions as a whole: the cube under the paper's loads, slabs that are plane, scenes that are turned.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use std::f64::consts::FRAC_1_SQRT_2;
+use std::path::Path;
+
+use common::Keep;
+use stickslip::history::{HistoryOutcome, Status};
+use stickslip::model::Model;
+use stickslip::scene::Scene;
+
+fn solve(scene: &Scene) -> (Model, HistoryOutcome, Keep) {
+    let mut keep = Keep::default();
+    let model = Model::new(scene).unwrap();
+    let outcome = common::run_default(scene, &model, &mut keep);
+    assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.records.last());
+    (model, outcome, keep)
+}
+
+/// Every increment of the small cubes is solved by BN as it stands, without parts or rescue, in 4.67 iterations on average.
+#[test]
+fn small_cubes() {
+    let [forwards, sideways] = ["load[2].traction=[0,0,0]", "load[1].traction=[0,10e6,0]"];
+    let (mut iterations, mut increments) = (0, 0);
+    for n in [4, 6] {
+        for mu in [0.1, 0.4, 0.8, 2.0] {
+            for load in [&[forwards][..], &[forwards, sideways], &[]] {
+                for steps in [2, 10] {
+                    let mesh = format!("mesh.elements=[{n},{n},{n}]");
+                    let (mu, steps) = (format!("contact.friction={mu}"), format!("time.increments={steps}"));
+                    let overrides = [&[mesh.as_str(), &mu, &steps], load].concat();
+                    let (_, outcome, _) = solve(&common::scene("cube.toml", &overrides));
+                    assert!(outcome.records.iter().all(|r| r.parts == 1 && !r.rescued), "{overrides:?}");
+                    iterations += outcome.records.iter().map(|r| r.iterations).sum::<usize>();
+                    increments += outcome.records.len();
+                }
+            }
+        }
+    }
+    let mean = iterations as f64 / increments as f64;
+    assert_eq!(increments, 288);
+    assert!(mean < 4.7, "{mean}");
+}
+
+/// A slab of the plane x, z, one element thick and held across, does what the block in plane strain does, increment
+/// by increment, iteration by iteration.
+#[test]
+fn a_slab_is_plane() {
+    let n = 12;
+    let block =
+        common::block(&[&format!("mesh.elements=[{n},{n}]"), "time.increments=10", "solver.setting=\"default\""]);
+    let thickness = 0.125;
+    let size = format!("mesh.size=[1,{thickness},1]");
+    let elements = format!("mesh.elements=[{n},1,{n}]");
+    let held = "[[support]]\nboundary = \"front\"\nfix = [\"y\"]\n[[support]]\nboundary = \"back\"\nfix = [\"y\"]\n";
+    let text = include_str!("../data/scenes/cube.toml").to_string() + held;
+    let overrides = [&size, &elements, "load[2].traction=[0,0,0]"].map(|text| text.parse().unwrap());
+    let slab = Scene::parse("slab.toml", &text, &overrides).unwrap();
+    let ((plane, flat, flat_states), (space, thick, thick_states)) = (solve(&block), solve(&slab));
+    let counts = |outcome: &HistoryOutcome| -> Vec<_> { outcome.records.iter().map(|r| r.iterations).collect() };
+    assert_eq!(counts(&flat), counts(&thick));
+    assert_eq!(space.contacts.len(), 2 * plane.contacts.len());
+    for (flat, thick) in flat_states.states.iter().zip(&thick_states.states) {
+        let largest = flat.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+        let u = plane.dofs.displacements(&flat.u);
+        let longest = u.iter().flatten().fold(0.0_f64, |m, u| m.max(u.abs()));
+        for (x, found) in space.mesh.nodes.iter().zip(space.dofs.displacements(&thick.u)) {
+            let node = plane.mesh.nodes.iter().position(|y| (y[0] - x[0]).hypot(y[1] - x[2]) < 1e-9).unwrap();
+            let error = [found[0] - u[node][0], found[1], found[2] - u[node][1]];
+            assert!(error.iter().all(|e| e.abs() < 1e-9 * longest), "{x:?}: {error:?}");
+        }
+        for (i, contact) in space.contacts.iter().enumerate() {
+            let k = plane.contacts.iter().position(|c| (c.position[0] - contact.position[0]).abs() < 1e-9).unwrap();
+            // Either face of the slab has half of the force.
+            for (found, exact) in [(thick.p_n[i], flat.p_n[k]), (thick.p_t[i], flat.p_t[k]), (thick.p_o[i], 0.0)] {
+                assert!((found / (0.5 * thickness) - exact).abs() < 1e-9 * largest, "{i}: {found} {exact}");
+            }
+        }
+    }
+}
+
+/// Contact forces as vectors, of each increment.
+fn forces(model: &Model, keep: &Keep) -> Vec<Vec<[f64; 3]>> {
+    let of = |state: &stickslip::problem::State| {
+        let force = |(i, contact): (usize, &stickslip::contact::ContactNode)| {
+            let (n, [t, o]) = (contact.facing.normal, contact.facing.tangents);
+            [0, 1, 2].map(|c| state.p_n[i] * n[c] + state.p_t[i] * t[c] + state.p_o[i] * o[c])
+        };
+        model.contacts.iter().enumerate().map(force).collect()
+    };
+    keep.states.iter().map(of).collect()
+}
+
+fn largest_difference(a: &[Vec<[f64; 3]>], b: &[Vec<[f64; 3]>]) -> f64 {
+    let pairs = a.iter().flatten().flatten().zip(b.iter().flatten().flatten());
+    let largest = a.iter().flatten().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+    pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / largest
+}
+
+fn same_counts(a: &HistoryOutcome, b: &HistoryOutcome) -> bool {
+    a.records.len() == b.records.len()
+        && a.records.iter().zip(&b.records).all(|(a, b)| (a.iterations, a.contact) == (b.iterations, b.contact))
+}
+
+/// The choice of the tangents changes neither the iterations nor the forces.
+#[test]
+fn tangents_do_not_matter() {
+    let mesh = "mesh.elements=[5,5,5]";
+    let (model, first, keep) = solve(&common::scene("cube.toml", &[mesh]));
+    for tangent in ["[0.6,0.8,0]", "[-0.28,0.96,0]", "[0,-1,0]"] {
+        let tangent = format!("contact.obstacle.tangent={tangent}");
+        let (other, turned, states) =
+            solve(&common::scene("cube.toml", &[mesh, "contact.obstacle.normal=[0,0,-1]", &tangent]));
+        assert!(same_counts(&first, &turned), "{tangent}");
+        let difference = largest_difference(&forces(&model, &keep), &forces(&other, &states));
+        assert!(difference < 1e-9, "{tangent}: {difference:e}");
+    }
+}
+
+/// A turn about an oblique axis: 3-4-5 about z, then by 45° about x.
+fn turn([x, y, z]: [f64; 3]) -> [f64; 3] {
+    let [x, y] = [0.6 * x - 0.8 * y, 0.8 * x + 0.6 * y];
+    [x, FRAC_1_SQRT_2 * (y - z), FRAC_1_SQRT_2 * (y + z)]
+}
+
+/// The whole scene, mesh, loads and obstacle, turned: results turn with it, iterations stay.
+#[test]
+fn a_turned_scene_gives_turned_results() {
+    let text = include_str!("../data/meshes/cube_hexahedra.msh");
+    let solve_turned = |name: &str, turn: &dyn Fn([f64; 3]) -> [f64; 3]| {
+        let nodes = text.find("$Nodes").unwrap()..text.find("$EndNodes").unwrap();
+        let line = |line: &str| match line.split(' ').map(str::parse).collect::<Result<Vec<f64>, _>>() {
+            Ok(x) if x.len() == 3 => turn([x[0], x[1], x[2]]).map(|c| c.to_string()).join(" "),
+            _ => line.to_string(),
+        };
+        let turned = text[nodes.clone()].lines().map(line).collect::<Vec<_>>().join("\n") + "\n";
+        let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        std::fs::write(&file, [&text[..nodes.start], &turned, &text[nodes.end..]].concat()).unwrap();
+        let vector = |x: [f64; 3]| turn(x).map(|c| format!("{c:e}")).join(",");
+        let scene = format!(
+            r#"
+            mesh = {{ kind = "gmsh", file = '{}' }}
+            material = {{ young = 210e9, poisson = 0.3 }}
+            support = [{{ boundary = "left", fix = ["x", "y", "z"] }}]
+            contact = [{{ boundary = "bottom", friction = 0.4, obstacle = {{ kind = "plane", gap = 1e-5,
+                normal = [{}], tangent = [{}] }} }}]
+            load = [
+                {{ boundary = "top", traction = [{}], history = [[0, 0], [1, 1]] }},
+                {{ boundary = "top", traction = [{}], history = [[0, 0], [1, 1], [2, 0]] }},
+                {{ boundary = "top", traction = [{}], history = [[1, 0], [2, 1]] }},
+            ]
+            time = {{ end = 2, increments = 10 }}
+            "#,
+            file.display(),
+            vector([0.0, 0.0, -1.0]),
+            vector([1.0, 0.0, 0.0]),
+            vector([0.0, 0.0, -10e6]),
+            vector([-3e6, 0.0, 0.0]),
+            vector([0.0, 3e6, 0.0]),
+        );
+        solve(&Scene::parse("turned.toml", &scene, &[]).unwrap())
+    };
+    let (model, upright, keep) = solve_turned("upright.msh", &|x| x);
+    let (other, oblique, states) = solve_turned("oblique.msh", &turn);
+    assert!(same_counts(&upright, &oblique), "{:?} {:?}", upright.records, oblique.records);
+    assert!(upright.records.iter().any(|r| r.contact.slip > 0) && upright.records.iter().any(|r| r.contact.stick > 0));
+    let turned: Vec<Vec<_>> =
+        forces(&model, &keep).into_iter().map(|forces| forces.into_iter().map(turn).collect()).collect();
+    let difference = largest_difference(&turned, &forces(&other, &states));
+    assert!(difference < 1e-9, "{difference:e}");
+    let displacements = |model: &Model, keep: &Keep| -> Vec<Vec<[f64; 3]>> {
+        keep.states.iter().map(|state| model.dofs.displacements(&state.u)).collect()
+    };
+    let turned: Vec<Vec<_>> =
+        displacements(&model, &keep).into_iter().map(|u| u.into_iter().map(turn).collect()).collect();
+    let difference = largest_difference(&turned, &displacements(&other, &states));
+    assert!(difference < 1e-9, "{difference:e}");
+}
+
+/// What the program says and writes in three dimensions.
+#[test]
+fn the_program_in_space() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cube");
+    let stickslip = |args: &[&str]| {
+        let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes/cube.toml");
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_stickslip"));
+        command.arg(args[0]).arg(scene).args(["--set", "mesh.elements=[2,2,2]"]).args(&args[1..]).output().unwrap()
+    };
+    let run = stickslip(&["run", "--out", folder.to_str().unwrap(), "--json"]);
+    assert!(run.status.success(), "{run:?}");
+    let report: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    let unknowns = ["u", "p_t", "p_o", "p_n"].map(|name| report["unknowns"][name].as_u64().unwrap());
+    assert_eq!(unknowns, [54, 6, 6, 6]);
+    assert!(report["final"]["sum_p_o"].as_f64().unwrap().abs() > 1e5, "{}", report["final"]);
+    let table = std::fs::read_to_string(folder.join("contact_0010.csv")).unwrap();
+    assert!(table.starts_with("x,y,z,p_n,p_t,p_o,sigma_n,sigma_t,sigma_o,w_n,w_t,w_o,status\n"), "{table}");
+    assert_eq!(table.lines().count(), 7);
+    assert!(!folder.join("contact_0010.svg").exists() && folder.join("fields_0010.vtu").exists());
+
+    let check = String::from_utf8(stickslip(&["check"]).stdout).unwrap();
+    assert!(check.contains("12 tangential forces p_t and p_o; 6 nodes slide in a plane\n"), "{check}");
+    let refused = stickslip(&["run", "--uniqueness"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(refused.stdout.is_empty() && String::from_utf8_lossy(&refused.stderr).contains("--uniqueness needs"));
+}
