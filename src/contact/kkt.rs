@@ -41,7 +41,11 @@ impl KktScales {
     #[must_use]
     pub fn with_state(self, state: &State) -> Self {
         KktScales {
-            force: [&state.p_n, &state.p_t, &state.p_o].into_iter().fold(self.force, |m, p| m.max(largest(p))),
+            force: state
+                .p_t
+                .iter()
+                .zip(&state.p_o)
+                .fold(self.force.max(largest(&state.p_n)), |m, (t, o)| m.max(length([*t, *o]))),
             length: self.length.max(largest(&state.u)),
         }
     }
