@@ -106,7 +106,8 @@ fn cattaneo_mindlin() {
             _ => -mu * hertz.shear_unloaded(x[0] - 1.2, shares[1], shares[2]),
         };
         let error = distance(&model, &state.p_t, exact);
-        println!("sticks to {left} and {right} m, exact {c}; traction off by {error}");
+        // Eight elements in half the contact; the traction that is left after unloading is small.
+        assert!(error < if k == 9 { 0.1 } else { 0.3 }, "{k}: {error}");
     }
 }
 
