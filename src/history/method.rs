@@ -22,14 +22,33 @@ pub(super) struct Task<'a> {
     pub response: &'a Response,
     /// The scales of the error measure, from the increments before and the load of this one.
     pub scales: &'a KktScales,
+    /// The error that is allowed.
+    pub tolerance: f64,
 }
 
 impl Task<'_> {
     /// The error of a state at the end of the increment.
     pub(super) fn error(&self, problem: &ContactProblem, state: &State) -> f64 {
-        let scales = self.scales.with_state(state);
-        KktErrors::measure(problem, self.increment, state, &scales).worst().1
+        judge(problem, self.increment, state, &self.scales.with_state(state), self.tolerance).worst().1
     }
+}
+
+/// The error measure. Near the `tolerance` the rounding of the imbalance itself would count, so there it is
+/// worked out in twice the precision.
+pub(super) fn judge(
+    problem: &ContactProblem,
+    increment: &Increment<'_>,
+    state: &State,
+    scales: &KktScales,
+    tolerance: f64,
+) -> KktErrors {
+    let errors = KktErrors::measure(problem, increment, state, scales);
+    let near = 0.1 * tolerance..10.0 * tolerance;
+    if !state.u_rest.is_empty() || !near.contains(&errors.equilibrium) {
+        return errors;
+    }
+    let exact = State { u_rest: vec![0.0; state.u.len()], ..state.clone() };
+    KktErrors::measure(problem, increment, &exact, scales)
 }
 
 /// A method with the state it has reached, in its own units.

@@ -5,7 +5,7 @@
 //! grows back.
 
 use super::held::HeldBody;
-use super::method::{IncrementSolver, Task};
+use super::method::{IncrementSolver, Task, judge};
 use super::settings::HistorySettings;
 use super::whole::Whole;
 use super::{Status, record};
@@ -169,6 +169,7 @@ impl<'a> Path<'a> {
             increment: &Increment { force, ..increment },
             response: &self.held.response(loading, self.reached, time),
             scales: &before,
+            tolerance: settings.tolerance,
         };
         let mut outcome = match rigid_equilibrium(problem, &self.force) {
             Ok(()) => self.method.solve(&task, linear, observe)?,
@@ -184,7 +185,7 @@ impl<'a> Path<'a> {
             }
         };
         let scales = before.with_state(&state);
-        let kkt = KktErrors::measure(problem, &increment, &state, &scales);
+        let kkt = judge(problem, &increment, &state, &scales, settings.tolerance);
         let status = record::verdict(&outcome, &kkt, settings.tolerance);
         Ok(Attempt { state, scales, outcome, kkt, status })
     }

@@ -42,7 +42,8 @@ impl Whole<'_> {
         let mut error = self.backward_error(&state, &imbalance);
         for refinement in 0..REFINEMENTS {
             let violation = imbalance.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
-            let allowed = self.settings.tolerance * self.scales.with_state(&state).force;
+            // A tenth, as the rounding of the imbalance counts, too.
+            let allowed = 0.1 * self.settings.tolerance * self.scales.with_state(&state).force;
             if error <= BACKWARD_ERROR && violation <= allowed {
                 break;
             }
