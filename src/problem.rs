@@ -110,11 +110,14 @@ impl ContactProblem {
     }
 
     /// What stands against a force on a contact node alone, roughly: a quarter of its own stiffness
-    /// `(C_n diag(K) C_nᵀ)_ii`, n_c, N/m. In a uniform mesh that is close to `1/C_nn`, the inverse of the
+    /// `(C_n K C_nᵀ)_ii`, n_c, N/m. In a uniform mesh that is close to `1/C_nn`, the inverse of the
     /// compliance `C_n K⁻¹ C_nᵀ`; only its order of magnitude is relied on.
     pub fn contact_stiffness(&self) -> Vec<f64> {
-        let diagonal = self.stiffness.diagonal();
-        let along_normal = |i: usize| self.c_n.row(i).iter().map(|&(dof, c)| c * c * diagonal[dof]).sum::<f64>();
+        let along_normal = |i: usize| {
+            let row = self.c_n.row(i);
+            let pairs = row.iter().flat_map(|a| row.iter().map(move |b| (a, b)));
+            pairs.map(|(a, b)| a.1 * b.1 * self.stiffness.get(a.0, b.0)).sum::<f64>()
+        };
         (0..self.contacts()).map(|i| 0.25 * along_normal(i)).collect()
     }
 

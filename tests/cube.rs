@@ -20,7 +20,7 @@ fn solve(scene: &Scene) -> (Model, HistoryOutcome, Keep) {
     (model, outcome, keep)
 }
 
-/// Every increment of the small cubes is solved by BN as it stands, without parts or rescue, in 4.67 iterations on average.
+/// Every increment of the small cubes is solved by BN as it stands, without parts or rescue, in 4.10 iterations on average.
 #[test]
 fn small_cubes() {
     let [forwards, sideways] = ["load[2].traction=[0,0,0]", "load[1].traction=[0,10e6,0]"];
@@ -42,7 +42,7 @@ fn small_cubes() {
     }
     let mean = iterations as f64 / increments as f64;
     assert_eq!(increments, 288);
-    assert!(mean < 4.7, "{mean}");
+    assert!(mean < 4.2, "{mean}");
 }
 
 /// A slab of the plane x, z, one element thick and held across, does what the block in plane strain does, increment

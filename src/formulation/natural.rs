@@ -33,6 +33,10 @@ pub enum Pressure {
 /// to 1000 it gains a fifth at most, in strips it is the worse one.
 const SHARE_OF_STIFFNESS: f64 = 0.5;
 
+/// The same where a node slides in a plane. Iterations an increment on cubes of 4³ and 10³ elements and on
+/// random problems, for 1/2: 4.63, 5.09 and 5.2, for 2: 3.99, 4.75 and 4.4.
+const SHARE_OF_STIFFNESS_IN_SPACE: f64 = 2.0;
+
 impl Conventions {
     /// The paper's: `r_i = 10¹² l_i`, and contact rows as stresses (Pa) beside equilibrium rows as
     /// forces (N).
@@ -46,14 +50,16 @@ impl Conventions {
 
     /// Those that the problem itself gives, by its [`ContactProblem::contact_stiffness`].
     pub fn natural(problem: &ContactProblem) -> Self {
-        Conventions::of_stiffness(&problem.contact_stiffness())
+        Conventions::of_stiffness(problem, &problem.contact_stiffness())
     }
 
     /// `r_i` from the stiffness of the contact nodes (n_c, N/m), friction limited by the trial pressure,
     /// and every row a force.
-    pub fn of_stiffness(contact_stiffness: &[f64]) -> Self {
+    pub fn of_stiffness(problem: &ContactProblem, contact_stiffness: &[f64]) -> Self {
+        let in_a_plane = |i: usize| problem.tangential_maps().iter().all(|map| !map.row(i).is_empty());
+        let share = |i: usize| if in_a_plane(i) { SHARE_OF_STIFFNESS_IN_SPACE } else { SHARE_OF_STIFFNESS };
         Conventions {
-            r: contact_stiffness.iter().map(|k| SHARE_OF_STIFFNESS * k).collect(),
+            r: contact_stiffness.iter().enumerate().map(|(i, k)| share(i) * k).collect(),
             pressure: Pressure::Trial,
             row_unit: vec![1.0; contact_stiffness.len()],
         }

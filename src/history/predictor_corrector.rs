@@ -55,7 +55,7 @@ impl<'a> PredictorCorrectorMethod<'a> {
         };
         PredictorCorrectorMethod {
             stiffness: stiffness / scaling.stiffness(),
-            natural: Conventions::of_stiffness(&history.contact_stiffness),
+            natural: Conventions::of_stiffness(problem, &history.contact_stiffness),
             z: vec![0.0; formulation.unknowns()],
             rest: vec![0.0; formulation.forces().unknowns()],
             end: None,

@@ -60,9 +60,15 @@ impl Symmetric {
         })
     }
 
-    /// The diagonal; entries that are not stored are 0.
+    /// The entry at `(row, column)`; one that is not stored is 0.
+    pub fn get(&self, row: usize, column: usize) -> f64 {
+        let slot = self.lower.pattern.slot(row.max(column), row.min(column));
+        slot.map_or(0.0, |slot| self.lower.values[slot])
+    }
+
+    /// The diagonal.
     pub fn diagonal(&self) -> Vec<f64> {
-        (0..self.order()).map(|i| self.lower.pattern.slot(i, i).map_or(0.0, |k| self.lower.values[k])).collect()
+        (0..self.order()).map(|i| self.get(i, i)).collect()
     }
 
     /// `y = A x`.
@@ -115,6 +121,7 @@ mod tests {
         }
         assert_eq!(a.lower.pattern.len(), 5);
         assert_eq!(a.diagonal(), [2.0, 3.0, 5.0]);
+        assert_eq!([a.get(1, 2), a.get(2, 1), a.get(0, 2)], [4.0, 4.0, 0.0]);
         let mut y = [0.0; 3];
         a.mul(&[1.0, -1.0, 2.0], &mut y);
         assert_eq!(y, [1.0, 6.0, 6.0]);
