@@ -95,6 +95,21 @@ fn uneven_cubes() {
     }
 }
 
+/// A foundation of rubber under a cube of steel, much friction, the whole load at once: BN gives up, and the interior
+/// point method ends the increment.
+#[test]
+fn a_rescue() {
+    let overrides = [
+        "mesh.elements=[4,4,4]",
+        "material.layers=[[0.3,210e3,0.3]]",
+        "contact.friction=2",
+        "load[2].traction=[0,0,0]",
+        "time.increments=2",
+    ];
+    let (_, outcome, _) = solve(&common::scene("cube.toml", &overrides));
+    assert!(outcome.records.iter().any(|r| r.rescued && r.parts == 1), "the test has lost its case");
+}
+
 /// A slab of the plane x, z, one element thick and held across, does what the block in plane strain does, increment
 /// by increment.
 #[test]
