@@ -1,27 +1,41 @@
 //! Results for people and for scripts: contact lines, records, tables, JSON, plots.
 
+#[cfg(feature = "plots")]
 mod chart;
 mod contact_line;
 mod csv;
+#[cfg(feature = "meshes")]
 mod fields;
+#[cfg(all(feature = "meshes", feature = "plots"))]
 mod folder;
+#[cfg(all(feature = "meshes", feature = "plots"))]
+mod increments;
+#[cfg(feature = "plots")]
 mod plot;
+#[cfg(feature = "meshes")]
 mod pvd;
 mod run;
 mod table;
 mod unknowns;
 mod usage;
+#[cfg(feature = "meshes")]
 mod vtu;
 
+#[cfg(feature = "plots")]
 pub use chart::{Axis, Chart, Curve, Dash, Line, Marker, Panel, PlotError, Scale};
 pub use contact_line::{ContactLine, ContactPoint};
 pub use csv::table as csv_table;
+#[cfg(feature = "meshes")]
 pub use fields::fields;
+#[cfg(all(feature = "meshes", feature = "plots"))]
 pub use folder::{ResultFolder, write_file};
+#[cfg(feature = "plots")]
 pub use plot::{contact_stresses, stress_chart};
+#[cfg(feature = "meshes")]
 pub use pvd::series as pvd_series;
 pub use run::{Explanation, Final, Measured, Resultant, RunReport, Totals, WorstNode};
 pub use table::Table;
 pub use unknowns::{LeftOut, Unknowns};
 pub use usage::{available_bytes, cpu_seconds, peak_rss_bytes};
+#[cfg(feature = "meshes")]
 pub use vtu::{Field, Grid, Values};

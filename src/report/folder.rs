@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::contact_line::ContactLine;
 use super::vtu::Grid;
-use super::{csv, plot, pvd};
+use super::{increments, plot, pvd};
 use crate::history::IncrementRecord;
 
 /// A folder that takes the results of one run: `increments.csv` grows line by line, contact lines
@@ -33,7 +33,7 @@ impl ResultFolder {
             .map(|entry| entry.path())
             .filter(|path| path.is_file())
             .collect();
-        let header = csv::increment_header();
+        let header = increments::header();
         let mut found = vec![0; header.len()];
         let read = File::open(path.join("increments.csv")).and_then(|mut file| file.read_exact(&mut found));
         let ours = read.is_ok() && found == header.as_bytes();
@@ -61,7 +61,7 @@ impl ResultFolder {
     /// When the disk refuses.
     pub fn add_increment(&mut self, record: &IncrementRecord) -> io::Result<()> {
         let complete = self.increments.stream_position()?;
-        let written = self.increments.write_all(csv::increment(record).as_bytes());
+        let written = self.increments.write_all(increments::line(record).as_bytes());
         if written.is_err() {
             // A full disk may have taken part of the line; what stands before it is kept.
             let _ = self.increments.set_len(complete);
