@@ -61,6 +61,7 @@ fn contact() {
     let (start, end) = (text.find("[[contact]]").unwrap(), text.find("[[load]]").unwrap());
     let text = [&text[..start], &text[end..]].concat();
     let scene = Scene::parse("loose.toml", &text, &["mesh.elements=[5,5,5]".parse().unwrap()]).unwrap();
+    assert_eq!(scene.solver.linear, Some(LinearBackend::Condensed));
     let [(whole, states), (cholesky, others)] =
         [LinearBackend::default(), LinearBackend::Condensed].map(|backend| solve(&scene, backend));
     assert_eq!((whole.linear.factorizations, cholesky.linear.factorizations), (1, 0));

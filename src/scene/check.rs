@@ -25,7 +25,7 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     let supports = document.support.into_iter().map(|support| check.support(support)).collect::<Result<_, _>>()?;
     let contacts = check.contacts(document.contact)?;
     let loads = document.load.into_iter().map(|load| check.load(load, &time)).collect::<Result<_, _>>()?;
-    let solver = check.solver(&document.solver)?;
+    let solver = check.solver(&document.solver, !contacts.is_empty())?;
     let output = check.output(document.output, &time)?;
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let title = document.title.unwrap_or_else(stem);

@@ -17,7 +17,8 @@ fn default_tolerance(method: Method) -> f64 {
 }
 
 impl Check<'_> {
-    pub(super) fn solver(&self, solver: &document::Solver) -> Result<Solver, SceneError> {
+    /// `touches` tells whether there is contact.
+    pub(super) fn solver(&self, solver: &document::Solver, touches: bool) -> Result<Solver, SceneError> {
         let method = self.method(solver)?;
         let (mut max_iterations, mut tolerance) = (200, default_tolerance(method));
         if let Some(given) = &solver.max_iterations {
@@ -32,11 +33,15 @@ impl Check<'_> {
             let sound = tolerance > 0.0 && tolerance < 1.0;
             self.demand(sound, "solver.tolerance", given, "above 0 and below 1", help)?;
         }
-        Ok(Solver { method, linear: self.linear(solver.linear.as_ref())?, max_iterations, tolerance })
+        Ok(Solver { method, linear: self.linear(solver.linear.as_ref(), touches)?, max_iterations, tolerance })
     }
 
-    fn linear(&self, given: Option<&Spanned<LinearName>>) -> Result<Option<LinearBackend>, SceneError> {
-        let Some(given) = given else { return Ok(Some(LinearBackend::default())) };
+    fn linear(&self, given: Option<&Spanned<LinearName>>, touches: bool) -> Result<Option<LinearBackend>, SceneError> {
+        let Some(given) = given else {
+            // Without contact a condensed body is all interior: what is left is the Cholesky factor of K.
+            let cholesky = !touches && LinearBackend::Condensed.is_built_in();
+            return Ok(Some(if cholesky { LinearBackend::Condensed } else { LinearBackend::default() }));
+        };
         // What is compared: if one of both is built in, the other is, too.
         let Some(linear) = given.get_ref().backend() else {
             let compared = LinearBackend::default().is_built_in();
