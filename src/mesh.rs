@@ -6,7 +6,7 @@ mod gmsh;
 mod half_plane;
 mod simplices;
 
-pub use block::{block, graded_block};
+pub use block::{block, graded_block, progression};
 pub use check::{MeshFault, Numbers};
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
 pub use half_plane::half_plane;
