@@ -2,9 +2,11 @@
 
 mod chart;
 mod contact_line;
+mod contact_surface;
 mod csv;
 mod fields;
 mod folder;
+mod map;
 mod plot;
 mod pvd;
 mod run;
@@ -14,6 +16,7 @@ mod vtu;
 
 pub use chart::{Axis, Chart, Curve, Dash, Line, Marker, Panel, PlotError, Scale};
 pub use contact_line::{ContactLine, ContactPoint};
+pub use contact_surface::{ContactSurface, SurfaceNode};
 pub use csv::table as csv_table;
 pub use fields::fields;
 pub use folder::{ResultFolder, write_file};
