@@ -35,14 +35,15 @@ impl<T, const N: usize> TryFrom<Vec<T>> for Tuple<T, N> {
 /// Two or three coordinates; z is 0 where it is left out.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "Vec<f64>")]
-pub(super) struct Vector(pub [f64; 3]);
+pub(super) struct Vector {
+    pub components: [f64; 3],
+    /// How many were given.
+    pub dimension: usize,
+}
 
 impl fmt::Debug for Vector {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            [x, y, 0.0] => [x, y].fmt(f),
-            all => all.fmt(f),
-        }
+        self.components[..self.dimension].fmt(f)
     }
 }
 
@@ -51,8 +52,8 @@ impl TryFrom<Vec<f64>> for Vector {
 
     fn try_from(values: Vec<f64>) -> Result<Self, String> {
         match values[..] {
-            [x, y] => Ok(Vector([x, y, 0.0])),
-            [x, y, z] => Ok(Vector([x, y, z])),
+            [x, y] => Ok(Vector { components: [x, y, 0.0], dimension: 2 }),
+            [x, y, z] => Ok(Vector { components: [x, y, z], dimension: 3 }),
             _ => Err(format!("invalid length {}, expected 2 or 3 values", values.len())),
         }
     }
