@@ -6,7 +6,6 @@ mod common;
 use common::{Keep, difference};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
 use stickslip::model::Model;
-use stickslip::problem::State;
 use stickslip::scene::{LinearBackend, Scene};
 
 const PUNCH: &str = include_str!("../data/scenes/punch.toml");

@@ -6,7 +6,7 @@ mod common;
 use common::solve;
 use stickslip::fem::{Dofs, Elasticity, Element, assemble, element_stiffness, facet_load};
 use stickslip::history::Status;
-use stickslip::mesh::{CellKind, Mesh, block};
+use stickslip::mesh::{CellKind, block};
 use stickslip::model::Model;
 
 /// A quadrilateral without parallel sides.

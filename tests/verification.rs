@@ -1,6 +1,7 @@
 //! Closed forms and a published case, on the scenes of data/scenes; `doc/verification.md` has the figures.
 
-#![allow(clippy::unwrap_used)]
+// The figures of doc/verification.md, with --nocapture.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
 
@@ -27,6 +28,9 @@ fn sum(values: &[f64]) -> f64 {
     values.iter().sum()
 }
 
+/// Points of the midpoint rule along a side of a facet: the edge of the contact runs through it anywhere.
+const POINTS: usize = 20;
+
 /// `∫ N exact dA` at each contact node, `exact` by position: the forces that the exact stress puts on the nodes. Facets are
 /// straight or rectangles.
 fn nodal(model: &Model, exact: impl Fn([f64; 3]) -> f64) -> Vec<f64> {
@@ -35,8 +39,6 @@ fn nodal(model: &Model, exact: impl Fn([f64; 3]) -> f64) -> Vec<f64> {
     for contact in &model.contact_boundaries {
         for facet in &mesh.boundary(&contact.name).unwrap().facets {
             let corners = mesh.points(facet);
-            // The midpoint rule: the edge of the contact runs through the facet anywhere.
-            const POINTS: usize = 20;
             let across = if corners.len() == 2 { 1 } else { POINTS };
             let area = norm(mesh.area_vector(facet)) / (POINTS * across) as f64;
             for k in 0..POINTS * across {

@@ -52,19 +52,19 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 fn body(scene: &Scene, model: &Model) {
     let kind = match &scene.mesh {
         Mesh::Block { axes, .. } => {
-            let each = |value: fn(&Segment) -> String, between| {
+            let each = |value: fn(&Segment) -> String, within: &str, between: &str| {
                 let along = |axis: &Vec<Segment>| match &axis[..] {
                     [segment] => value(segment),
-                    all => format!("({})", all.iter().map(value).collect::<Vec<_>>().join(" + ")),
+                    all => format!("({})", all.iter().map(value).collect::<Vec<_>>().join(within)),
                 };
                 axes.iter().map(along).collect::<Vec<_>>().join(between)
             };
-            let lengths = each(|segment| format!("{} m", segment.length), " x ");
-            let elements = each(|segment| segment.elements.to_string(), " x ");
+            let lengths = each(|segment| format!("{} m", segment.length), " + ", " x ");
+            let elements = each(|segment| segment.elements.to_string(), " + ", " x ");
             let graded = if axes.iter().flatten().all(|segment| segment.grading == 1.0) {
                 String::new()
             } else {
-                format!(" (graded {})", each(|segment| format!("1 : {}", segment.grading), ", "))
+                format!(" (graded {})", each(|segment| format!("1 : {}", segment.grading), ", ", ", "))
             };
             format!("block {lengths}, {elements}{graded}")
         }

@@ -11,6 +11,9 @@ const BAR: f64 = 20.0;
 /// Between the surface and the bar, px.
 const GAP: f64 = 30.0;
 
+/// The shades of the bar.
+const STEPS: usize = 100;
+
 /// The colours of the pressure, from none to the highest.
 const PRESSURE: [[u8; 3]; 4] = [[248, 251, 255], [178, 208, 236], [96, 158, 212], [38, 98, 170]];
 
@@ -22,7 +25,6 @@ impl View {
         }
         let ([_, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
         let (from, to) = (right + GAP, right + GAP + BAR);
-        const STEPS: usize = 100;
         let height = |share: f64| bottom - share * (bottom - top);
         for k in 0..STEPS {
             let [low, high] = [k, k + 1].map(|k| k as f64 / STEPS as f64);
