@@ -126,7 +126,8 @@ fn hertz_sphere_in_space() {
 }
 
 /// Half a sphere pushed sideways: the zone that sticks ends within one element of the circle, along it, across it and on the
-/// whole; friction carries the push.
+/// whole. The displacements that the closed form has for the sums of the forces are those imposed, as far as the body is a
+/// half-space.
 #[test]
 fn mindlin_sphere() {
     let (model, outcome) = solve("mindlin_sphere.toml", &[], &mut ());
@@ -136,6 +137,12 @@ fn mindlin_sphere() {
     assert!((0.6..0.8).contains(&share), "{share}");
     let hertz = Hertz::sphere(2.0 * sum(&state.p_n), RADIUS, YOUNG / (1.0 - 0.49_f64.powi(2)));
     let c = hertz.stick_of_sphere(share);
+    let approach = hertz.a * hertz.a / RADIUS;
+    // 3 (2 - ν) μ P / (16 G a) (1 - (1 - q)^(2/3)), with 2 G = E / (1 + ν).
+    let compliance = 3.0 * 1.51 * 1.49 / (8.0 * YOUNG * hertz.a);
+    let push = compliance * mu * 2.0 * sum(&state.p_n) * (1.0 - (1.0 - share).cbrt().powi(2));
+    println!("approach {approach} for 1e-4, push {push} for 3.6e-5");
+    assert!((approach / 1e-4 - 1.0).abs() < 0.1 && (push / 3.6e-5 - 1.0).abs() < 0.05, "{approach} {push}");
     let sticks = |i: usize| {
         let limit = (1.0 - 1e-9) * mu * state.p_n[i];
         state.p_n[i] > 0.0 && state.p_t[i].hypot(state.p_o[i]) < limit

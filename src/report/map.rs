@@ -40,14 +40,14 @@ impl ContactSurface {
         }
         let view = View::new(self);
         pen::picture([WIDTH, view.end()], |pen| {
-            pen.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold)?;
-            let boundary = self.boundary.as_ref().map_or(String::new(), |name| format!("boundary {name}, "));
-            let subtitle = format!("contact stresses, {boundary}t = {} s", self.time);
-            pen.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle)?;
             view.draw_background(pen)?;
             self.draw_patches(pen, &view)?;
             self.draw_borders(pen, &view)?;
             view.draw_frame(pen, &self.axes)?;
+            pen.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold)?;
+            let boundary = self.boundary.as_ref().map_or(String::new(), |name| format!("boundary {name}, "));
+            let subtitle = format!("contact stresses, {boundary}t = {} s", self.time);
+            pen.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle)?;
             self.draw_nodes(pen, &view)?;
             view.draw_colours(pen)?;
             view.draw_legend(pen)

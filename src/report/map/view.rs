@@ -103,9 +103,9 @@ impl View {
         let ([left, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
         let end = self.end();
         for [a, b] in [
-            [[0.0, TOP - 36.0], [left, end]],
-            [[right, TOP - 36.0], [WIDTH, end]],
-            [[left, TOP - 36.0], [right, top]],
+            [[0.0, 0.0], [left, end]],
+            [[right, 0.0], [WIDTH, end]],
+            [[left, 0.0], [right, top]],
             [[left, bottom], [right, end]],
         ] {
             pen.polygon(&[a, [b[0], a[1]], b, [a[0], b[1]]], WHITE)?;
