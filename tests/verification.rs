@@ -191,7 +191,7 @@ fn cattaneo_mindlin_line(elements: usize) -> [f64; 2] {
 /// The traction converges with the size of the elements, for stick and slip meet somewhere within one.
 #[test]
 fn cattaneo_mindlin() {
-    let elements = [9, 18, 36];
+    let elements = [9, 18, 36, 72];
     let errors = elements.map(cattaneo_mindlin_line);
     for k in [0, 1] {
         let errors = errors.map(|errors| errors[k]);
