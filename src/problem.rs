@@ -8,6 +8,8 @@
 //! A contact node has two tangents in three dimensions (any orthonormal pair), one in two, and fewer
 //! where supports leave it less: a row of `C_t` or `C_o` is empty where there is no such freedom.
 
+mod contact_stiffness;
+
 use std::collections::BTreeSet;
 
 use crate::sparse::{Csr, Symmetric, Twofold};
@@ -107,18 +109,6 @@ impl ContactProblem {
         let rough = (0..self.contacts()).filter(|&i| self.mu[i] > 0.0);
         let tangential = rough.flat_map(|i| self.tangential_maps().map(|map| map.row(i))).flatten();
         normal.chain(tangential).map(|&(dof, _)| dof).collect::<BTreeSet<_>>().into_iter().collect()
-    }
-
-    /// What stands against a force on a contact node alone, roughly: a quarter of its own stiffness
-    /// `(C_n K C_nᵀ)_ii`, n_c, N/m. In a uniform mesh that is close to `1/C_nn`, the inverse of the
-    /// compliance `C_n K⁻¹ C_nᵀ`; only its order of magnitude is relied on.
-    pub fn contact_stiffness(&self) -> Vec<f64> {
-        let along_normal = |i: usize| {
-            let row = self.c_n.row(i);
-            let pairs = row.iter().flat_map(|a| row.iter().map(move |b| (a, b)));
-            pairs.map(|(a, b)| a.1 * b.1 * self.stiffness.get(a.0, b.0)).sum::<f64>()
-        };
-        (0..self.contacts()).map(|i| 0.25 * along_normal(i)).collect()
     }
 
     /// `(C_t, C_o)`.

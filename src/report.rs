@@ -11,6 +11,7 @@ mod plot;
 mod pvd;
 mod run;
 mod table;
+mod unknowns;
 mod usage;
 mod vtu;
 
@@ -22,7 +23,8 @@ pub use fields::fields;
 pub use folder::{ResultFolder, write_file};
 pub use plot::{contact_stresses, stress_chart};
 pub use pvd::series as pvd_series;
-pub use run::{Explanation, Final, Measured, Resultant, RunReport, Totals, Unknowns, WorstNode};
+pub use run::{Explanation, Final, Measured, Resultant, RunReport, Totals, WorstNode};
 pub use table::Table;
+pub use unknowns::{LeftOut, Unknowns};
 pub use usage::{available_bytes, cpu_seconds, peak_rss_bytes};
 pub use vtu::{Field, Grid, Values};

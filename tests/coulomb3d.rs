@@ -180,7 +180,7 @@ fn an_idle_direction_changes_nothing() {
         assert_eq!(iterations(&other), iterations(&expected));
         assert_eq!((&other.state.u, &other.state.p_n), (&expected.state.u, &expected.state.p_n));
         assert_eq!((&other.state.p_o, &other.state.p_t), (&expected.state.p_t, &expected.state.p_o));
-        // r of a node depends on the number of its tangents.
+        // Alone, a node is as stiff in space as in the plane, but r is another share of that.
         let same_r = HistorySettings { conventions: Conventions::natural(&two), ..settings(&three, &padded) };
         let three = run(&three, &padded, &same_r);
         assert_eq!(three.status, Status::Converged, "seed {seed}");
@@ -248,7 +248,7 @@ fn the_measure_sees_directions() {
     let measure = |p_t, p_o| {
         let state =
             State { u: vec![0.3, 0.4, 0.0], u_rest: Vec::new(), p_t: vec![p_t], p_o: vec![p_o], p_n: vec![2.0] };
-        let scales = KktScales::new(&increment, &state);
+        let scales = KktScales::new(&problem, &increment, &state);
         let status = statuses(&problem, &increment, &state, &scales)[0];
         (KktErrors::measure(&problem, &increment, &state, &scales), status)
     };

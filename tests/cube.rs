@@ -1,6 +1,6 @@
 //! Three dimensions as a whole: the cube under the paper's loads, slabs that are plane, scenes that are turned.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
 
@@ -8,9 +8,9 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use std::path::Path;
 
 use common::Keep;
-use stickslip::history::{HistoryOutcome, Status};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
 use stickslip::model::Model;
-use stickslip::scene::Scene;
+use stickslip::scene::{LinearBackend, Scene};
 
 fn solve(scene: &Scene) -> (Model, HistoryOutcome, Keep) {
     let mut keep = Keep::default();
@@ -45,8 +45,73 @@ fn small_cubes() {
     assert!(mean < 4.2, "{mean}");
 }
 
+/// The interior point method, from a cold start in each increment, ends where BN ends.
+#[test]
+fn the_interior_point_method_on_cubes() {
+    let (mut iterations, mut increments) = (0, 0);
+    for mu in [0.1, 0.4, 0.8, 2.0] {
+        let mu = format!("contact.friction={mu}");
+        let scene = common::scene("cube.toml", &["mesh.elements=[4,4,4]", &mu]);
+        let (model, _, by_bn) = solve(&scene);
+        let settings = HistorySettings::ip(&model.problem, model.scaling(), 100, scene.solver.tolerance);
+        let mut linear = model.linear(LinearBackend::Condensed);
+        let mut by_ip = Keep::default();
+        let times = scene.time.all();
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut by_ip).unwrap();
+        assert_eq!(outcome.status, Status::Converged, "{mu}");
+        assert!(outcome.records.iter().all(|r| r.parts == 1), "{mu}");
+        iterations += outcome.records.iter().map(|r| r.iterations).sum::<usize>();
+        increments += outcome.records.len();
+        let difference = largest_difference(&forces(&model, &by_ip), &forces(&model, &by_bn));
+        assert!(difference < 1e-8, "{mu}: {difference:e}");
+    }
+    let mean = iterations as f64 / increments as f64;
+    println!("{mean} iterations an increment");
+    assert!(mean <= 15.0, "{mean}");
+}
+
+/// Nearly incompressible elements that do not lock, and a layer a million times softer: BN needs neither parts nor rescue.
+#[test]
+fn uneven_cubes() {
+    let incompressible = |poisson: &str| format!("material.poisson={poisson}");
+    let soft = "[[0.25,210e9,0.3],[0.25,210e3,0.3]]";
+    for material in [
+        &["mesh.element=\"b-bar\"".to_string(), incompressible("0.499")][..],
+        &["mesh.element=\"b-bar\"".to_string(), incompressible("0.499999")],
+        &[format!("material.layers={soft}")],
+    ] {
+        let (mut iterations, mut increments) = (0, 0);
+        for mu in [0.1, 0.4, 0.8, 2.0] {
+            let mu = format!("contact.friction={mu}");
+            let overrides = ["mesh.elements=[4,4,4]", &mu].into_iter().chain(material.iter().map(String::as_str));
+            let (_, outcome, _) = solve(&common::scene("cube.toml", &overrides.collect::<Vec<_>>()));
+            assert!(outcome.records.iter().all(|r| r.parts == 1 && !r.rescued), "{mu} {material:?}");
+            iterations += outcome.records.iter().map(|r| r.iterations).sum::<usize>();
+            increments += outcome.records.len();
+        }
+        let mean = iterations as f64 / increments as f64;
+        println!("{material:?}: {mean}");
+        assert!(mean < 4.2, "{material:?}: {mean}");
+    }
+}
+
+/// A foundation of rubber under a cube of steel, much friction, the whole load at once: BN gives up, and the interior
+/// point method ends the increment.
+#[test]
+fn a_rescue() {
+    let overrides = [
+        "mesh.elements=[4,4,4]",
+        "material.layers=[[0.3,210e3,0.3]]",
+        "contact.friction=2",
+        "load[2].traction=[0,0,0]",
+        "time.increments=2",
+    ];
+    let (_, outcome, _) = solve(&common::scene("cube.toml", &overrides));
+    assert!(outcome.records.iter().any(|r| r.rescued && r.parts == 1), "the test has lost its case");
+}
+
 /// A slab of the plane x, z, one element thick and held across, does what the block in plane strain does, increment
-/// by increment, iteration by iteration.
+/// by increment.
 #[test]
 fn a_slab_is_plane() {
     let n = 12;
@@ -60,8 +125,9 @@ fn a_slab_is_plane() {
     let overrides = [&size, &elements, "load[2].traction=[0,0,0]"].map(|text| text.parse().unwrap());
     let slab = Scene::parse("slab.toml", &text, &overrides).unwrap();
     let ((plane, flat, flat_states), (space, thick, thick_states)) = (solve(&block), solve(&slab));
-    let counts = |outcome: &HistoryOutcome| -> Vec<_> { outcome.records.iter().map(|r| r.iterations).collect() };
-    assert_eq!(counts(&flat), counts(&thick));
+    // Their r are not the same: alone, either of the two nodes across the slab is softer.
+    let counts = |outcome: &HistoryOutcome| outcome.records.iter().map(|r| r.iterations).sum::<usize>();
+    assert!(counts(&flat).abs_diff(counts(&thick)) <= 2, "{} {}", counts(&flat), counts(&thick));
     assert_eq!(space.contacts.len(), 2 * plane.contacts.len());
     for (flat, thick) in flat_states.states.iter().zip(&thick_states.states) {
         let largest = flat.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));

@@ -44,7 +44,8 @@ fn each_component_sees_its_own_violation() {
     let problem = &model.problem;
     // At the end some nodes are open, some stick, some slip.
     let (increment, state) = (keep.increment(1, &model.loading.gap), &keep.states[1]);
-    let statuses = stickslip::contact::statuses(problem, &increment, state, &KktScales::new(&increment, state));
+    let statuses =
+        stickslip::contact::statuses(problem, &increment, state, &KktScales::new(problem, &increment, state));
     let find = |wanted| statuses.iter().position(|&s| s == wanted).unwrap();
     let (open, slip, stick) = (find(Open), find(Slip), find(Stick));
     let force = (state.p_n.iter().chain(increment.force)).fold(0.0_f64, |m, p| m.max(p.abs()));
@@ -52,7 +53,7 @@ fn each_component_sees_its_own_violation() {
     let measure = |spoil: &dyn Fn(&mut State)| {
         let mut spoilt = state.clone();
         spoil(&mut spoilt);
-        KktErrors::measure(problem, &increment, &spoilt, &KktScales::new(&increment, &spoilt))
+        KktErrors::measure(problem, &increment, &spoilt, &KktScales::new(problem, &increment, &spoilt))
     };
     let size = 1e-3;
     let near = |error: f64| (0.9 * size..1.1 * size).contains(&error);
@@ -78,7 +79,7 @@ fn each_component_sees_its_own_violation() {
     let mut gap = model.loading.gap.clone();
     gap[stick] = f64::NAN;
     let nowhere = keep.increment(1, &gap);
-    let errors = KktErrors::measure(problem, &nowhere, state, &KktScales::new(&nowhere, state));
+    let errors = KktErrors::measure(problem, &nowhere, state, &KktScales::new(problem, &nowhere, state));
     assert!(errors.worst().1.is_nan(), "{errors:?}");
 }
 
@@ -91,7 +92,8 @@ fn the_measure_is_unit_free() {
     common::run(&scene, &model, &mut keep);
     let (increment, mut state) = (keep.increment(1, &model.loading.gap), keep.states[1].clone());
     state.u.iter_mut().enumerate().for_each(|(k, u)| *u *= 1.0 + 1e-3 * (k as f64).sin());
-    let si = KktErrors::measure(&model.problem, &increment, &state, &KktScales::new(&increment, &state));
+    let si =
+        KktErrors::measure(&model.problem, &increment, &state, &KktScales::new(&model.problem, &increment, &state));
     // Powers of two, so that equality is exact.
     let (f, l) = (1024.0, 1.0 / 4096.0);
     let times = |values: &[f64], factor: f64| values.iter().map(|v| v * factor).collect::<Vec<_>>();
@@ -108,7 +110,7 @@ fn the_measure_is_unit_free() {
         p_o: times(&state.p_o, f),
         p_n: times(&state.p_n, f),
     };
-    let scales = KktScales::new(&increment, &state);
+    let scales = KktScales::new(&problem, &increment, &state);
     assert_eq!(KktErrors::measure(&problem, &increment, &state, &scales), si);
     assert!(si.worst().1 > 1e-4);
 }

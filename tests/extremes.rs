@@ -97,7 +97,7 @@ impl Observer for Judge<'_> {
         if step.record.status != Status::Converged {
             return Flow::Continue;
         }
-        self.scales = KktScales::after(&self.scales, step.increment, step.state);
+        self.scales = KktScales::after(&self.scales, problem, step.increment, step.state);
         let map = natural_map(problem, step.increment, step.state, &self.scales);
         assert!(map <= 2e-10, "{name}, increment {}: natural map {map}", step.record.index);
         let (told, truth) =

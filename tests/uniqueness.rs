@@ -46,13 +46,13 @@ fn state(u: [f64; 2], p_t: f64, p_n: f64) -> State {
 }
 
 fn critical(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> CriticalFriction {
-    let scales = KktScales::new(increment, state);
+    let scales = KktScales::new(problem, increment, state);
     let mut linear = Direct::default();
     critical_friction(problem, increment, state, &scales, Scaling::SI, &mut linear).unwrap().unwrap()
 }
 
 fn kkt(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> f64 {
-    KktErrors::measure(problem, increment, state, &KktScales::new(increment, state)).worst().1
+    KktErrors::measure(problem, increment, state, &KktScales::new(problem, increment, state)).worst().1
 }
 
 /// Every start of a grid of `(u_t, u_n, p_t, p_n)`.

@@ -14,8 +14,8 @@ use stickslip::linear;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IpSettings, IterationRecord, PredictorCorrectorSettings};
 use stickslip::report::{
-    ContactLine, ContactSurface, Final, Measured, ResultFolder, Resultant, RunReport, Unknowns, available_bytes,
-    cpu_seconds, fields, peak_rss_bytes,
+    ContactLine, ContactSurface, Final, LeftOut, Measured, ResultFolder, Resultant, RunReport, Unknowns,
+    available_bytes, cpu_seconds, fields, peak_rss_bytes,
 };
 use stickslip::scene::{self, NewtonSystem, Scene, Solver};
 
@@ -249,7 +249,11 @@ fn print_head(scene: &Scene, model: &Model, choice: &Choice) {
         say!("solver       auto: {reason}");
     }
     let total: usize = blocks.iter().map(|(count, _)| count).sum();
-    say!("unknowns     {total} = {}{reduced}\n", present.collect::<Vec<_>>().join(" + "));
+    say!("unknowns     {total} = {}{reduced}", present.collect::<Vec<_>>().join(" + "));
+    for (k, LeftOut { count, unknown, reason }) in LeftOut::all(scene, model, choice.backend).iter().enumerate() {
+        say!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
+    }
+    say!("");
 }
 
 fn print_verdict(report: &RunReport, increments: usize) {

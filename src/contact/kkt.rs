@@ -15,26 +15,30 @@ use crate::problem::{ContactProblem, Increment, State};
 pub struct KktScales {
     /// The largest external nodal force or contact force, N.
     pub force: f64,
-    /// The largest displacement or interference, m.
+    /// The largest displacement or interference, or what the largest external nodal force makes of the largest diagonal
+    /// entry of the stiffness: less than that moves nothing. (In a body that sticks, displacements may be mere rounding.) m.
     pub length: f64,
 }
 
 impl KktScales {
     /// The scales of a state that others came before.
-    pub fn after(earlier: &KktScales, increment: &Increment<'_>, state: &State) -> Self {
-        earlier.with_load(increment).with_state(state)
+    pub fn after(earlier: &KktScales, problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Self {
+        earlier.with_load(problem, increment).with_state(state)
     }
 
     /// The scales of a single state.
-    pub fn new(increment: &Increment<'_>, state: &State) -> Self {
-        KktScales::default().with_load(increment).with_state(state)
+    pub fn new(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Self {
+        KktScales::default().with_load(problem, increment).with_state(state)
     }
 
     /// Raised to the external forces and interferences of `increment`.
     #[must_use]
-    pub fn with_load(self, increment: &Increment<'_>) -> Self {
+    pub fn with_load(self, problem: &ContactProblem, increment: &Increment<'_>) -> Self {
         let interference = increment.gap.iter().fold(0.0_f64, |m, g| m.max(-g));
-        KktScales { force: self.force.max(largest(increment.force)), length: self.length.max(interference) }
+        let force = largest(increment.force);
+        let stiffest = largest(&problem.stiffness.diagonal());
+        let least = if stiffest > 0.0 { force / stiffest } else { 0.0 };
+        KktScales { force: self.force.max(force), length: self.length.max(interference).max(least) }
     }
 
     /// Raised to the contact forces and displacements of `state`.

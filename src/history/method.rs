@@ -56,8 +56,13 @@ pub(super) trait IncrementSolver {
     /// The matrix it factors; its pattern never changes.
     fn matrix(&self) -> &Csc;
 
-    /// Writes the matrix of the state it has reached.
+    /// Linearises at the state it has reached; see [`IncrementSolver::linearization`].
     fn linearize(&mut self);
+
+    /// The matrix that [`IncrementSolver::linearize`] has written, on the pattern of the other.
+    fn linearization(&self) -> &Csc {
+        self.matrix()
+    }
 
     /// Writes the matrix of the body with all contact nodes held; `Err` with the weights of a free
     /// motion that is possible all the same.

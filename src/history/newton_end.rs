@@ -8,7 +8,8 @@ use super::method::Task;
 use crate::formulation::{Bdiff, Conventions, Formulation};
 use crate::linear::{Direct, LinearError};
 use crate::nonlinear::{Bn, BnSettings, Flow, IterationRecord, Outcome};
-use crate::problem::ContactProblem;
+use crate::problem::{ContactProblem, Increment};
+use crate::sparse::Csc;
 use crate::units::Scaling;
 
 /// From near the solution BN takes two or three iterations; more show that it is not near.
@@ -31,6 +32,11 @@ impl NewtonEnd {
         }
     }
 
+    /// Sets the data of a new increment.
+    pub(super) fn begin(&mut self, increment: &Increment<'_>) {
+        self.formulation.begin(increment);
+    }
+
     /// BN from a `z` that begins with `(u, p_t, p_n)`, in at most `left` iterations.
     pub(super) fn solve(
         &mut self,
@@ -42,12 +48,21 @@ impl NewtonEnd {
         observe: &mut dyn FnMut(&IterationRecord) -> Flow,
     ) -> Result<Outcome, LinearError> {
         let NewtonEnd { formulation, bn, z: own } = self;
-        formulation.begin(task.increment);
         bn.limit(left.min(ITERATIONS));
         own.copy_from_slice(&z[..formulation.unknowns()]);
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpack_with(z, rest, &scaling));
         bn.solve(formulation, linear, own, &mut error, observe)
+    }
+
+    /// Linearises at a `z` that begins with `(u, p_t, p_n)`.
+    pub(super) fn linearize(&mut self, z: &[f64]) {
+        self.formulation.linearize(&z[..self.z.len()]);
+    }
+
+    /// What the last linearisation wrote.
+    pub(super) fn matrix(&self) -> &Csc {
+        self.formulation.jacobian()
     }
 
     /// Where it has come to, in `(u, p_t, p_n)`, and what rounding leaves off there.

@@ -158,7 +158,7 @@ impl<'a> Path<'a> {
         }
         let increment =
             Increment { force: &self.force, gap: &self.gap, w_t_last: &self.w_t_last, w_o_last: &self.w_o_last };
-        let before = self.scales.with_load(&increment);
+        let before = self.scales.with_load(self.problem, &increment);
         let mut force = &self.force;
         if let Some(condensed) = condensed {
             condensed.loading.force(time, &mut self.condensed_force);

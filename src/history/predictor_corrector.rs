@@ -30,13 +30,10 @@ pub(super) struct PredictorCorrectorMethod<'a> {
     method: PredictorCorrector,
     /// The median stiffness of a contact node along its normal, scaled. Only its order of magnitude matters.
     stiffness: f64,
-    /// For the end by BN.
-    natural: Conventions,
     z: Vec<f64>,
     /// What rounding leaves off `(u, p_t, p_n)`.
     rest: Vec<f64>,
-    /// Made when it is first needed.
-    end: Option<NewtonEnd>,
+    end: NewtonEnd,
 }
 
 impl<'a> PredictorCorrectorMethod<'a> {
@@ -53,12 +50,12 @@ impl<'a> PredictorCorrectorMethod<'a> {
             let formulation = Constrained::new(problem, *scaling, conventions, Partition::Products, newton);
             (Box::new(formulation), median(&history.contact_stiffness))
         };
+        let natural = Conventions::of_stiffness(problem, &history.contact_stiffness);
         PredictorCorrectorMethod {
             stiffness: stiffness / scaling.stiffness(),
-            natural: Conventions::of_stiffness(problem, &history.contact_stiffness),
             z: vec![0.0; formulation.unknowns()],
             rest: vec![0.0; formulation.forces().unknowns()],
-            end: None,
+            end: NewtonEnd::new(problem, *scaling, &natural, settings.tolerance),
             method: PredictorCorrector::default(),
             problem,
             formulation,
@@ -110,8 +107,13 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         self.formulation.matrix()
     }
 
+    /// That of BN: at a solution both members of a pair may vanish, and then the matrix of the interior is singular.
     fn linearize(&mut self) {
-        self.formulation.linearize(&self.z);
+        self.end.linearize(&self.z);
+    }
+
+    fn linearization(&self) -> &Csc {
+        self.end.matrix()
     }
 
     fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
@@ -126,6 +128,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         observe: &mut dyn FnMut(&IterationRecord) -> Flow,
     ) -> Result<Outcome, LinearError> {
         self.formulation.begin(task.increment);
+        self.end.begin(task.increment);
         task.response.add_to(&mut self.z);
         let (problem, scaling) = (self.problem, *self.formulation.scaling());
         let forces = self.formulation.forces().clone();
@@ -150,10 +153,9 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
             outcome = outcome.then(attempt);
             let left = self.settings.max_iterations.saturating_sub(outcome.iterations);
             if left > 0 && outcome.stop != Stop::Interrupted && error(&self.z) > tolerance {
-                let end = self.end.get_or_insert_with(|| NewtonEnd::new(problem, scaling, &self.natural, tolerance));
-                let mut ended = end.solve(problem, task, linear, &self.z, left, observe)?;
+                let mut ended = self.end.solve(problem, task, linear, &self.z, left, observe)?;
                 if ended.stop == Stop::Met {
-                    let (z, rest) = end.reached();
+                    let (z, rest) = self.end.reached();
                     self.z[..z.len()].copy_from_slice(z);
                     self.rest.copy_from_slice(rest);
                 } else if ended.stop != Stop::Interrupted {

@@ -135,14 +135,15 @@ impl HistorySettings {
 
     /// BN without a number to guess.
     pub fn bn(problem: &ContactProblem, scaling: Scaling, max_iterations: usize, tolerance: f64) -> Self {
+        let contact_stiffness = problem.contact_stiffness();
         HistorySettings {
             method: Method::Bn {
                 settings: BnSettings::until(tolerance, max_iterations.min(BN_PATIENCE)),
                 start: FirstGuess::Held,
                 rescue: Some(PredictorCorrectorSettings { tolerance, max_iterations }),
             },
-            conventions: Conventions::natural(problem),
-            contact_stiffness: problem.contact_stiffness(),
+            conventions: Conventions::of_stiffness(problem, &contact_stiffness),
+            contact_stiffness,
             scaling,
             tolerance,
             halvings: HALVINGS,

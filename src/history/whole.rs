@@ -82,10 +82,10 @@ impl Whole<'_> {
     ) -> Result<Vec<f64>, LinearError> {
         let scaling = self.settings.scaling;
         let forces = self.condensed.reduce(&imbalance.iter().map(|r| -r).collect::<Vec<_>>())?;
-        let n = method.matrix().pattern.columns();
+        let n = method.linearization().pattern.columns();
         let (mut rhs, mut change) = (vec![0.0; n], vec![0.0; n]);
         rhs.iter_mut().zip(&forces.border).for_each(|(b, force)| *b = force / scaling.force);
-        linear.solve(method.matrix(), &rhs, &mut change)?;
+        linear.solve(method.linearization(), &rhs, &mut change)?;
         let border: Vec<f64> = change.iter().take(forces.border.len()).map(|du| du * scaling.length).collect();
         let du = self.condensed.displacements(&forces, &border)?;
         if state.u_rest.is_empty() {
@@ -124,7 +124,7 @@ impl Whole<'_> {
 /// Factors the linearisation of the state that the method has reached; tells whether that can be solved with.
 fn factor(method: &mut dyn IncrementSolver, linear: &mut Direct) -> Result<bool, LinearError> {
     method.linearize();
-    match linear.factorize(method.matrix()) {
+    match linear.factorize(method.linearization()) {
         Ok(_) => Ok(true),
         Err(LinearError::Singular { .. } | LinearError::NotFinite) => Ok(false),
         Err(error) => Err(error),

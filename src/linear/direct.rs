@@ -79,6 +79,7 @@ impl Direct {
     /// Adds the factors of the condensed body to what is reported of the others.
     pub fn stand_on(&mut self, body: FactorInfo) {
         self.body = body;
+        self.statistics.factor = body;
     }
 
     /// Counts the backward error of a solution of the whole system that was put together elsewhere.

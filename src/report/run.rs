@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use serde::Serialize;
 
+use super::unknowns::{LeftOut, Unknowns};
 use crate::auto::Choice;
 use crate::contact::{Law, RangeLeft};
-use crate::formulation::Layout;
 use crate::history::{HistoryOutcome, IncrementRecord, Status};
 use crate::model::Model;
 use crate::problem::State;
@@ -39,6 +39,8 @@ pub struct RunReport {
     pub range_left: Option<RangeLeft>,
     /// How many unknowns of each kind there were.
     pub unknowns: Unknowns,
+    /// How many there were not, and why.
+    pub left_out: Vec<LeftOut>,
     /// One record per increment.
     pub increments: Vec<IncrementRecord>,
     /// Sums over the run.
@@ -74,38 +76,6 @@ pub struct WorstNode {
     pub node: usize,
     /// Its position, m: as many coordinates as there are dimensions.
     pub position: Vec<f64>,
-}
-
-/// The numbers of unknowns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Unknowns {
-    /// Displacements.
-    pub u: usize,
-    /// Tangential contact forces along the first tangent.
-    pub p_t: usize,
-    /// The same along the second, in three dimensions.
-    pub p_o: usize,
-    /// Normal contact forces.
-    pub p_n: usize,
-    /// Distances, the slacks of the interior point method.
-    pub v_n: usize,
-    /// Friction reserves, the slacks of the interior point method, two for each `p_t`.
-    pub s: usize,
-    /// Multipliers of the interior point method, two for each `p_t`.
-    pub lambda: usize,
-}
-
-impl Unknowns {
-    /// Those of `method` for the unknowns in `layout`.
-    pub fn new(layout: &Layout, method: MethodName) -> Self {
-        let (u, p_n) = (layout.displacements(), layout.contacts());
-        let p_o = (0..p_n).filter(|&i| layout.p_o(i).is_some()).count();
-        let p_t = layout.tangentials() - p_o;
-        match method {
-            MethodName::Bn => Unknowns { u, p_t, p_o, p_n, v_n: 0, s: 0, lambda: 0 },
-            MethodName::Ip => Unknowns { u, p_t, p_o, p_n, v_n: p_n, s: 2 * p_t, lambda: 2 * p_t },
-        }
-    }
 }
 
 /// Sums over a run.
@@ -187,6 +157,7 @@ impl RunReport {
             status: outcome.status,
             explanation,
             unknowns: Unknowns::new(&outcome.layout, scene.solver.method.name()),
+            left_out: LeftOut::all(scene, model, choice.backend),
             increments: outcome.records.clone(),
             totals: Totals {
                 iterations: outcome.records.iter().map(|record| record.iterations).sum(),

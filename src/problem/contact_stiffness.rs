@@ -1,0 +1,158 @@
+//! What stands against a force on one contact node: the scale of `r`.
+
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Mat, Side};
+
+use super::ContactProblem;
+use crate::sparse::{Csc, Csr, Symmetric};
+
+/// The displacements that share a stiffness entry with the normal motion of a contact node, ascending: with finite
+/// elements, those of the elements at the node.
+type Patch = Vec<usize>;
+
+/// Less than this share of a node's own stiffness may be what rounding leaves of a patch that turns about what is held
+/// beyond it; true contrasts of twelve decades are not told from that.
+const MERE_ROUNDING: f64 = 1e-12;
+
+impl ContactProblem {
+    /// The stiffness of each contact node along its normal, all others of its patch free and everything beyond held,
+    /// n_c, N/m: `1 / (C_n K_PP⁻¹ C_nᵀ)_ii` with `K_PP` the rows and columns of the displacements that the node's
+    /// own are coupled to.
+    ///
+    /// It stands for `1 / C_nn`, the inverse of the compliance `C_n K⁻¹ C_nᵀ`, where what is far away does not
+    /// count: neither the bending of a slender body, nor a stiffness against change of volume that no surface node
+    /// ever meets. Where the patch could move as a rigid body it is a quarter of the node's own `(C_n K C_nᵀ)_ii`,
+    /// which in a uniform mesh is about the same.
+    pub fn contact_stiffness(&self) -> Vec<f64> {
+        let patches = patches(&self.stiffness, &self.c_n);
+        let mut last: Option<(&Patch, Option<Llt<f64>>)> = None;
+        let mut stiffness = Vec::with_capacity(patches.len());
+        for (i, patch) in patches.iter().enumerate() {
+            // In a dense matrix all patches are the same.
+            let factors = match last.take() {
+                Some((same, factors)) if same == patch => factors,
+                _ => self.factors(patch),
+            };
+            let compliance = factors.as_ref().map(|factors| compliance(factors, patch, self.c_n.row(i)));
+            let own = self.own_stiffness(i);
+            let usable = compliance.map(|c| 1.0 / c).filter(|k| k.is_finite() && *k > MERE_ROUNDING * own);
+            stiffness.push(usable.unwrap_or(0.25 * own));
+            last = Some((patch, factors));
+        }
+        stiffness
+    }
+
+    /// `(C_n K C_nᵀ)_ii`.
+    fn own_stiffness(&self, i: usize) -> f64 {
+        let row = self.c_n.row(i);
+        let pairs = row.iter().flat_map(|a| row.iter().map(move |b| (a, b)));
+        pairs.map(|(a, b)| a.1 * b.1 * self.stiffness.get(a.0, b.0)).sum()
+    }
+
+    /// `K_PP`, factored. None where the patch is all that moves and nothing stops it, or where it is singular.
+    fn factors(&self, patch: &Patch) -> Option<Llt<f64>> {
+        if patch.len() == self.displacements() && !self.free_motions.is_empty() {
+            return None;
+        }
+        let Csc { pattern, values } = self.stiffness.lower();
+        let mut matrix = Mat::zeros(patch.len(), patch.len());
+        for (j, &column) in patch.iter().enumerate() {
+            for slot in pattern.column(column) {
+                if let Ok(i) = patch.binary_search(&(pattern.row_indices()[slot] as usize)) {
+                    matrix[(i, j)] = values[slot];
+                }
+            }
+        }
+        matrix.llt(Side::Lower).ok()
+    }
+}
+
+/// `c K_PP⁻¹ cᵀ` of a row `c` of `C_n`.
+fn compliance(factors: &Llt<f64>, patch: &Patch, row: &[(usize, f64)]) -> f64 {
+    let mut force = Mat::zeros(patch.len(), 1);
+    let place = |dof: usize| patch.binary_search(&dof);
+    for &(dof, c) in row {
+        if let Ok(k) = place(dof) {
+            force[(k, 0)] = c;
+        }
+    }
+    let moved = factors.solve(&force);
+    row.iter().map(|&(dof, c)| place(dof).map_or(0.0, |k| c * moved[(k, 0)])).sum()
+}
+
+/// The patch of each contact node.
+fn patches(stiffness: &Symmetric, c_n: &Csr) -> Vec<Patch> {
+    let mut nodes_of = vec![Vec::new(); stiffness.order()];
+    for i in 0..c_n.rows() {
+        c_n.row(i).iter().for_each(|&(dof, _)| nodes_of[dof].push(i));
+    }
+    let mut patches = vec![Patch::new(); c_n.rows()];
+    for (row, column, _) in stiffness.entries() {
+        nodes_of[row].iter().for_each(|&i| patches[i].push(column));
+    }
+    for patch in &mut patches {
+        patch.sort_unstable();
+        patch.dedup();
+    }
+    patches
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `n` points in a row with unit springs between them, the last one on a wall by another if it is `held`; every
+    /// point is a contact node.
+    fn chain(n: usize, held: bool) -> ContactProblem {
+        let mut stiffness = Symmetric::from_entries(n, |take| {
+            (0..n).for_each(|i| (i.saturating_sub(1)..=i).for_each(|j| take(i, j)));
+        });
+        for i in 1..n {
+            stiffness.add(i - 1, i - 1, 1.0);
+            stiffness.add(i, i, 1.0);
+            stiffness.add(i, i - 1, -1.0);
+        }
+        stiffness.add(n - 1, n - 1, f64::from(u8::from(held)));
+        let [mut c_n, mut none] = [Csr::new(n), Csr::new(n)];
+        (0..n).for_each(|i| c_n.push_row([(i, -1.0)]));
+        (0..n).for_each(|_| none.push_row([]));
+        ContactProblem {
+            stiffness,
+            c_n,
+            c_t: none.clone(),
+            c_o: none,
+            mu: vec![0.0; n],
+            weight: vec![1.0; n],
+            free_motions: if held { Vec::new() } else { vec![vec![1.0; n]] },
+        }
+    }
+
+    fn assert_close(found: &[f64], expected: &[f64]) {
+        assert_eq!(found.len(), expected.len());
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
+    }
+
+    /// Two springs in a row to either side; those to the free end carry nothing.
+    #[test]
+    fn what_is_beyond_the_neighbours_is_held() {
+        assert_close(&chain(6, true).contact_stiffness(), &[0.5, 0.5, 1.0, 1.0, 1.0, 1.5]);
+    }
+
+    /// The neighbours of the middle are all there is.
+    #[test]
+    fn a_patch_that_moves_as_a_rigid_body() {
+        assert_close(&chain(3, false).contact_stiffness(), &[0.5, 0.25 * 2.0, 0.5]);
+    }
+
+    #[test]
+    fn in_a_dense_matrix_it_is_the_inverse_of_the_compliance() {
+        // K = 1 + e eᵀ, K⁻¹ = 1 - e eᵀ / (n + 1).
+        let n = 5;
+        let mut problem = chain(n, true);
+        problem.stiffness = Symmetric::from_entries(n, |take| (0..n).for_each(|i| (0..=i).for_each(|j| take(i, j))));
+        for i in 0..n {
+            (0..=i).for_each(|j| problem.stiffness.add(i, j, if i == j { 2.0 } else { 1.0 }));
+        }
+        assert_close(&problem.contact_stiffness(), &[1.2; 5]);
+    }
+}

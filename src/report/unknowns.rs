@@ -1,0 +1,86 @@
+//! Which unknowns a run has, and which it does without.
+
+use serde::Serialize;
+
+use crate::formulation::Layout;
+use crate::model::Model;
+use crate::scene::{LinearBackend, MethodName, Scene};
+
+/// The numbers of unknowns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Unknowns {
+    /// Displacements.
+    pub u: usize,
+    /// Tangential contact forces along the first tangent.
+    pub p_t: usize,
+    /// The same along the second, in three dimensions.
+    pub p_o: usize,
+    /// Normal contact forces.
+    pub p_n: usize,
+    /// Distances, the slacks of the interior point method.
+    pub v_n: usize,
+    /// Friction reserves, the slacks of the interior point method: two for each `p_t` in two dimensions, one for each
+    /// cone in three.
+    pub s: usize,
+    /// Multipliers of the interior point method, as many.
+    pub lambda: usize,
+}
+
+/// Unknowns that a scene does not need.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// How many.
+    pub count: usize,
+    /// Of which kind: `"u"`, `"p_n"`, `"p_t and p_o"`.
+    pub unknown: &'static str,
+    /// Why.
+    pub reason: &'static str,
+}
+
+impl Unknowns {
+    /// Those of `method` for the unknowns in `layout`.
+    pub fn new(layout: &Layout, method: MethodName) -> Self {
+        let (u, p_n) = (layout.displacements(), layout.contacts());
+        let with = |has: &dyn Fn(usize) -> bool| (0..p_n).filter(|&i| has(i)).count();
+        let p_o = with(&|i| layout.p_o(i).is_some());
+        let p_t = layout.tangentials() - p_o;
+        let reserves = if layout.has_second_tangent() { with(&|i| layout.has_friction(i)) } else { 2 * p_t };
+        match method {
+            MethodName::Bn => Unknowns { u, p_t, p_o, p_n, v_n: 0, s: 0, lambda: 0 },
+            MethodName::Ip => Unknowns { u, p_t, p_o, p_n, v_n: p_n, s: reserves, lambda: reserves },
+        }
+    }
+}
+
+impl LeftOut {
+    /// What a scene, discretised as `model` and solved by `backend`, does without.
+    pub fn all(scene: &Scene, model: &Model, backend: LinearBackend) -> Vec<Self> {
+        let Model { mesh, problem, contacts, .. } = model;
+        let tangential = if mesh.dimension == 2 { "p_t" } else { "p_t and p_o" };
+        let claimed = (scene.contacts.iter())
+            .filter_map(|contact| mesh.boundary(contact.boundary.as_str()))
+            .map(|boundary| boundary.nodes().len())
+            .sum::<usize>();
+        let smooth = contacts.iter().zip(&problem.mu).filter(|(_, mu)| **mu == 0.0);
+        let rough = contacts.iter().zip(&problem.mu).filter(|(_, mu)| **mu > 0.0);
+        let free =
+            |contact: &crate::contact::ContactNode| contact.tangents.iter().filter(|row| !row.is_empty()).count();
+        let interior = match backend {
+            LinearBackend::Condensed => problem.displacements() - problem.contact_displacements().len(),
+            LinearBackend::Umfpack | LinearBackend::Faer => 0,
+        };
+        let counted = [
+            (mesh.nodes.len() * mesh.dimension - problem.displacements(), "u", "held by supports"),
+            (interior, "u", "within the body: condensed, known once those at the contact are"),
+            (claimed - contacts.len(), "p_n", "at nodes that supports hold along the normal"),
+            (smooth.map(|(contact, _)| free(contact)).sum(), tangential, "at nodes without friction"),
+            (
+                rough.map(|(contact, _)| mesh.dimension - 1 - free(contact)).sum(),
+                tangential,
+                "along directions in which supports, or a second obstacle, let nothing slide",
+            ),
+        ];
+        let present = counted.into_iter().filter(|(count, ..)| *count > 0);
+        present.map(|(count, unknown, reason)| LeftOut { count, unknown, reason }).collect()
+    }
+}
