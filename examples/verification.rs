@@ -9,12 +9,11 @@ use std::error::Error;
 
 use hertz::Hertz;
 use stickslip::history::{self, HistorySettings, Observer, Step};
-use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
 use stickslip::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, write_file};
-use stickslip::scene::Scene;
+use stickslip::scene::{LinearBackend, Scene};
 
 const YOUNG: f64 = 210e9;
 const RADIUS: f64 = 100.0;
@@ -36,20 +35,24 @@ fn solve(name: &str) -> Result<(Model, Vec<State>), Box<dyn Error>> {
     let settings = HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
     let mut states = States::default();
     let times = scene.time.all();
-    history::run(&model.problem, &model.loading, &times, &settings, &mut Direct::default(), &mut states)?;
+    let mut linear = model.linear(LinearBackend::Condensed);
+    history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut states)?;
     Ok((model, states.0))
 }
 
-/// Stresses (MPa) over x (mm) from `middle` (m), the nodes on the closed form, where that reaches `width` (m).
-fn panel(model: &Model, title: &str, forces: &[f64], (middle, width): (f64, f64), exact: impl Fn(f64) -> f64) -> Panel {
-    // The contact line, or the edge of the surface on the symmetry plane.
-    let row = model.contacts.iter().map(|c| c.position[1]).fold(f64::INFINITY, f64::min);
-    let along = model.contacts.iter().zip(forces).filter(|(c, _)| c.position[1] == row);
-    let nodes = along.map(|(c, p)| [c.position[0] - middle, p / c.weight]);
-    let mut nodes: Vec<[f64; 2]> = nodes.filter(|point| point[0].abs() <= width).collect();
+/// Stresses (MPa) over the distance (mm) at the nodes where `place` gives one (m), on the closed form.
+fn panel(
+    model: &Model,
+    title: &str,
+    forces: &[f64],
+    place: impl Fn([f64; 3]) -> Option<f64>,
+    exact: impl Fn(f64) -> f64,
+) -> Panel {
+    let nodes = model.contacts.iter().zip(forces);
+    let mut nodes: Vec<[f64; 2]> = nodes.filter_map(|(c, p)| Some([place(c.position)?, p / c.weight])).collect();
     nodes.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let first = nodes.first().map_or(0.0, |point| point[0]);
-    let fine = (0..=400).map(|k| first + (width - first) * f64::from(k) / 400.0).map(|x| [x, exact(x)]);
+    let [first, last] = [nodes.first(), nodes.last()].map(|node| node.map_or(0.0, |node| node[0]));
+    let fine = (0..=400).map(|k| first + (last - first) * f64::from(k) / 400.0).map(|x| [x, exact(x)]);
     let scaled = |points: Vec<[f64; 2]>| points.into_iter().map(|[x, p]| [1e3 * x, 1e-6 * p]).collect();
     let colour = [31, 90, 160];
     let closed = Some(Line { dash: Dash::Solid, width: 1.4 });
@@ -67,6 +70,11 @@ fn panel(model: &Model, title: &str, forces: &[f64], (middle, width): (f64, f64)
             },
         ],
     }
+}
+
+/// Distances along x from `middle`, where they are at most `width` and nothing is aside.
+fn along(middle: f64, width: f64) -> impl Fn([f64; 3]) -> Option<f64> {
+    move |x| (x[2] == 0.0 || x[1] == 0.0).then_some(x[0] - middle).filter(|x| x.abs() <= width)
 }
 
 fn chart(title: &str, subtitle: &str, quantity: &str, panels: Vec<Panel>) -> Chart {
@@ -87,31 +95,47 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (model, states) = solve("hertz_line")?;
     let p_n = &states.last().ok_or("no increment")?.p_n;
     let hertz = Hertz::line(2.0 * p_n.iter().sum::<f64>(), RADIUS, YOUNG / (1.0 - 0.3 * 0.3));
-    let pressure = panel(&model, "", p_n, (0.0, 1.2 * hertz.a), |x| hertz.pressure(x));
+    let pressure = panel(&model, "", p_n, along(0.0, 1.2 * hertz.a), |x| hertz.pressure(x));
     let picture = chart("Hertz: a cylinder on a half-plane", "hertz_line.toml", "contact pressure", vec![pressure]);
     write_file(folder.as_ref(), "hertz_line.svg", &picture.to_svg()?)?;
 
     let (model, states) = solve("hertz_sphere")?;
     let p_n = &states.last().ok_or("no increment")?.p_n;
     let hertz = Hertz::sphere(4.0 * p_n.iter().sum::<f64>(), RADIUS, YOUNG / (1.0 - 0.3 * 0.3));
-    let pressure = panel(&model, "", p_n, (0.0, 1.5 * hertz.a), |x| hertz.pressure(x));
+    let pressure = panel(&model, "", p_n, along(0.0, 1.2 * hertz.a), |x| hertz.pressure(x));
     let picture = chart("Hertz: a sphere on a half-space", "hertz_sphere.toml", "contact pressure", vec![pressure]);
     write_file(folder.as_ref(), "hertz_sphere.svg", &picture.to_svg()?)?;
 
     let (model, states) = solve("cattaneo_mindlin")?;
     let mu = 0.4;
     let share = |state: &State| -state.p_t.iter().sum::<f64>() / (mu * state.p_n.iter().sum::<f64>());
-    let [.., pushed, _, _, _, _, back] = &states[..] else { return Err("too few increments".into()) };
+    let [.., pushed, _, back] = &states[..] else { return Err("too few increments".into()) };
     let (most, least) = (share(pushed), share(back));
-    let hertz = Hertz::line(back.p_n.iter().sum(), RADIUS, YOUNG / (1.0 - 0.49 * 0.49));
-    let place = (1.2, 1.2 * hertz.a);
+    let hertz = Hertz::line(back.p_n.iter().sum(), RADIUS, YOUNG / (1.0 - 0.499 * 0.499));
+    let place = || along(5.0, 1.2 * hertz.a);
     let panels = vec![
-        panel(&model, &format!("Q = {most:.2} μ P"), &pushed.p_t, place, |x| -mu * hertz.shear(x, most)),
-        panel(&model, &format!("back at Q = {least:.2} μ P"), &back.p_t, place, |x| {
+        panel(&model, &format!("Q = {most:.2} μ P"), &pushed.p_t, place(), |x| -mu * hertz.shear(x, most)),
+        panel(&model, &format!("back at Q = {least:.2} μ P"), &back.p_t, place(), |x| {
             -mu * hertz.shear_unloaded(x, most, least)
         }),
     ];
     let picture = chart("Cattaneo and Mindlin", "cattaneo_mindlin.toml", "tangential traction", panels);
     write_file(folder.as_ref(), "cattaneo_mindlin.svg", &picture.to_svg()?)?;
+
+    let (model, states) = solve("mindlin_sphere")?;
+    let state = states.last().ok_or("no increment")?;
+    let (q, middle) = (share(state), 1.0);
+    let hertz = Hertz::sphere(2.0 * state.p_n.iter().sum::<f64>(), RADIUS, YOUNG / (1.0 - 0.49 * 0.49));
+    let width = 1.2 * hertz.a;
+    let aside = |x: [f64; 3]| ((x[0] - middle).abs() < 1e-9 && x[1] <= width).then_some(x[1]);
+    let exact = |r| -mu * hertz.shear_of_sphere(r, q);
+    let panels = vec![
+        panel(&model, "along the push", &state.p_t, along(middle, width), exact),
+        panel(&model, "across the push", &state.p_t, aside, exact),
+    ];
+    let subtitle = format!("mindlin_sphere.toml, Q = {q:.2} μ P");
+    let mut picture = chart("Mindlin: a sphere pushed sideways", &subtitle, "tangential traction", panels);
+    picture.x.label = "distance from the middle, mm".into();
+    write_file(folder.as_ref(), "mindlin_sphere.svg", &picture.to_svg()?)?;
     Ok(())
 }

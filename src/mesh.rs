@@ -8,7 +8,7 @@ mod gmsh;
 mod half_plane;
 mod simplices;
 
-pub use block::{block, graded_block};
+pub use block::{block, graded_block, progression};
 #[cfg(feature = "meshes")]
 pub use check::{MeshFault, Numbers};
 #[cfg(feature = "meshes")]

@@ -3,6 +3,7 @@
 #[cfg(feature = "plots")]
 mod chart;
 mod contact_line;
+mod contact_surface;
 mod csv;
 #[cfg(feature = "meshes")]
 mod fields;
@@ -10,6 +11,8 @@ mod fields;
 mod folder;
 #[cfg(all(feature = "meshes", feature = "plots"))]
 mod increments;
+#[cfg(feature = "plots")]
+mod map;
 #[cfg(feature = "plots")]
 mod plot;
 #[cfg(feature = "meshes")]
@@ -24,6 +27,7 @@ mod vtu;
 #[cfg(feature = "plots")]
 pub use chart::{Axis, Chart, Curve, Dash, Line, Marker, Panel, PlotError, Scale};
 pub use contact_line::{ContactLine, ContactPoint};
+pub use contact_surface::{ContactSurface, SurfaceNode};
 pub use csv::table as csv_table;
 #[cfg(feature = "meshes")]
 pub use fields::fields;

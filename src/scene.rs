@@ -40,7 +40,7 @@ use serde::{Deserialize, Serialize};
 
 pub use error::{Located, SceneError};
 pub use formula::Formula;
-pub use mesh::{CellShape, Element, HalfPlane, Mesh};
+pub use mesh::{CellShape, Element, HalfPlane, Mesh, Segment};
 pub use obstacle::{GapDirection, Obstacle, Rotation, Shape};
 pub use overrides::{Override, OverrideSyntax};
 pub use solver::{LinearBackend, Method, MethodName, NewtonSystem, Partition, Setting, Solver, Start};

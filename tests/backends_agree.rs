@@ -3,10 +3,9 @@
 
 mod common;
 
-use common::Keep;
+use common::{Keep, difference};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
 use stickslip::model::Model;
-use stickslip::problem::State;
 use stickslip::scene::{LinearBackend, Scene};
 
 const PUNCH: &str = include_str!("../data/scenes/punch.toml");
@@ -44,17 +43,6 @@ fn run(history: &History, settings: &HistorySettings, backend: LinearBackend) ->
     let (mut linear, mut keep) = (model.linear(backend), Keep::default());
     let outcome = history::run(&model.problem, &model.loading, times, settings, &mut linear, &mut keep).unwrap();
     (outcome, keep)
-}
-
-/// The largest difference relative to the largest value of the history, of `u` and of the forces.
-fn difference(a: &[State], b: &[State]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let relative = |values: fn(&State) -> Vec<f64>| {
-        let largest = a.iter().flat_map(values).fold(0.0_f64, |m, x| m.max(x.abs()));
-        let pairs = a.iter().flat_map(values).zip(b.iter().flat_map(values));
-        pairs.fold(0.0_f64, |m, (x, y)| m.max((x - y).abs())) / largest
-    };
-    relative(|state| state.u.clone()).max(relative(|state| [&state.p_n[..], &state.p_t].concat()))
 }
 
 fn backends_agree(settings: fn(&Model) -> HistorySettings) {

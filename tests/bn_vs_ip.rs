@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::Keep;
+use common::{Keep, difference};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status};
 use stickslip::model::Model;
 use stickslip::problem::State;
@@ -38,18 +38,6 @@ fn bn(model: &Model) -> HistorySettings {
 
 fn ip(model: &Model) -> HistorySettings {
     HistorySettings::ip(&model.problem, model.scaling(), 100, 1e-10)
-}
-
-/// The largest difference of u, and of p_n and p_t, in any increment, relative to the largest value
-/// of the history.
-fn difference(a: &[State], b: &[State]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let relative = |values: fn(&State) -> Vec<f64>| {
-        let largest = a.iter().flat_map(values).fold(0.0_f64, |m, x| m.max(x.abs()));
-        let pairs = a.iter().flat_map(values).zip(b.iter().flat_map(values));
-        pairs.fold(0.0_f64, |m, (x, y)| m.max((x - y).abs())) / largest
-    };
-    relative(|state| state.u.clone()).max(relative(|state| [&state.p_n[..], &state.p_t].concat()))
 }
 
 #[test]

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::Keep;
+use common::{Keep, difference};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
 use stickslip::model::Model;
 use stickslip::problem::State;
@@ -30,17 +30,6 @@ fn run(scene: &Scene, settings: Settings, backend: LinearBackend) -> (Vec<State>
     let times = scene.time.all();
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut keep).unwrap();
     (keep.states, outcome)
-}
-
-/// The largest difference of u, and of p_n and p_t, relative to the largest value of the history.
-fn difference(a: &[State], b: &[State]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let relative = |values: fn(&State) -> Vec<f64>| {
-        let largest = a.iter().flat_map(values).fold(0.0_f64, |m, x| m.max(x.abs()));
-        let pairs = a.iter().flat_map(values).zip(b.iter().flat_map(values));
-        pairs.fold(0.0_f64, |m, (x, y)| m.max((x - y).abs())) / largest
-    };
-    relative(|state| state.u.clone()).max(relative(|state| [&state.p_n[..], &state.p_t].concat()))
 }
 
 fn assert_agree(scene: &Scene, name: &str) {

@@ -155,6 +155,12 @@ fn meshes_that_are_not_sound_are_refused_with_their_elements() {
         (QUADS.replace("\n2 2 3\n", "\n2 2 4\n"), "element 2 of the boundary `bottom` is no side", "outline"),
         (HEXAHEDRA.replace("13 1 2 5 4 10 11 14 13", "13 10 11 14 13 1 2 5 4"), "element 13 is inverted", "reverse"),
         (
+            HEXAHEDRA.replace("13 1 2 5 4 10 11 14 13", "13 1 2 5 4 1 2 5 4"),
+            "element 13 is degenerate: without volume at a corner",
+            "slivers",
+        ),
+        (HEXAHEDRA.replacen("\n1 0 0\n", "\n0.5 0 0\n", 1), "degenerate", "slivers"),
+        (
             TRIANGLES.replacen("1 1 0.25\n", "1 1 0.5\n", 1),
             "the mesh is a surface that is not plane: node 34",
             "gmsh -3",

@@ -3,34 +3,14 @@
 
 mod common;
 
-use std::sync::Arc;
-
+use common::solve;
 use stickslip::fem::{Dofs, Elasticity, Element, assemble, element_stiffness, facet_load};
 use stickslip::history::Status;
-use stickslip::linear::Direct;
-use stickslip::mesh::{CellKind, Mesh, block};
+use stickslip::mesh::{CellKind, block};
 use stickslip::model::Model;
-use stickslip::sparse::{Csc, Pattern};
 
 /// A quadrilateral without parallel sides.
 const DISTORTED: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [2.0, 0.3, 0.0], [1.7, 1.4, 0.0], [-0.2, 1.1, 0.0]];
-
-fn solve(mesh: &Mesh, dofs: &Dofs, element: Element, material: Elasticity, force: &[f64]) -> Vec<[f64; 3]> {
-    let half = assemble(mesh, dofs, element, |_| material).unwrap();
-    let n = dofs.free();
-    let pattern = Pattern::from_entries(n, n, |take| half.entries().for_each(|(i, j, _)| take(i, j)));
-    let mut k = Csc::zeros(Arc::new(pattern));
-    for (i, j, value) in half.entries() {
-        let slot = k.pattern.slot(i, j).unwrap();
-        k.values[slot] = value;
-    }
-    let mut direct = Direct::default();
-    direct.analyze(&k.pattern).unwrap();
-    direct.factorize(&k).unwrap();
-    let mut u = vec![0.0; n];
-    direct.solve(&k, force, &mut u).unwrap();
-    dofs.displacements(&u)
-}
 
 /// A linear displacement field of distorted elements leaves every inner node without force, to
 /// round-off of the largest entries of K.
@@ -112,7 +92,7 @@ fn cook(n: usize, element: Element, material: Elasticity) -> f64 {
     }
     let dofs = Dofs::new(&mesh, |node, _| mesh.nodes[node][0] == 0.0);
     let force = facet_load(&mesh, &dofs, mesh.boundary("right").unwrap(), [0.0, 1.0 / 16.0, 0.0]);
-    let u = solve(&mesh, &dofs, element, material, &force);
+    let u = dofs.displacements(&solve(&assemble(&mesh, &dofs, element, |_| material).unwrap(), &force));
     u[(n / 2) * (n + 1) + n][1]
 }
 

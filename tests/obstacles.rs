@@ -94,6 +94,15 @@ fn obstacles_that_do_not_suit_the_dimension_are_refused() {
     assert!(matches!(refused(&plane, &upwards), ObstacleError::OutOfPlane("the normal")));
     let away = scene::Obstacle { translation: vec![[0.0, 0.0, 0.0, 1.0]], ..at_rest(Shape::Plane { gap: 0.0 }) };
     assert!(matches!(refused(&plane, &away), ObstacleError::OutOfPlane("the translation")));
+    // A boundary of two opposite sides faces nothing.
+    let mut both = cube.clone();
+    let bottom = both.boundary("bottom").unwrap().facets.clone();
+    both.boundaries.iter_mut().find(|boundary| boundary.name == "top").unwrap().facets.extend(bottom);
+    let plane_at_rest = at_rest(Shape::Plane { gap: 0.0 });
+    assert!(matches!(refused(&both, &plane_at_rest), ObstacleError::NoNormal));
+    let upwards = scene::Obstacle { normal: Some(Z), ..plane_at_rest };
+    let top = both.boundary("top").unwrap();
+    assert!(!Obstacle::new(&both, top, &upwards).unwrap().faces(&both, top));
     let table = at_rest(Shape::Table { file: "nowhere.csv".into() });
     assert!(matches!(refused(&plane, &table), ObstacleError::Table(_)));
 }

@@ -4,16 +4,14 @@
 mod common;
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
+use common::solve;
 use stickslip::fem::{
     Dofs, Elasticity, Element, assemble, element_stiffness, facet_load, gradients, quadrature, rigid_motions, shape,
 };
-use stickslip::linear::Direct;
 use stickslip::mesh::{Cell, CellKind, Mesh, block};
 use stickslip::model::Model;
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csc, Pattern, Symmetric};
 use stickslip::vector::{norm, unit};
 
 /// A unit square or cube of `n` elements along each axis, of any kind.
@@ -47,22 +45,6 @@ fn elements(kind: CellKind) -> &'static [Element] {
         CellKind::Triangle | CellKind::Tetrahedron => &[Element::Bilinear],
         CellKind::Quadrilateral | CellKind::Hexahedron => &[Element::Bilinear, Element::BBar],
     }
-}
-
-fn solve(half: &Symmetric, force: &[f64]) -> Vec<f64> {
-    let n = half.order();
-    let pattern = Pattern::from_entries(n, n, |take| half.entries().for_each(|(i, j, _)| take(i, j)));
-    let mut k = Csc::zeros(Arc::new(pattern));
-    for (i, j, value) in half.entries() {
-        let slot = k.pattern.slot(i, j).unwrap();
-        k.values[slot] = value;
-    }
-    let mut direct = Direct::default();
-    direct.analyze(&k.pattern).unwrap();
-    direct.factorize(&k).unwrap();
-    let mut u = vec![0.0; n];
-    direct.solve(&k, force, &mut u).unwrap();
-    u
 }
 
 #[test]

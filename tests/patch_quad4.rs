@@ -1,13 +1,12 @@
 //! The bilinear quadrilateral: patch test, rigid motions, convergence.
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 use stickslip::fem::{Dofs, Elasticity, Element, assemble, facet_load, gradients, quadrature, shape};
-use stickslip::linear::Direct;
 use stickslip::mesh::{CellKind, Mesh, block};
-use stickslip::sparse::{Csc, Pattern};
 
 const QUAD: CellKind = CellKind::Quadrilateral;
 
@@ -26,20 +25,7 @@ fn distorted(n: usize) -> Mesh {
 }
 
 fn solve(mesh: &Mesh, dofs: &Dofs, material: &Elasticity, force: &[f64]) -> Vec<f64> {
-    let half = assemble(mesh, dofs, Element::Bilinear, |_| *material).unwrap();
-    let n = dofs.free();
-    let pattern = Pattern::from_entries(n, n, |take| half.entries().for_each(|(i, j, _)| take(i, j)));
-    let mut k = Csc::zeros(Arc::new(pattern));
-    for (i, j, value) in half.entries() {
-        let slot = k.pattern.slot(i, j).unwrap();
-        k.values[slot] = value;
-    }
-    let mut direct = Direct::default();
-    direct.analyze(&k.pattern).unwrap();
-    direct.factorize(&k).unwrap();
-    let mut u = vec![0.0; dofs.free()];
-    direct.solve(&k, force, &mut u).unwrap();
-    u
+    common::solve(&assemble(mesh, dofs, Element::Bilinear, |_| *material).unwrap(), force)
 }
 
 /// Uniform stress is reproduced exactly on distorted elements, in plane strain and plane stress.

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
 use miette::Diagnostic;
-use stickslip::scene::{CellShape, Mesh, Obstacle, Override, Plane, Scene, SceneError, Shape};
+use stickslip::scene::{CellShape, Mesh, Obstacle, Override, Plane, Scene, SceneError, Segment, Shape};
 
 const BLOCK: &str = include_str!("../data/scenes/block.toml");
 
@@ -70,9 +70,7 @@ fn a_value_is_replaced() {
     assert_eq!(
         scene(&["mesh.elements=[7, 8]"]).mesh,
         Mesh::Block {
-            size: vec![1.0; 2],
-            elements: vec![7, 8],
-            grading: vec![1.0; 2],
+            axes: [7, 8].map(|elements| vec![Segment { length: 1.0, elements, grading: 1.0 }]).to_vec(),
             cells: CellShape::Quadrilateral
         }
     );

@@ -8,7 +8,7 @@ use stickslip::fem::RigidMotion;
 use stickslip::formulation::Layout;
 use stickslip::mesh::CellKind;
 use stickslip::model::Model;
-use stickslip::scene::{Element, HalfPlane, Material, Mesh, Plane, Rotation, Scene, Shape};
+use stickslip::scene::{Element, HalfPlane, Material, Mesh, Plane, Rotation, Scene, Segment, Shape};
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 
 use super::{Failure, SceneArgs, discretise};
@@ -51,14 +51,21 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 
 fn body(scene: &Scene, model: &Model) {
     let kind = match &scene.mesh {
-        Mesh::Block { size, elements, grading, .. } => {
-            let lengths = size.iter().map(|length| format!("{length} m")).collect::<Vec<_>>().join(" x ");
-            let graded = if grading.iter().all(|&ratio| ratio == 1.0) {
+        Mesh::Block { axes, .. } => {
+            let each = |value: fn(&Segment) -> String, within: &str, between: &str| {
+                let along = |axis: &Vec<Segment>| match &axis[..] {
+                    [segment] => value(segment),
+                    all => format!("({})", all.iter().map(value).collect::<Vec<_>>().join(within)),
+                };
+                axes.iter().map(along).collect::<Vec<_>>().join(between)
+            };
+            let lengths = each(|segment| format!("{} m", segment.length), " + ", " x ");
+            let elements = each(|segment| segment.elements.to_string(), " + ", " x ");
+            let graded = if axes.iter().flatten().all(|segment| segment.grading == 1.0) {
                 String::new()
             } else {
-                format!(" (graded {})", listed(grading.iter().map(|ratio| format!("1 : {ratio}")).collect()))
+                format!(" (graded {})", each(|segment| format!("1 : {}", segment.grading), ", ", ", "))
             };
-            let elements = elements.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
             format!("block {lengths}, {elements}{graded}")
         }
         Mesh::HalfPlane(HalfPlane { size: [width, height], contact_elements, outer_elements, layers, .. }) => {

@@ -14,8 +14,8 @@ use stickslip::linear;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IpSettings, IterationRecord, PredictorCorrectorSettings};
 use stickslip::report::{
-    ContactLine, Final, LeftOut, Measured, ResultFolder, Resultant, RunReport, Unknowns, available_bytes, cpu_seconds,
-    fields, peak_rss_bytes,
+    ContactLine, ContactSurface, Final, LeftOut, Measured, ResultFolder, Resultant, RunReport, Unknowns,
+    available_bytes, cpu_seconds, fields, peak_rss_bytes,
 };
 use stickslip::scene::{self, NewtonSystem, Scene, Solver};
 
@@ -158,6 +158,9 @@ impl Observer for Watcher<'_> {
         if self.wanted.contains(&step.record.index) || step.record.status != Status::Converged {
             for line in ContactLine::all(self.model, step) {
                 written = written.and_then(|()| folder.add_contact_line(&line, self.title));
+            }
+            for surface in ContactSurface::all(self.model, step) {
+                written = written.and_then(|()| folder.add_contact_surface(&surface, self.title));
             }
             if self.fields {
                 let grid = fields(self.model, step);

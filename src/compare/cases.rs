@@ -8,7 +8,7 @@ use crate::history::{self, HistoryOutcome, HistorySettings, Observer, Start, Sta
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::report::cpu_seconds;
-use crate::scene::{HalfPlane, LinearBackend, Mesh, MethodName, Override, Scene, Setting};
+use crate::scene::{HalfPlane, LinearBackend, Mesh, MethodName, Override, Scene, Segment, Setting};
 
 /// What the reference is computed with. With many increments the condensed path is the cheapest.
 const REFERENCE: SolverPath =
@@ -182,7 +182,7 @@ impl Mesh {
     /// The elements in the first direction, or along the contact zone.
     pub(super) fn first_elements(&self) -> usize {
         match self {
-            Mesh::Block { elements, .. } => elements[0],
+            Mesh::Block { axes, .. } => axes[0].iter().map(|segment| segment.elements).sum(),
             Mesh::HalfPlane(HalfPlane { contact_elements, .. }) => *contact_elements,
             Mesh::Gmsh { .. } => 1,
         }
@@ -193,9 +193,12 @@ impl Mesh {
         let share = first as f64 / self.first_elements() as f64;
         let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
         match self {
-            Mesh::Block { elements, .. } => {
-                let elements = elements.iter().map(|&count| scaled(count));
-                vec![Override::value("mesh.elements", elements.collect::<toml_edit::Value>())]
+            Mesh::Block { axes, .. } => {
+                let along = |axis: &Vec<Segment>| match axis[..] {
+                    [segment] => scaled(segment.elements).into(),
+                    _ => axis.iter().map(|segment| scaled(segment.elements)).collect::<toml_edit::Value>(),
+                };
+                vec![Override::value("mesh.elements", axes.iter().map(along).collect::<toml_edit::Value>())]
             }
             Mesh::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => vec![
                 Override::value("mesh.contact_elements", scaled(*contact_elements)),
@@ -221,7 +224,13 @@ mod tests {
         assert_eq!((finer.contact_elements, finer.outer_elements, finer.layers), (60, 100, 22));
         let block = "mesh.elements=[40,8]".parse().unwrap();
         let block = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &[block]).unwrap();
-        let Mesh::Block { elements, .. } = block.with(&block.mesh.refined(2)).unwrap().mesh else { panic!() };
-        assert_eq!(elements, [2, 1]);
+        let elements = |mesh: Mesh| -> Vec<usize> {
+            let Mesh::Block { axes, .. } = mesh else { panic!() };
+            axes.concat().iter().map(|segment| segment.elements).collect()
+        };
+        assert_eq!(elements(block.with(&block.mesh.refined(2)).unwrap().mesh), [2, 1]);
+        let segments = ["mesh.size=[[0.25,0.75],1]", "mesh.elements=[[2,4],4]"].map(|text| text.parse().unwrap());
+        let block = block.with(&segments).unwrap();
+        assert_eq!(elements(block.with(&block.mesh.refined(12)).unwrap().mesh), [4, 8, 8]);
     }
 }

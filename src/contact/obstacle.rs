@@ -44,6 +44,9 @@ pub enum ObstacleError {
     /// In two dimensions everything lies in the plane.
     #[error("{0} of the obstacle leaves the plane of the body, which has two dimensions")]
     OutOfPlane(&'static str),
+    /// In three dimensions vectors have three components.
+    #[error("{0} of the obstacle has two components, but the body has three dimensions")]
+    PlaneVector(&'static str),
     /// A sphere in two dimensions.
     #[error("the obstacle is a sphere, but the body has two dimensions")]
     SphereInPlane,
@@ -64,6 +67,7 @@ impl ObstacleError {
         match self {
             ObstacleError::NoNormal => "give the obstacle a `normal`",
             ObstacleError::OutOfPlane(_) => "let vectors have two components, and axes be [0, 0, 1] or left out",
+            ObstacleError::PlaneVector(_) => "give [x, y, z], and points of a translation as [time, x, y, z]",
             ObstacleError::SphereInPlane => "use a cylinder, whose axis is across the plane",
             ObstacleError::NoAxis => "give an axis, such as [0, 1, 0]",
             ObstacleError::SkewAxis => "turn the axis, or give the obstacle a normal at right angles to it",
@@ -84,8 +88,10 @@ impl Obstacle {
     /// # Errors
     /// When there is no mean normal, the shape does not suit the dimension, or a table cannot be used.
     pub fn new(mesh: &Mesh, boundary: &Boundary, given: &scene::Obstacle) -> Result<Self, ObstacleError> {
-        if mesh.dimension == 2 {
-            lies_in_plane(given)?;
+        match given.plane_vector {
+            _ if mesh.dimension == 2 => lies_in_plane(given)?,
+            Some(name) => return Err(ObstacleError::PlaneVector(name)),
+            None => {}
         }
         let normal = given.normal.or_else(|| mean_normal(mesh, boundary)).ok_or(ObstacleError::NoNormal)?;
         let first = given.tangent.unwrap_or_else(|| match mesh.dimension {

@@ -6,23 +6,22 @@ use super::{Boundary, Cell, CellKind, Facet, Mesh};
 /// into `elements` equal quadrilaterals or hexahedra along each axis. See [`graded_block`].
 ///
 /// # Panics
-/// As [`graded_block`].
+/// If the lists are not of equal length, 2 or 3.
 pub fn block(size: &[f64], elements: &[usize]) -> Mesh {
-    graded_block(size, elements, &vec![1.0; size.len()])
+    assert!(elements.len() == size.len(), "one value for each axis");
+    let axes: Vec<_> = size.iter().zip(elements).map(|(&length, &n)| progression(length, n, 1.0)).collect();
+    graded_block(&axes)
 }
 
-/// As [`block`], with elements in geometric progression along each axis: the last is `grading` times the
-/// size of the first.
+/// As [`block`], with the mesh lines at the ascending coordinates (m) of `axes`, one list for each axis.
 ///
 /// Boundaries: `left` and `right` are at the ends of x. In two dimensions `bottom` and `top` are at the
 /// ends of y; in three they are at the ends of z, and `front` and `back` at those of y.
 ///
 /// # Panics
-/// If the three arguments are not of equal length, 2 or 3.
-pub fn graded_block(size: &[f64], elements: &[usize], grading: &[f64]) -> Mesh {
-    assert!(elements.len() == size.len() && grading.len() == size.len(), "one value for each axis");
-    let axes: Vec<_> = (0..size.len()).map(|c| progression(size[c], elements[c], grading[c])).collect();
-    match &axes[..] {
+/// If there are not two or three axes.
+pub fn graded_block(axes: &[Vec<f64>]) -> Mesh {
+    match axes {
         [xs, ys] => rectangle(xs, ys),
         [xs, ys, zs] => cuboid(xs, ys, zs),
         _ => panic!("a block has two or three axes"),
@@ -31,7 +30,7 @@ pub fn graded_block(size: &[f64], elements: &[usize], grading: &[f64]) -> Mesh {
 
 /// The ends of `n` lengths that fill `length` in geometric progression, the last `ratio` times the
 /// first: `x_i = length (q^i - 1) / (q^n - 1)` with `q = ratio^(1 / (n - 1))`.
-fn progression(length: f64, n: usize, ratio: f64) -> Vec<f64> {
+pub fn progression(length: f64, n: usize, ratio: f64) -> Vec<f64> {
     // Both fractions are exact at both ends, so the sides are exactly straight.
     if ratio == 1.0 || n == 1 {
         return (0..=n).map(|i| length * i as f64 / n as f64).collect();
@@ -150,7 +149,7 @@ mod tests {
             let q = ratio.powf(1.0 / 9.0);
             assert!(sizes.windows(2).all(|h| (h[1] / h[0] / q - 1.0).abs() < 1e-9), "{sizes:?}");
         }
-        assert_eq!(graded_block(&[2.0, 1.0], &[3, 2], &[1.0; 2]), block(&[2.0, 1.0], &[3, 2]));
+        assert_eq!(graded_block(&[vec![0.0, 1.0, 2.0], vec![0.0, 1.0]]), block(&[2.0, 1.0], &[2, 1]));
         assert_eq!(progression(3.0, 1, 8.0), [0.0, 3.0]);
     }
 }

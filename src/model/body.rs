@@ -3,12 +3,12 @@
 use super::{ModelError, find};
 use crate::fem::{Dofs, Elasticity, Element};
 use crate::mesh::{self, CellKind, Mesh};
-use crate::scene::{self, Scene, SceneError};
+use crate::scene::{self, Scene, SceneError, Segment};
 
 pub(super) fn mesh(scene: &Scene) -> Result<Mesh, ModelError> {
     Ok(match &scene.mesh {
-        scene::Mesh::Block { size, elements, grading, cells } => {
-            let mesh = mesh::graded_block(size, elements, grading);
+        scene::Mesh::Block { axes, cells } => {
+            let mesh = mesh::graded_block(&axes.iter().map(|segments| mesh_lines(segments)).collect::<Vec<_>>());
             if cells.is_simplex() { mesh.into_simplices() } else { mesh }
         }
         scene::Mesh::HalfPlane(m) => {
@@ -19,6 +19,17 @@ pub(super) fn mesh(scene: &Scene) -> Result<Mesh, ModelError> {
         #[cfg(not(feature = "meshes"))]
         scene::Mesh::Gmsh { .. } => return Err(ModelError::NoMeshFiles),
     })
+}
+
+/// Where the elements of `segments` in a row end, m.
+fn mesh_lines(segments: &[Segment]) -> Vec<f64> {
+    let mut lines = vec![0.0];
+    let mut end = 0.0;
+    for &Segment { length, elements, grading } in segments {
+        lines.extend(mesh::progression(length, elements, grading)[1..].iter().map(|x| end + x));
+        end += length;
+    }
+    lines
 }
 
 /// The displacements that the supports leave free.

@@ -61,27 +61,34 @@ pub(super) fn boundary(
     Ok((obstacle, motion, nodes))
 }
 
-/// Refuses a node between two obstacles that face one another: their forces would cancel, whatever they are.
+/// Refuses a node in front of two obstacles whose normals are opposite, for their forces would cancel, whatever they are; or
+/// the same, for nothing would tell their forces apart.
 pub(super) fn no_contradiction(
     scene: &Scene,
     contact: &scene::Contact,
     earlier: &[ContactNode],
     nodes: &[ContactNode],
 ) -> Result<(), SceneError> {
-    let opposite = |a: &ContactNode, b: &ContactNode| {
-        // One degree from opposite; a sharper edge of a body cannot be meshed.
-        a.node == b.node && dot(a.facing.normal, b.facing.normal) < -0.9998
-    };
-    match nodes.iter().find(|node| earlier.iter().any(|other| opposite(node, other))) {
-        None => Ok(()),
-        Some(node) => {
+    for node in nodes {
+        for other in earlier.iter().filter(|other| other.node == node.node) {
+            // One degree from parallel; a sharper edge of a body cannot be meshed.
+            let along = dot(node.facing.normal, other.facing.normal);
+            let (normals, help) = match along {
+                _ if along < -0.9998 => {
+                    ("opposite normals", "give an obstacle another normal, or let the boundaries share no node")
+                }
+                _ if along > 0.9998 => {
+                    ("the same normal", "make one boundary of both, with one contact, or let them share no node")
+                }
+                _ => continue,
+            };
             let [x, y, z] = node.position;
             let message = format!(
-                "the node at ({x}, {y}, {z}) m of `{}` lies between two obstacles with opposite normals",
+                "the node at ({x}, {y}, {z}) m of `{}` lies in front of two obstacles with {normals}",
                 contact.boundary
             );
-            let help = "give an obstacle another normal, or let the boundaries share no node";
-            Err(scene.error_at(contact.obstacle.span.clone(), message, help))
+            return Err(scene.error_at(contact.obstacle.span.clone(), message, help));
         }
     }
+    Ok(())
 }

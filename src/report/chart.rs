@@ -1,7 +1,7 @@
 //! Line charts as SVG: panels with common axes, and curves that are told apart without colour.
 
-mod axis;
-mod pen;
+pub(super) mod axis;
+pub(super) mod pen;
 
 pub use axis::Scale;
 
@@ -12,6 +12,12 @@ use pen::{Anchor, Pen, text_width};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("the plot could not be drawn: {0}")]
 pub struct PlotError(String);
+
+impl PlotError {
+    pub(super) fn not_finite() -> Self {
+        PlotError("a number is not finite".into())
+    }
+}
 
 /// A chart of one or more panels, all with the same axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -137,7 +143,7 @@ impl Chart {
     pub fn to_svg(&self) -> Result<String, PlotError> {
         let points = || self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
         if points().flatten().any(|value| !value.is_finite()) {
-            return Err(PlotError("a number is not finite".into()));
+            return Err(PlotError::not_finite());
         }
         let columns = self.columns.max(1);
         let rows = self.panels.len().div_ceil(columns);

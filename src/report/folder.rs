@@ -5,6 +5,7 @@ use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use super::contact_line::ContactLine;
+use super::contact_surface::ContactSurface;
 use super::vtu::Grid;
 use super::{increments, plot, pvd};
 use crate::history::IncrementRecord;
@@ -69,20 +70,27 @@ impl ResultFolder {
         written
     }
 
-    /// Writes a contact line as CSV and as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`; with
-    /// the boundary's name behind the number if there are several. A contact surface in three dimensions has no plot:
-    /// the fields show it.
+    /// Writes a contact line as CSV and, in two dimensions, as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`; with
+    /// the boundary's name behind the number if there are several.
     ///
     /// # Errors
     /// When the disk refuses.
     pub fn add_contact_line(&self, line: &ContactLine, title: &str) -> io::Result<()> {
-        let boundary = line.boundary.as_ref().map_or(String::new(), |name| format!("_{name}"));
-        let name = format!("contact_{:04}{boundary}", line.index);
+        let name = contact_name(line.index, line.boundary.as_deref());
         self.write(&format!("{name}.csv"), &line.to_csv())?;
         if line.dimension == 2 && line.points.len() > 1 {
             self.write(&format!("{name}.svg"), &plot::contact_stresses(line, title).map_err(io::Error::other)?)?;
         }
         Ok(())
+    }
+
+    /// Writes the picture of a contact surface, `contact_NNNN.svg` as for a line.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_contact_surface(&self, surface: &ContactSurface, title: &str) -> io::Result<()> {
+        let name = contact_name(surface.index, surface.boundary.as_deref());
+        self.write(&format!("{name}.svg"), &surface.to_svg(title).map_err(io::Error::other)?)
     }
 
     /// Writes the fields at the end of increment `index`, at `time` (s), as `fields_NNNN.vtu`, and then the series of
@@ -104,6 +112,12 @@ impl ResultFolder {
     pub fn write(&self, name: &str, text: &str) -> io::Result<()> {
         write_file(&self.path, name, text)
     }
+}
+
+/// The name of the files of a contact boundary in an increment; the boundary is named if there are several.
+fn contact_name(index: usize, boundary: Option<&str>) -> String {
+    let boundary = boundary.map_or(String::new(), |name| format!("_{name}"));
+    format!("contact_{index:04}{boundary}")
 }
 
 /// Writes a whole file into a folder; a reader never sees half of it.

@@ -1,8 +1,11 @@
 //! The scene file as it stands, with the place of every value that is checked later.
 
 use std::fmt;
+use std::marker::PhantomData;
 
-use serde::Deserialize;
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{self, IntoDeserializer, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
 use super::error::Source;
@@ -32,14 +35,15 @@ impl<T, const N: usize> TryFrom<Vec<T>> for Tuple<T, N> {
 /// Two or three coordinates; z is 0 where it is left out.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "Vec<f64>")]
-pub(super) struct Vector(pub [f64; 3]);
+pub(super) struct Vector {
+    pub components: [f64; 3],
+    /// How many were given.
+    pub dimension: usize,
+}
 
 impl fmt::Debug for Vector {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            [x, y, 0.0] => [x, y].fmt(f),
-            all => all.fmt(f),
-        }
+        self.components[..self.dimension].fmt(f)
     }
 }
 
@@ -48,10 +52,51 @@ impl TryFrom<Vec<f64>> for Vector {
 
     fn try_from(values: Vec<f64>) -> Result<Self, String> {
         match values[..] {
-            [x, y] => Ok(Vector([x, y, 0.0])),
-            [x, y, z] => Ok(Vector([x, y, z])),
+            [x, y] => Ok(Vector { components: [x, y, 0.0], dimension: 2 }),
+            [x, y, z] => Ok(Vector { components: [x, y, z], dimension: 3 }),
             _ => Err(format!("invalid length {}, expected 2 or 3 values", values.len())),
         }
+    }
+}
+
+/// A value of an axis, or a list of one for each of its segments.
+#[derive(Clone)]
+pub(super) struct Segments<T>(pub Vec<T>);
+
+impl<T: fmt::Debug> fmt::Debug for Segments<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0[..] {
+            [one] => one.fmt(f),
+            all => all.fmt(f),
+        }
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Segments<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(SegmentsVisitor(PhantomData))
+    }
+}
+
+struct SegmentsVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for SegmentsVisitor<T> {
+    type Value = Segments<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number or a list of numbers")
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Self::Value, E> {
+        T::deserialize(value.into_deserializer()).map(|one| Segments(vec![one]))
+    }
+
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Self::Value, E> {
+        T::deserialize(value.into_deserializer()).map(|one| Segments(vec![one]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Self::Value, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(values)).map(Segments)
     }
 }
 
@@ -86,13 +131,13 @@ pub(super) enum MeshKind {
 #[serde(deny_unknown_fields)]
 pub(super) struct Mesh {
     pub kind: Spanned<MeshKind>,
-    pub size: Option<Spanned<Vec<f64>>>,
+    pub size: Option<Spanned<Vec<Segments<f64>>>>,
     pub cells: Option<Spanned<CellShape>>,
     pub file: Option<Spanned<String>>,
     pub scale: Option<Spanned<f64>>,
     pub element: Option<Spanned<Element>>,
-    pub elements: Option<Spanned<Vec<i64>>>,
-    pub grading: Option<Spanned<Vec<f64>>>,
+    pub elements: Option<Spanned<Vec<Segments<i64>>>>,
+    pub grading: Option<Spanned<Vec<Segments<f64>>>>,
     pub contact_width: Option<Spanned<f64>>,
     pub contact_elements: Option<Spanned<i64>>,
     pub outer_elements: Option<Spanned<i64>>,

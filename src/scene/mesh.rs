@@ -7,15 +7,11 @@ use serde::{Deserialize, Serialize};
 /// How the mesh is made.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mesh {
-    /// A rectangle or box with its lowest corner in the origin; one value of each list for each axis.
+    /// A rectangle or box with its lowest corner in the origin.
     Block {
-        /// The lengths along x, y and, in three dimensions, z, m.
-        size: Vec<f64>,
-        /// Elements along each axis; each is divided where the cells are triangles or tetrahedra.
-        elements: Vec<usize>,
-        /// Size of the last element over that of the first along each axis, in geometric progression.
-        grading: Vec<f64>,
-        /// The cells.
+        /// The segments that x, y and, in three dimensions, z are made of.
+        axes: Vec<Vec<Segment>>,
+        /// The cells; triangles and tetrahedra divide the elements.
         cells: CellShape,
     },
     /// A rectangle that stands for a half-plane pressed at the left end of its top.
@@ -27,6 +23,17 @@ pub enum Mesh {
         /// The length of the file's unit, m.
         scale: f64,
     },
+}
+
+/// A length with elements in geometric progression.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// The length, m.
+    pub length: f64,
+    /// The elements along it.
+    pub elements: usize,
+    /// Size of the last element over that of the first.
+    pub grading: f64,
 }
 
 /// The shape of cells.
@@ -92,7 +99,10 @@ impl Mesh {
     /// The number of nodes and the dimension; `None` if they are not known before a file is read.
     pub fn nodes(&self) -> Option<(usize, usize)> {
         match self {
-            Mesh::Block { elements, .. } => Some((elements.iter().map(|n| n + 1).product(), elements.len())),
+            Mesh::Block { axes, .. } => {
+                let nodes = axes.iter().map(|axis| 1 + axis.iter().map(|segment| segment.elements).sum::<usize>());
+                Some((nodes.product(), axes.len()))
+            }
             Mesh::HalfPlane(m) => Some(((m.contact_elements + m.outer_elements + 1) * (m.layers + 1), 2)),
             Mesh::Gmsh { .. } => None,
         }

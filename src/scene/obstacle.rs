@@ -25,6 +25,8 @@ pub struct Obstacle {
     pub translation: Vec<[f64; 4]>,
     /// How it turns, if it does.
     pub rotation: Option<Rotation>,
+    /// The first of its vectors that was given with two components, as only suits a plane body.
+    pub plane_vector: Option<&'static str>,
     /// Where the scene says it.
     pub span: Range<usize>,
 }
@@ -109,6 +111,7 @@ impl Obstacle {
             approach: Vec::new(),
             translation: Vec::new(),
             rotation: None,
+            plane_vector: None,
             span: 0..0,
         }
     }

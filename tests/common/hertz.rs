@@ -38,9 +38,23 @@ impl Hertz {
         self.a * (1.0 - q).sqrt()
     }
 
+    /// The same for a sphere: the radius (m) of the zone that sticks.
+    pub fn stick_of_sphere(&self, q: f64) -> f64 {
+        self.a * (1.0 - q).cbrt()
+    }
+
+    /// The traction (Pa) over μ under a sphere at the distance `r` (m) from the middle, for the share `q`.
+    pub fn shear_of_sphere(&self, r: f64, q: f64) -> f64 {
+        self.shear_inside(r, self.stick_of_sphere(q))
+    }
+
     /// The traction (Pa) over μ after the share `q` was reached for the first time.
     pub fn shear(&self, x: f64, q: f64) -> f64 {
-        let c = self.stick(q);
+        self.shear_inside(x, self.stick(q))
+    }
+
+    /// The traction (Pa) over μ with stick within `c` (m).
+    fn shear_inside(&self, x: f64, c: f64) -> f64 {
         self.p0 * (bow(x, self.a) - c / self.a * bow(x, c))
     }
 

@@ -1,19 +1,31 @@
 //! What several tests need: the block of the paper, built and run.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod faults;
 pub mod hertz;
+#[cfg(feature = "cli")]
+pub mod program;
 pub mod random;
+
+use std::sync::Arc;
 
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Observer};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::problem::{Increment, State};
 use stickslip::scene::Scene;
+use stickslip::sparse::{Csc, Pattern, Symmetric};
 
 /// The paper's block with overrides.
 pub fn block(overrides: &[&str]) -> Scene {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
     Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &overrides).unwrap()
+}
+
+/// `text` with the first `from` replaced.
+pub fn edit(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "the scene has no `{from}` to edit");
+    text.replacen(from, to, 1)
 }
 
 /// Runs a scene as the command line does.
@@ -63,4 +75,33 @@ impl Observer for Keep {
         self.w_o_last.push(step.increment.w_o_last.to_vec());
         stickslip::nonlinear::Flow::Continue
     }
+}
+
+/// The largest difference of u, and of the contact forces, in any increment, relative to the largest value of the
+/// history.
+pub fn difference(a: &[State], b: &[State]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let relative = |values: fn(&State) -> Vec<f64>| {
+        let largest = a.iter().flat_map(values).fold(0.0_f64, |m, x| m.max(x.abs()));
+        let pairs = a.iter().flat_map(values).zip(b.iter().flat_map(values));
+        pairs.fold(0.0_f64, |m, (x, y)| m.max((x - y).abs())) / largest
+    };
+    relative(|state| state.u.clone()).max(relative(|state| [&state.p_n[..], &state.p_t, &state.p_o].concat()))
+}
+
+/// `K⁻¹ force` of an assembled stiffness.
+pub fn solve(stiffness: &Symmetric, force: &[f64]) -> Vec<f64> {
+    let n = stiffness.order();
+    let pattern = Pattern::from_entries(n, n, |take| stiffness.entries().for_each(|(i, j, _)| take(i, j)));
+    let mut k = Csc::zeros(Arc::new(pattern));
+    for (i, j, value) in stiffness.entries() {
+        let slot = k.pattern.slot(i, j).unwrap();
+        k.values[slot] = value;
+    }
+    let mut direct = Direct::default();
+    direct.analyze(&k.pattern).unwrap();
+    direct.factorize(&k).unwrap();
+    let mut u = vec![0.0; n];
+    direct.solve(&k, force, &mut u).unwrap();
+    u
 }

@@ -13,14 +13,14 @@ pub enum Scale {
 
 /// The range of an axis and its ticks, in the numbers of [`Scale::place`].
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Ticks {
+pub(in crate::report) struct Ticks {
     pub from: f64,
     pub to: f64,
     pub all: Vec<Tick>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Tick {
+pub(in crate::report) struct Tick {
     pub value: f64,
     /// The number at it; none at a minor tick.
     pub label: Option<String>,
@@ -28,21 +28,21 @@ pub(super) struct Tick {
 
 impl Tick {
     /// How long it is drawn, px.
-    pub(super) fn length(&self) -> f64 {
+    pub(in crate::report) fn length(&self) -> f64 {
         if self.label.is_some() { 6.0 } else { 3.0 }
     }
 }
 
 impl Ticks {
     /// Where a value is between the ends of the axis.
-    pub(super) fn share(&self, value: f64) -> f64 {
+    pub(in crate::report) fn share(&self, value: f64) -> f64 {
         (value - self.from) / (self.to - self.from)
     }
 }
 
 impl Scale {
     /// The place of a value, which grows evenly along the axis; `None` if it has none.
-    pub(super) fn place(self, value: f64) -> Option<f64> {
+    pub(in crate::report) fn place(self, value: f64) -> Option<f64> {
         match self {
             Scale::Linear | Scale::Integers => Some(value),
             Scale::Decades => (value > 0.0).then(|| value.log10()),
@@ -51,7 +51,7 @@ impl Scale {
 
     /// An axis for `values`, with about `most` labels and at least the share `margin` free at either
     /// end (half a step between whole numbers). Zero is not crossed for the sake of a margin.
-    pub(super) fn ticks(self, values: impl Iterator<Item = f64>, margin: f64, most: f64) -> Ticks {
+    pub(in crate::report) fn ticks(self, values: impl Iterator<Item = f64>, margin: f64, most: f64) -> Ticks {
         let places = values.filter_map(|value| self.place(value));
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         let (low, high) = if low < high {

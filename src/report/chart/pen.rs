@@ -22,7 +22,7 @@ impl From<DrawingAreaErrorKind<std::io::Error>> for PlotError {
 
 /// How a text stands to its point.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Anchor {
+pub(in crate::report) enum Anchor {
     /// It begins there.
     Start,
     /// Its middle is there.
@@ -35,12 +35,12 @@ pub(super) enum Anchor {
     Upwards,
 }
 
-pub(super) struct Pen<'a> {
+pub(in crate::report) struct Pen<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
 }
 
 /// A picture of `size` px on which `draw` draws.
-pub(super) fn picture(
+pub(in crate::report) fn picture(
     size: [f64; 2],
     draw: impl FnOnce(&Pen<'_>) -> Result<(), PlotError>,
 ) -> Result<String, PlotError> {
@@ -57,7 +57,7 @@ pub(super) fn picture(
 }
 
 /// About how wide a text in letters of `size` is.
-pub(super) fn text_width(text: &str, size: f64) -> f64 {
+pub(in crate::report) fn text_width(text: &str, size: f64) -> f64 {
     let width = |c: char| match c {
         ' ' | '.' | ',' | ':' | '\'' | 'i' | 'j' | 'l' | 't' | 'f' | 'r' | 'I' | '(' | ')' => 0.36,
         '₀'..='ₜ' | '⁰'..='⁻' | '¹' | '²' | '³' => 0.42,
@@ -69,7 +69,7 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
 }
 
 impl Pen<'_> {
-    pub(super) fn line(&self, points: &[[f64; 2]], line: Line, colour: [u8; 3]) -> Result<(), PlotError> {
+    pub(in crate::report) fn line(&self, points: &[[f64; 2]], line: Line, colour: [u8; 3]) -> Result<(), PlotError> {
         let style = rgb(colour).stroke_width(units(line.width) as u32);
         let draw = |points: &[[f64; 2]]| self.area.draw(&PathElement::new(whole(points), style));
         match line.dash.lengths(line.width) {
@@ -79,8 +79,14 @@ impl Pen<'_> {
         Ok(())
     }
 
+    /// A filled polygon.
+    pub(in crate::report) fn polygon(&self, corners: &[[f64; 2]], colour: [u8; 3]) -> Result<(), PlotError> {
+        self.area.draw(&Polygon::new(whole(corners), rgb(colour)))?;
+        Ok(())
+    }
+
     /// A marker; a hollow one hides the line behind it.
-    pub(super) fn marker(&self, [x, y]: [f64; 2], marker: Marker, colour: [u8; 3]) -> Result<(), PlotError> {
+    pub(in crate::report) fn marker(&self, [x, y]: [f64; 2], marker: Marker, colour: [u8; 3]) -> Result<(), PlotError> {
         let colour = rgb(colour);
         let outline = colour.stroke_width(units(1.4) as u32);
         let polygon = |corners: &[[f64; 2]]| {
@@ -103,7 +109,13 @@ impl Pen<'_> {
         Ok(())
     }
 
-    pub(super) fn text(&self, [x, y]: [f64; 2], text: &str, size: f64, anchor: Anchor) -> Result<(), PlotError> {
+    pub(in crate::report) fn text(
+        &self,
+        [x, y]: [f64; 2],
+        text: &str,
+        size: f64,
+        anchor: Anchor,
+    ) -> Result<(), PlotError> {
         if text.is_empty() {
             return Ok(());
         }

@@ -1,10 +1,12 @@
 //! Checks of `[mesh]`.
 
+use std::fmt;
+
 use toml::Spanned;
 
 use super::Check;
-use crate::scene::document::{self, MeshKind};
-use crate::scene::{CellShape, Element, HalfPlane, Material, Mesh, Plane, SceneError};
+use crate::scene::document::{self, MeshKind, Segments};
+use crate::scene::{CellShape, Element, HalfPlane, Material, Mesh, Plane, SceneError, Segment};
 
 /// Beyond this a mesh is a slip of the pen, not a model: no matrix of it would fit into memory.
 const MOST_ELEMENTS: i64 = 50_000_000;
@@ -21,25 +23,38 @@ impl Check<'_> {
     fn block(&self, mesh: &document::Mesh) -> Result<Mesh, SceneError> {
         let kind = "a block";
         let size = self.size(mesh, kind)?;
-        self.foreign("mesh.contact_width", mesh.contact_width.as_ref(), kind)?;
-        for (name, value) in [
-            ("mesh.contact_elements", &mesh.contact_elements),
-            ("mesh.outer_elements", &mesh.outer_elements),
-            ("mesh.layers", &mesh.layers),
-        ] {
-            self.foreign(name, value.as_ref(), kind)?;
-        }
+        self.no_half_plane(mesh, kind)?;
         let given = self.needed("mesh.elements", mesh.elements.as_ref(), &mesh.kind.span(), kind)?;
-        let elements = given.get_ref();
-        let axes = size.len();
-        let sound = elements.len() == axes && elements.iter().all(|&n| n > 0);
-        let must = format!("{axes} numbers of at least 1, as mesh.size has {axes} lengths");
-        self.demand(sound, "mesh.elements", given, &must, "give the numbers of elements along each axis")?;
-        let all = elements.iter().try_fold(1_i64, |all, &n| all.checked_mul(n));
+        let elements = self.segments("mesh.elements", given, &size)?;
+        let sound = elements.iter().flatten().all(|&n| n > 0);
+        let help = "give the numbers of elements along each axis";
+        self.demand(sound, "mesh.elements", given, "numbers of at least 1", help)?;
+        let along = |axis: &Vec<i64>| axis.iter().try_fold(0_i64, |sum, &n| sum.checked_add(n));
+        let all = elements.iter().try_fold(1_i64, |all, axis| all.checked_mul(along(axis)?));
         let few = all.is_some_and(|n| n <= MOST_ELEMENTS);
         self.demand(few, "mesh.elements", given, "at most 50 million in all", "use a coarser mesh")?;
-        let elements = elements.iter().map(|&n| n as usize).collect();
-        Ok(Mesh::Block { elements, grading: self.grading(mesh, axes)?, cells: self.cells(mesh, axes)?, size })
+        let grading = self.grading(mesh, &size)?;
+        let axes: Vec<Vec<Segment>> = (size.iter().zip(&elements).zip(&grading))
+            .map(|((lengths, elements), grading)| {
+                let segments = lengths.iter().zip(elements).zip(grading);
+                segments.map(|((&length, &n), &grading)| Segment { length, elements: n as usize, grading }).collect()
+            })
+            .collect();
+        Ok(Mesh::Block { cells: self.cells(mesh, axes.len())?, axes })
+    }
+
+    /// The values of a list with one for each length in `size`.
+    fn segments<T: Clone + fmt::Debug>(
+        &self,
+        name: &str,
+        given: &Spanned<Vec<Segments<T>>>,
+        size: &[Vec<f64>],
+    ) -> Result<Vec<Vec<T>>, SceneError> {
+        let values: Vec<Vec<T>> = given.get_ref().iter().map(|Segments(values)| values.clone()).collect();
+        let sound = values.iter().map(Vec::len).eq(size.iter().map(Vec::len));
+        let help = "mesh.size says how many segments there are along each axis";
+        self.demand(sound, name, given, "a number for each length in mesh.size", help)?;
+        Ok(values)
     }
 
     /// The cells of a block with so many axes.
@@ -57,32 +72,25 @@ impl Check<'_> {
         Ok(cells)
     }
 
-    /// The size of a mesh that is made here.
-    fn size(&self, mesh: &document::Mesh, kind: &str) -> Result<Vec<f64>, SceneError> {
+    /// The lengths of the segments along each axis of a mesh that is made here.
+    fn size(&self, mesh: &document::Mesh, kind: &str) -> Result<Vec<Vec<f64>>, SceneError> {
         self.foreign("mesh.file", mesh.file.as_ref(), kind)?;
         self.foreign("mesh.scale", mesh.scale.as_ref(), kind)?;
         let given = self.needed("mesh.size", mesh.size.as_ref(), &mesh.kind.span(), kind)?;
-        let size = self.components("mesh.size", given)?;
-        let sound = size.iter().all(|&x| x > 0.0);
+        let size: Vec<Vec<f64>> = given.get_ref().iter().map(|Segments(lengths)| lengths.clone()).collect();
+        let axes = (2..=3).contains(&size.len());
         let help = "give width and height in m, in three dimensions the lengths along x, y and z";
-        self.demand(sound, "mesh.size", given, "positive lengths", help)?;
+        self.demand(axes, "mesh.size", given, "two or three lengths", help)?;
+        let sound = size.iter().all(|axis| !axis.is_empty() && axis.iter().all(|&x| x > 0.0 && x.is_finite()));
+        self.demand(sound, "mesh.size", given, "positive finite lengths", help)?;
         Ok(size)
     }
 
     fn gmsh(&self, mesh: &document::Mesh) -> Result<Mesh, SceneError> {
         let kind = "a mesh from Gmsh";
         self.foreign("mesh.size", mesh.size.as_ref(), kind)?;
-        self.foreign("mesh.elements", mesh.elements.as_ref(), kind)?;
-        self.foreign("mesh.cells", mesh.cells.as_ref(), kind)?;
-        self.foreign("mesh.grading", mesh.grading.as_ref(), kind)?;
-        self.foreign("mesh.contact_width", mesh.contact_width.as_ref(), kind)?;
-        for (name, value) in [
-            ("mesh.contact_elements", &mesh.contact_elements),
-            ("mesh.outer_elements", &mesh.outer_elements),
-            ("mesh.layers", &mesh.layers),
-        ] {
-            self.foreign(name, value.as_ref(), kind)?;
-        }
+        self.no_block(mesh, kind)?;
+        self.no_half_plane(mesh, kind)?;
         let file = self.needed("mesh.file", mesh.file.as_ref(), &mesh.kind.span(), kind)?;
         let Some(given) = &mesh.scale else {
             return Ok(Mesh::Gmsh { file: self.source.beside(file.get_ref()), scale: 1.0 });
@@ -93,13 +101,31 @@ impl Check<'_> {
         Ok(Mesh::Gmsh { file: self.source.beside(file.get_ref()), scale })
     }
 
-    fn grading(&self, mesh: &document::Mesh, axes: usize) -> Result<Vec<f64>, SceneError> {
-        let Some(given) = &mesh.grading else { return Ok(vec![1.0; axes]) };
-        let grading = given.get_ref();
-        let sound = grading.len() == axes && grading.iter().all(|ratio| (1e-6..=1e6).contains(ratio));
+    /// Refuses the keys of a block.
+    fn no_block(&self, mesh: &document::Mesh, kind: &str) -> Result<(), SceneError> {
+        self.foreign("mesh.elements", mesh.elements.as_ref(), kind)?;
+        self.foreign("mesh.cells", mesh.cells.as_ref(), kind)?;
+        self.foreign("mesh.grading", mesh.grading.as_ref(), kind)
+    }
+
+    /// Refuses the keys of a half-plane.
+    fn no_half_plane(&self, mesh: &document::Mesh, kind: &str) -> Result<(), SceneError> {
+        self.foreign("mesh.contact_width", mesh.contact_width.as_ref(), kind)?;
+        self.foreign("mesh.contact_elements", mesh.contact_elements.as_ref(), kind)?;
+        self.foreign("mesh.outer_elements", mesh.outer_elements.as_ref(), kind)?;
+        self.foreign("mesh.layers", mesh.layers.as_ref(), kind)
+    }
+
+    fn grading(&self, mesh: &document::Mesh, size: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, SceneError> {
+        let name = "mesh.grading";
+        let Some(given) = &mesh.grading else {
+            return Ok(size.iter().map(|axis| vec![1.0; axis.len()]).collect());
+        };
+        let grading = self.segments(name, given, size)?;
+        let sound = grading.iter().flatten().all(|ratio| (1e-6..=1e6).contains(ratio));
         let help = "give the size of the last element over that of the first, along each axis";
-        self.demand(sound, "mesh.grading", given, &format!("{axes} ratios from 1e-6 to 1e6"), help)?;
-        Ok(grading.clone())
+        self.demand(sound, name, given, "ratios from 1e-6 to 1e6", help)?;
+        Ok(grading)
     }
 
     /// The elements of the mesh, for a body of `material`.
@@ -116,13 +142,11 @@ impl Check<'_> {
 
     fn half_plane(&self, mesh: &document::Mesh) -> Result<Mesh, SceneError> {
         let kind = "a half-plane";
-        let [width, height] = self.size(mesh, kind)?[..] else {
-            return self.fail(mesh.kind.span(), "a half-plane has two dimensions", "give mesh.size as [width, height]");
+        let lengths = self.size(mesh, kind)?.concat();
+        let Ok(size) = <[f64; 2]>::try_from(lengths) else {
+            return self.fail(mesh.kind.span(), "a half-plane has two lengths", "give mesh.size as [width, height]");
         };
-        let size = [width, height];
-        self.foreign("mesh.elements", mesh.elements.as_ref(), kind)?;
-        self.foreign("mesh.cells", mesh.cells.as_ref(), kind)?;
-        self.foreign("mesh.grading", mesh.grading.as_ref(), kind)?;
+        self.no_block(mesh, kind)?;
         let name = "mesh.contact_width";
         let given = self.needed(name, mesh.contact_width.as_ref(), &mesh.kind.span(), kind)?;
         let contact_width = self.finite(name, given)?;

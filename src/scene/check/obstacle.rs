@@ -34,7 +34,9 @@ impl Check<'_> {
         };
         let rotation =
             motion.and_then(|motion| motion.rotation.as_ref()).map(|given| self.rotation(given)).transpose()?;
-        Ok(Obstacle { shape, normal, tangent, direction, approach, translation, rotation, span: given.span() })
+        let plane_vector = plane_vector(obstacle);
+        let span = given.span();
+        Ok(Obstacle { shape, normal, tangent, direction, approach, translation, rotation, plane_vector, span })
     }
 
     fn shape(&self, obstacle: &document::Obstacle) -> Result<Shape, SceneError> {
@@ -125,7 +127,7 @@ impl Check<'_> {
     }
 
     fn vector(&self, name: &str, value: &Spanned<Vector>) -> Result<[f64; 3], SceneError> {
-        let Vector(vector) = *value.get_ref();
+        let vector = value.get_ref().components;
         let sound = vector.iter().all(|x| x.is_finite());
         self.demand(sound, name, value, "finite numbers", "give numbers other than nan or inf")?;
         Ok(vector)
@@ -138,4 +140,24 @@ impl Check<'_> {
         self.demand(length > 0.0, name, value, "a vector with a direction", "give e.g. [0, -1]")?;
         Ok([x / length, y / length, z / length])
     }
+}
+
+/// The first vector of an obstacle that has two components.
+fn plane_vector(obstacle: &document::Obstacle) -> Option<&'static str> {
+    let document::Obstacle { normal, tangent, apex, axis, through, motion, .. } = obstacle;
+    let rotation = motion.as_ref().and_then(|motion| motion.rotation.as_ref());
+    let given = [
+        ("normal", normal.as_ref()),
+        ("tangent", tangent.as_ref()),
+        ("apex", apex.as_ref()),
+        ("axis", axis.as_ref()),
+        ("through", through.as_ref()),
+        ("rotation.axis", rotation.and_then(|rotation| rotation.axis.as_ref())),
+        ("rotation.through", rotation.map(|rotation| &rotation.through)),
+    ];
+    let translation = motion.as_ref().and_then(|motion| motion.translation.as_ref());
+    let slides = translation.is_some_and(|points| points.get_ref().iter().any(|point| point.len() == 3));
+    let of_plane = |vector: Option<&Spanned<Vector>>| vector.is_some_and(|vector| vector.get_ref().dimension == 2);
+    let first = given.into_iter().find(|(_, vector)| of_plane(*vector)).map(|(name, _)| name);
+    first.or(slides.then_some("translation"))
 }

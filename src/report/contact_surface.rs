@@ -1,0 +1,104 @@
+//! A contact surface in space at the end of an increment, seen along its normal.
+
+use crate::contact::{ContactBoundary, ContactStatus};
+use crate::history::Step;
+use crate::model::Model;
+use crate::vector::{cross, dot, unit};
+
+/// The nodes and facets of a boundary with contact, projected on the plane at right angles to the obstacle's normal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactSurface {
+    /// The boundary, if the scene has contact on several.
+    pub boundary: Option<String>,
+    /// The increment, from 1.
+    pub index: usize,
+    /// The time at its end, s.
+    pub time: f64,
+    /// The two axes of the plane, unit vectors.
+    pub axes: [[f64; 3]; 2],
+    /// The nodes of the boundary.
+    pub nodes: Vec<SurfaceNode>,
+    /// The facets, by their nodes.
+    pub facets: Vec<Vec<usize>>,
+}
+
+/// A node of a contact surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceNode {
+    /// Its place along the axes, m.
+    pub place: [f64; 2],
+    /// Normal contact stress (32), Pa.
+    pub pressure: f64,
+    /// Tangential contact stress along the axes, Pa: of the body on the obstacle.
+    pub traction: [f64; 2],
+    /// What the node does; none if supports keep it from the obstacle.
+    pub status: Option<ContactStatus>,
+}
+
+impl ContactSurface {
+    /// The contact surfaces of a step, one for each boundary with contact; none in two dimensions.
+    pub fn all(model: &Model, step: &Step<'_>) -> Vec<Self> {
+        let boundaries = model.contact_boundaries.iter().zip(&model.obstacles);
+        let boundaries = boundaries.filter(|_| model.mesh.dimension == 3);
+        boundaries.filter_map(|(boundary, (obstacle, _))| Self::new(model, step, boundary, obstacle.normal)).collect()
+    }
+
+    fn new(model: &Model, step: &Step<'_>, boundary: &ContactBoundary, normal: [f64; 3]) -> Option<Self> {
+        let facets = &model.mesh.boundary(&boundary.name)?.facets;
+        let axes = axes(normal);
+        let along = |v: [f64; 3]| axes.map(|axis| dot(axis, v));
+        let mut number = vec![None; model.mesh.nodes.len()];
+        let mut nodes = Vec::new();
+        for &node in facets.iter().flatten() {
+            number[node].get_or_insert_with(|| {
+                let place = along(model.mesh.nodes[node]);
+                nodes.push(SurfaceNode { place, pressure: 0.0, traction: [0.0; 2], status: None });
+                nodes.len() - 1
+            });
+        }
+        for i in boundary.nodes.clone() {
+            let (contact, state) = (&model.contacts[i], step.state);
+            let [t, o] = contact.facing.tangents;
+            let (p_t, p_o) = (state.p_t[i], state.p_o[i]);
+            let node = &mut nodes[number[contact.node]?];
+            node.pressure = state.p_n[i] / contact.weight;
+            node.traction = along([0, 1, 2].map(|c| (p_t * t[c] + p_o * o[c]) / contact.weight));
+            node.status = Some(step.statuses[i]);
+        }
+        let facets = facets.iter().map(|facet| facet.iter().filter_map(|&node| number[node]).collect());
+        Some(ContactSurface {
+            boundary: (model.contact_boundaries.len() > 1).then(|| boundary.name.clone()),
+            index: step.record.index,
+            time: step.record.time,
+            axes,
+            facets: facets.collect(),
+            nodes,
+        })
+    }
+}
+
+/// Two axes at right angles to `normal` and to each other, close to the positive axes of space that are most so.
+fn axes(normal: [f64; 3]) -> [[f64; 3]; 2] {
+    let steepest = (0..3).fold(0, |best, c| if normal[c].abs() > normal[best].abs() { c } else { best });
+    let [a, b] = [[1, 2], [0, 2], [0, 1]][steepest];
+    // + 0.0 turns -0 into 0.
+    let first = unit([0, 1, 2].map(|c| if c == a { 1.0 } else { 0.0 } - normal[a] * normal[c] + 0.0));
+    let second = cross(normal, first);
+    let sign = second[b].signum();
+    [first, second.map(|c| sign * c + 0.0)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::axes;
+
+    #[test]
+    fn coordinates_grow_to_the_right_and_upwards() {
+        let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!([axes(z), axes([0.0, 0.0, -1.0])], [[x, y]; 2]);
+        assert_eq!([axes(x), axes([-1.0, 0.0, 0.0])], [[y, z]; 2]);
+        assert_eq!([axes(y), axes([0.0, -1.0, 0.0])], [[x, z]; 2]);
+        let [first, second] = axes([0.6, 0.0, -0.8]);
+        assert!((0..3).all(|c| (first[c] - [0.8, 0.0, 0.6][c]).abs() < 1e-15) && second == y, "{first:?} {second:?}");
+    }
+}

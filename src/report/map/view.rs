@@ -1,0 +1,143 @@
+//! Which part of a contact surface is shown, where it is in the picture, and the frame around it.
+
+use super::{BLACK, LABEL_SIZE, NUMBER_SIZE, SOLID, SurfaceNode, WHITE, WIDTH};
+use crate::report::chart::axis::{Scale, Tick};
+use crate::report::chart::pen::{Anchor, Pen};
+use crate::report::chart::{Line, PlotError};
+use crate::report::contact_surface::ContactSurface;
+
+/// Left of the surface: the axis label and the numbers.
+const LEFT: f64 = 92.0;
+/// Right of it: the colours and their numbers.
+const RIGHT: f64 = 150.0;
+const TOP: f64 = 104.0;
+const BELOW: f64 = 64.0;
+const MOST_HEIGHT: f64 = 720.0;
+
+/// Where there is no surface.
+const OUTSIDE: [u8; 3] = [236, 236, 236];
+/// Arrows that are shorter say nothing (px); where nodes are closer, some have none.
+const SHORTEST: f64 = 24.0;
+
+/// What is shown, and how large.
+pub(super) struct View {
+    /// The lowest and the highest coordinates, m.
+    pub(super) low: [f64; 2],
+    pub(super) high: [f64; 2],
+    /// The size of that in the picture, px.
+    pub(super) size: [f64; 2],
+    pub(super) most_pressure: f64,
+    pub(super) most_traction: f64,
+    pub(super) friction: bool,
+    /// Whether supports hold a node.
+    pub(super) held: bool,
+    /// The length of the longest arrow, px.
+    pub(super) arrow: f64,
+    /// Whether nodes are far enough apart for markers.
+    pub(super) markers: bool,
+}
+
+impl View {
+    pub(super) fn new(surface: &ContactSurface) -> Self {
+        let pressed: Vec<[f64; 2]> =
+            surface.patches().filter(|(node, _)| node.pressure > 0.0).flat_map(|(_, corners)| corners).collect();
+        let all = || surface.nodes.iter().map(|node| node.place);
+        let bounds = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+            points.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], point| {
+                [[0, 1].map(|c| low[c].min(point[c])), [0, 1].map(|c| high[c].max(point[c]))]
+            })
+        };
+        let whole = bounds(&mut all());
+        let [low, high] = if pressed.is_empty() { whole } else { bounds(&mut pressed.iter().copied()) };
+        // A little of what is around it, with room for arrows.
+        let margin = 0.08 * (high[0] - low[0]).max(high[1] - low[1]);
+        let (low, high) = (low.map(|x| x - margin), high.map(|x| x + margin));
+        let [across, upwards] = [0, 1].map(|c| high[c] - low[c]);
+        let scale = ((WIDTH - LEFT - RIGHT) / across).min(MOST_HEIGHT / upwards);
+        let shown = all().filter(|p| (0..2).all(|c| (low[c]..=high[c]).contains(&p[c]))).count().max(1);
+        let shown_area = (0..2).map(|c| (high[c].min(whole[1][c]) - low[c].max(whole[0][c])).max(0.0)).product::<f64>();
+        let spacing = scale * (shown_area / shown as f64).sqrt();
+        let most = |value: fn(&SurfaceNode) -> f64| surface.nodes.iter().map(value).fold(0.0, f64::max);
+        let most_traction = most(|node| node.traction[0].hypot(node.traction[1]));
+        View {
+            low,
+            high,
+            size: [scale * across, scale * upwards],
+            most_pressure: most(|node| node.pressure),
+            most_traction,
+            friction: most_traction > 0.0,
+            held: surface.nodes.iter().any(|node| node.status.is_none()),
+            arrow: (0.9 * spacing).max(SHORTEST),
+            markers: spacing > 16.0,
+        }
+    }
+
+    /// Where a place is in the picture.
+    pub(super) fn at(&self, place: [f64; 2]) -> [f64; 2] {
+        let share = |c: usize| (place[c] - self.low[c]) / (self.high[c] - self.low[c]);
+        [self.left() + share(0) * self.size[0], TOP + (1.0 - share(1)) * self.size[1]]
+    }
+
+    /// Surface and colours stand in the middle of the picture.
+    fn left(&self) -> f64 {
+        LEFT + 0.5 * (WIDTH - LEFT - RIGHT - self.size[0])
+    }
+
+    /// Whether something of the figure with these corners is in the frame.
+    pub(super) fn shows(&self, corners: &[[f64; 2]]) -> bool {
+        (0..2).all(|c| corners.iter().any(|p| p[c] >= self.low[c]) && corners.iter().any(|p| p[c] <= self.high[c]))
+    }
+
+    /// The height of the picture, px.
+    pub(super) fn end(&self) -> f64 {
+        TOP + self.size[1] + BELOW
+    }
+
+    pub(super) fn draw_background(&self, pen: &Pen<'_>) -> Result<(), PlotError> {
+        let ([left, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
+        pen.polygon(&[[left, bottom], [right, bottom], [right, top], [left, top]], OUTSIDE)
+    }
+
+    /// Hides what leaves the frame, and draws it with the coordinates along it.
+    pub(super) fn draw_frame(&self, pen: &Pen<'_>, axes: &[[f64; 3]; 2]) -> Result<(), PlotError> {
+        let ([left, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
+        let end = self.end();
+        for [a, b] in [
+            [[0.0, 0.0], [left, end]],
+            [[right, 0.0], [WIDTH, end]],
+            [[left, 0.0], [right, top]],
+            [[left, bottom], [right, end]],
+        ] {
+            pen.polygon(&[a, [b[0], a[1]], b, [a[0], b[1]]], WHITE)?;
+        }
+        let thin = Line { dash: SOLID, width: 1.0 };
+        pen.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], thin, BLACK)?;
+        let ticks = |c: usize, room: f64| {
+            let (low, high) = (self.low[c], self.high[c]);
+            let inside = move |tick: &Tick| (low..=high).contains(&tick.value);
+            Scale::Linear.ticks([low, high].into_iter(), 0.0, self.size[c] / room).all.into_iter().filter(inside)
+        };
+        for tick in ticks(0, 80.0) {
+            let [x, _] = self.at([tick.value, self.low[1]]);
+            pen.line(&[[x, bottom], [x, bottom + tick.length()]], thin, BLACK)?;
+            pen.text([x, bottom + 17.0], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::Middle)?;
+        }
+        for tick in ticks(1, 45.0) {
+            let [_, y] = self.at([self.low[0], tick.value]);
+            pen.line(&[[left, y], [left - tick.length(), y]], thin, BLACK)?;
+            pen.text([left - 10.0, y], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::End)?;
+        }
+        pen.text([0.5 * (left + right), bottom + 44.0], &name(axes[0]), LABEL_SIZE, Anchor::Middle)?;
+        pen.text([left - 70.0, 0.5 * (top + bottom)], &name(axes[1]), LABEL_SIZE, Anchor::Upwards)
+    }
+}
+
+/// An axis in words.
+fn name(axis: [f64; 3]) -> String {
+    match axis {
+        [1.0, 0.0, 0.0] => "x, m".into(),
+        [0.0, 1.0, 0.0] => "y, m".into(),
+        [0.0, 0.0, 1.0] => "z, m".into(),
+        [x, y, z] => format!("along ({x:.3}, {y:.3}, {z:.3}), m"),
+    }
+}
