@@ -26,6 +26,7 @@ bench: deps
 	cargo bench --bench cholesky
 	cargo bench --bench condensed
 	cargo bench --bench scaling
+	cargo bench --bench scaling3d
 	cargo bench --bench crossover
 
 KERNELS = assembly condensation jacobian residual dense-factor substitution bn-iteration
