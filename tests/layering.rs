@@ -41,7 +41,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     ("model", &["contact", "fem", "linear", "loading", "mesh", "problem", "scene", "sparse", "units", "vector"]),
-    ("auto", &["linear", "model", "scene"]),
+    ("auto", &["formulation", "linear", "model", "scene"]),
     (
         "report",
         &["auto", "contact", "formulation", "history", "mesh", "model", "problem", "scene", "uniqueness", "vector"],
