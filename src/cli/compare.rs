@@ -312,7 +312,8 @@ fn write(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
     written(write_file(folder, "compare.csv", &runs_csv(comparison)))?;
     written(write_file(folder, "iterations.csv", &iterations_csv(comparison)))?;
     written(write_file(folder, "meshes.csv", &meshes_csv(comparison)))?;
-    let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
+    let quoted = |argument: String| if argument.contains(' ') { format!("'{argument}'") } else { argument };
+    let command = std::env::args().skip(1).map(quoted).collect::<Vec<_>>().join(" ");
     let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
     page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));
     for (stem, what, chart) in compare::charts(comparison) {
