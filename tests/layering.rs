@@ -48,7 +48,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ),
     ("tables", &["history", "linear", "model", "scene"]),
     ("extremes", &["contact", "fem", "formulation", "history", "linear", "model", "report", "scene"]),
-    ("compare", &["contact", "history", "linear", "model", "nonlinear", "problem", "report", "scene"]),
+    ("compare", &["contact", "history", "linear", "model", "nonlinear", "problem", "report", "scene", "vector"]),
     ("figures", &["history", "model", "nonlinear", "report", "tables"]),
 ];
 

@@ -107,7 +107,9 @@ impl Tractions {
         for _ in 1..OUTERMOST {
             let reached = outer.clone();
             for piece in self.pieces.iter().filter(|piece| piece.iter().any(|&i| reached[i])) {
-                piece.iter().for_each(|&i| outer[i] = true);
+                for &i in piece {
+                    outer[i] = true;
+                }
             }
         }
         let (outside, inside): (Vec<_>, Vec<_>) = self.pieces.iter().partition(|piece| piece.iter().any(|&i| outer[i]));
@@ -160,9 +162,13 @@ fn share(corners: &[[f64; 3]], x: [f64; 3]) -> (Vec<f64>, f64) {
         }
         [] => vec![1.0],
     };
-    shares.iter_mut().for_each(|share| *share = share.max(0.0));
+    for share in &mut shares {
+        *share = share.max(0.0);
+    }
     let sum: f64 = shares.iter().sum();
-    shares.iter_mut().for_each(|share| *share /= sum);
+    for share in &mut shares {
+        *share /= sum;
+    }
     let near = |k: usize| corners.iter().zip(&shares).map(|(corner, share)| share * corner[k]).sum::<f64>();
     let distance = norm(minus(x, [0, 1, 2].map(near)));
     (shares, distance)
