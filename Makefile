@@ -4,7 +4,7 @@
 # make instructions the instructions of each kernel, counted by callgrind
 # make tables the paper's Tables I and II, complete (minutes)
 # make extremes the suite of extreme scenes, into doc/stability (minutes)
-# make compare error against time for four scenes, into doc/error-vs-time.md (minutes)
+# make compare error against time for six scenes, into doc/error-vs-time.md (minutes)
 # make report the paper's Figures 4 to 7, into doc/figures, both tables, and the comparison (minutes)
 # Each installs what is missing first.
 
@@ -26,6 +26,7 @@ bench: deps
 	cargo bench --bench cholesky
 	cargo bench --bench condensed
 	cargo bench --bench scaling
+	cargo bench --bench scaling3d
 	cargo bench --bench crossover
 
 KERNELS = assembly condensation jacobian residual dense-factor substitution bn-iteration
@@ -51,13 +52,17 @@ extremes: deps
 
 COMPARE = cargo run --release -- compare
 PAGE = doc/error-vs-time
+SOLID = --solvers umfpack,condensed
+PLATE = --set 'title="Elastic plate on a frictional foundation"' --set mesh.elements=[16,16,4] --set mesh.size=[1,1,0.25]
 
 compare: deps
 	$(COMPARE) data/scenes/block.toml --settings default,paper --meshes 25,50,100 --increments 10,20,40 --reference 16 --out $(PAGE)/block
 	$(COMPARE) data/scenes/punch.toml --settings default,paper --meshes 10,20,40 --increments 10,40,80 --reference 16 --out $(PAGE)/punch
 	$(COMPARE) data/scenes/frictionless.toml --settings default,paper --meshes 25,50,100 --increments 2,10 --out $(PAGE)/frictionless
 	$(COMPARE) data/scenes/strip.toml --meshes 250,500,1000 --increments 15,30,60 --out $(PAGE)/strip
-	{ cat $(PAGE)/introduction.md; for scene in block punch frictionless strip; do \
+	$(COMPARE) data/scenes/cube.toml $(SOLID) --meshes 4,8,16 --increments 5,10,20 --out $(PAGE)/cube
+	$(COMPARE) data/scenes/cube.toml $(PLATE) $(SOLID) --meshes 8,16,24 --increments 5,10 --out $(PAGE)/plate
+	{ cat $(PAGE)/introduction.md; for scene in block punch frictionless strip cube plate; do \
 		echo; sed "s|](|](error-vs-time/$$scene/|" $(PAGE)/$$scene/compare.md; done; } >$(PAGE).md
 
 report: deps

@@ -7,7 +7,7 @@
 
 mod common;
 
-use common::run::{Case, is_child, measure};
+use common::run::{Case, Elements, is_child, measure};
 use common::{Rows, option};
 use stickslip::history::HistorySettings;
 
@@ -25,9 +25,9 @@ fn main() {
     let heads = ["n", "path", "increments", "iterations", "factored", "run s", "history s", "ms/iteration", "ratio"];
     let mut rows = Rows::new(&[&heads[..], &["backward error", "MB"]].concat());
     for n in sizes {
-        let case = Case { elements: [n, n], increments };
+        let case = Case { elements: Elements::Plane([n, n]), increments };
         let runs = ["condensed", "umfpack", "naive"].map(|who| (who, measure(case, who)));
-        let per_iteration = |run: &common::run::Measured| 1e3 * run.history / run.iterations;
+        let per_iteration = |run: &common::run::Measured| 1e3 * run.history / run.iterations as f64;
         let best = per_iteration(&runs[0].1);
         for (who, run) in runs {
             let mut row = vec![n.to_string(), who.to_string(), format!("{} of {increments}", run.converged)];

@@ -13,13 +13,15 @@ mod cases;
 mod errors;
 mod pareto;
 mod picture;
+mod tractions;
 
 use std::fmt;
 
 pub use answers::{Estimate, Lead};
-pub use errors::{End, MeshErrors, Profile, TimeErrors, friction_work};
+pub use errors::{End, MeshErrors, TimeErrors, friction_work};
 pub use pareto::front;
 pub use picture::charts;
+pub use tractions::{Interior, Tractions};
 
 use cases::Study;
 
@@ -226,10 +228,11 @@ pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> 
         results.push(study.result());
     }
     if let Some((finest, coarser)) = results.split_last_mut() {
-        let ends = coarser.first().map(|coarsest| coarsest.end.profile.interior());
+        let interior = coarser.first().map(|coarsest| coarsest.end.tractions.interior());
         for result in coarser {
             let sound = result.status == Status::Converged && finest.status == Status::Converged;
-            result.errors = ends.filter(|_| sound).map(|ends| MeshErrors::new(&result.end, &finest.end, ends));
+            result.errors =
+                interior.as_ref().filter(|_| sound).map(|interior| MeshErrors::new(&result.end, &finest.end, interior));
         }
     }
     let tolerance = scene.solver.tolerance;

@@ -34,6 +34,23 @@ fn squares_are_condensed_and_strips_are_not() {
 }
 
 #[test]
+fn cubes_are_condensed_and_the_thinnest_plate_is_not() {
+    let text = include_str!("../data/scenes/cube.toml");
+    for (elements, size, expected) in [
+        ("[8,8,8]", "[1,1,1]", LinearBackend::Condensed),
+        ("[16,16,4]", "[1,1,0.25]", LinearBackend::Condensed),
+        ("[32,32,2]", "[1,1,0.0625]", LinearBackend::default()),
+    ] {
+        let overrides = [format!("mesh.elements={elements}"), format!("mesh.size={size}")];
+        let overrides = overrides.iter().map(String::as_str).chain(["solver.linear=\"auto\""]);
+        let overrides: Vec<_> = overrides.map(|text| text.parse().unwrap()).collect();
+        let scene = Scene::parse("cube.toml", text, &overrides).unwrap();
+        let choice = Choice::new(&scene, &Model::new(&scene).unwrap(), None).unwrap();
+        assert_eq!(choice.backend, expected, "{elements}: {:?}", choice.reason());
+    }
+}
+
+#[test]
 fn the_reason_is_told() {
     let reason = choice(&["mesh.elements=[40,40]"], None).reason().unwrap();
     let other = format!("for {}", LinearBackend::default());

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use stickslip::compare::{
-    self, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, Profile, Run, SolverPath, TimeErrors,
+    self, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, Run, SolverPath, TimeErrors, Tractions,
     friction_work, front,
 };
 use stickslip::history::{self, HistorySettings, Observer, Status, Step};
@@ -28,10 +28,11 @@ fn close(a: f64, b: f64) -> bool {
 
 /// Contact nodes along x, a metre apart, each with the weight 1 m.
 fn end(p_n: &[f64], p_t: &[f64], work: f64) -> End {
-    let positions = (0..p_n.len()).map(|i| [i as f64, 0.0]).collect();
-    let tractions = p_n.iter().zip(p_t).map(|(n, t)| [*n, *t]).collect();
-    let profile = Profile { positions, weight: vec![1.0; p_n.len()], tractions };
-    End { p_n: p_n.to_vec(), p_t: p_t.to_vec(), p_o: vec![0.0; p_n.len()], work, energy: 10.0, profile }
+    let positions = (0..p_n.len()).map(|i| [i as f64, 0.0, 0.0]).collect();
+    let values = p_n.iter().zip(p_t).map(|(n, t)| [*t, -*n, 0.0]).collect();
+    let pieces = (1..p_n.len()).map(|i| vec![i - 1, i]).collect();
+    let tractions = Tractions { positions, weight: vec![1.0; p_n.len()], values, pieces };
+    End { p_n: p_n.to_vec(), p_t: p_t.to_vec(), p_o: vec![0.0; p_n.len()], work, energy: 10.0, tractions }
 }
 
 #[test]
@@ -53,26 +54,29 @@ fn errors_of_time_stepping_are_those_computed_by_hand() {
 fn errors_of_a_mesh_are_those_computed_by_hand() {
     // Seven nodes; the two outermost elements at both ends, nodes 0, 1, 5 and 6, are left out.
     let coarse = end(&[9.0, 9.0, 1.0, 2.0, 3.0, 9.0, 9.0], &[0.0; 7], 0.0);
-    let between = coarse.profile.interior();
-    assert_eq!(between, [[2.0, 0.0], [4.0, 0.0]]);
+    let within = coarse.tractions.interior();
     // Twice as fine: x/2 everywhere, so that it is 1, 1.5, 2 in the nodes 2, 3, 4.
     let mut fine = end(&[0.0; 13], &[0.0; 13], 0.0);
-    for (i, (position, traction)) in fine.profile.positions.iter_mut().zip(&mut fine.profile.tractions).enumerate() {
-        *position = [0.5 * i as f64, 0.0];
-        *traction = [0.25 * i as f64, 0.0];
+    for (i, x) in fine.tractions.positions.iter_mut().enumerate() {
+        *x = [0.5 * i as f64, 0.0, 0.0];
+        fine.tractions.values[i] = [0.0, -0.25 * i as f64, 0.0];
     }
     let expected = ((0.25 + 1.0) / (1.0 + 2.25 + 4.0_f64)).sqrt();
-    assert!(close(coarse.profile.distance(&fine.profile, between), expected));
+    assert!(close(coarse.tractions.distance(&fine.tractions, &within), expected));
     // The finer mesh may have no node where the coarser one has.
-    fine.profile.positions.remove(6);
-    fine.profile.tractions.remove(6);
-    assert!(close(coarse.profile.distance(&fine.profile, between), expected));
+    fine.tractions.pieces.retain(|piece| !piece.contains(&6));
+    fine.tractions.pieces.push(vec![5, 7]);
+    assert!(close(coarse.tractions.distance(&fine.tractions, &within), expected));
 
     fine.p_n = vec![3.0; 13];
     fine.p_t = vec![-1.0; 13];
     fine.energy = 8.0;
-    let errors = MeshErrors::new(&coarse, &fine, between);
+    let mut errors = MeshErrors::new(&coarse, &fine, &within);
     assert!(close(errors.sum_p_n, 3.0 / 39.0) && close(errors.sum_p_t, 13.0 / 39.0) && close(errors.energy, 0.25));
+    // With (13, 5) instead of (0, 0) as the tangential resultant.
+    fine.p_o[3] = 5.0;
+    errors.sum_p_t = MeshErrors::new(&coarse, &fine, &within).sum_p_t;
+    assert!(close(errors.sum_p_t, 13.0_f64.hypot(5.0) / 39.0));
     assert!(close(errors.tractions, expected));
 }
 
@@ -170,6 +174,39 @@ fn time_stepping_is_of_first_order_on_every_path() {
         let other = errors(path, 80);
         for (a, b) in [(other.p_n, middle.p_n), (other.p_t, middle.p_t), (other.work, middle.work)] {
             assert!((a / b - 1.0).abs() < 1e-5, "{path}: {other:?}, not {middle:?}");
+        }
+    }
+}
+
+#[test]
+fn in_three_dimensions_both_tangents_count() {
+    let text = include_str!("../data/scenes/cube.toml");
+    let scene =
+        |overrides: [&str; 2]| Scene::parse("cube.toml", text, &overrides.map(|text| text.parse().unwrap())).unwrap();
+    let plan = Plan { paths: vec![BN, CONDENSED], meshes: vec![2, 4], increments: vec![4, 16], reference: 8 };
+    for scene in [
+        scene(["mesh.elements=[6,6,6]", "mesh.size=[1,1,1]"]),
+        scene(["mesh.elements=[16,16,4]", "mesh.size=[1,1,0.25]"]),
+    ] {
+        let comparison = compare::compute(&scene, &plan, &mut |_| ()).unwrap();
+        assert!(comparison.runs.iter().all(|run| run.status == Status::Converged && run.kkt <= 1e-10));
+        // The clamped row of nodes is not in contact.
+        let contacts: Vec<_> = comparison.meshes.iter().map(|result| result.contacts).collect();
+        assert_eq!(contacts, [2 * 3, 4 * 5]);
+        for result in &comparison.meshes {
+            let End { p_n, p_t, p_o, tractions, .. } = &result.end;
+            // The tractions, in the directions of space, carry the same forces: the wall is below.
+            let sum = |k: usize| tractions.values.iter().zip(&tractions.weight).map(|(p, l)| p[k] * l).sum::<f64>();
+            let force = |p: &[f64]| p.iter().sum::<f64>();
+            assert!((sum(2) / -force(p_n) - 1.0).abs() < 1e-12);
+            assert!((sum(0).hypot(sum(1)) / force(p_t).hypot(force(p_o)) - 1.0).abs() < 1e-12);
+            assert!(force(p_o).abs() > 1e-2 * force(p_n), "{p_o:?}");
+        }
+        assert!(comparison.meshes[0].errors.unwrap().tractions > 1e-3);
+        for fine in [4, 16] {
+            let errors: Vec<TimeErrors> =
+                comparison.on(4).filter(|run| run.increments == fine).map(|run| run.errors.unwrap()).collect();
+            assert!(errors[0].p_t > 1e-6 && (errors[0].p_t / errors[1].p_t - 1.0).abs() < 1e-5, "{errors:?}");
         }
     }
 }

@@ -41,14 +41,14 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     ("model", &["contact", "fem", "linear", "loading", "mesh", "problem", "scene", "sparse", "units", "vector"]),
-    ("auto", &["linear", "model", "scene"]),
+    ("auto", &["formulation", "linear", "model", "scene"]),
     (
         "report",
         &["auto", "contact", "formulation", "history", "mesh", "model", "problem", "scene", "uniqueness", "vector"],
     ),
     ("tables", &["history", "linear", "model", "scene"]),
     ("extremes", &["contact", "fem", "formulation", "history", "linear", "model", "report", "scene"]),
-    ("compare", &["contact", "history", "linear", "model", "nonlinear", "problem", "report", "scene"]),
+    ("compare", &["contact", "history", "linear", "model", "nonlinear", "problem", "report", "scene", "vector"]),
     ("figures", &["history", "model", "nonlinear", "report", "tables"]),
 ];
 

@@ -1,8 +1,10 @@
-//! What the benchmarks share: the paper's block, the naive caller to compare with, and children.
+//! What the benchmarks share: the scenes, the naive caller to compare with, and children.
 #![allow(dead_code, clippy::unwrap_used, clippy::print_stdout)]
 
+pub mod growth;
 pub mod run;
 
+use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
@@ -14,13 +16,14 @@ use stickslip::sparse::{Csc, Pattern};
 
 /// The paper's block with n × n elements, mu = 0.4.
 pub fn block(n: usize, increments: usize) -> (Scene, Model) {
-    scene(&[format!("mesh.elements=[{n},{n}]"), format!("time.increments={increments}")])
+    scene("block.toml", &[format!("mesh.elements=[{n},{n}]"), format!("time.increments={increments}")])
 }
 
-/// The paper's block with overrides.
-pub fn scene(overrides: &[String]) -> (Scene, Model) {
+/// A scene of this project with overrides.
+pub fn scene(name: &str, overrides: &[String]) -> (Scene, Model) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes").join(name);
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    let scene = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &overrides).unwrap();
+    let scene = Scene::read(&path, &overrides).unwrap();
     let model = Model::new(&scene).unwrap();
     (scene, model)
 }

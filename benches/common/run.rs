@@ -1,21 +1,34 @@
-//! A whole run of the block or of a strip in a process of its own, so that CPU time and memory are its own.
+//! A whole run of the block, a strip, the cube or a plate in a process of its own, so that CPU time and memory are its
+//! own.
 
+use std::fmt;
 use std::process::Command;
+use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
 use stickslip::auto::Choice;
 use stickslip::history::{self, HistorySettings, Observer, Status};
 use stickslip::linear::{self, Direct};
+use stickslip::problem::ContactProblem;
 use stickslip::report::{available_bytes, cpu_seconds, peak_rss_bytes};
 use stickslip::scene::LinearBackend;
 use stickslip::units::Scaling;
 
 use super::{Naive, scene};
 
+/// How many elements a body has.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Elements {
+    /// Along and across the contact. Squares have the side 1 m, strips elements of 1 m × 1 m.
+    Plane([usize; 2]),
+    /// Along x, along y and across the contact: equal cubes, 1 m along x.
+    Solid([usize; 3]),
+}
+
 /// What is run.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// Elements along and across the contact. Squares have the side 1 m, strips elements of 1 m × 1 m.
-    pub elements: [usize; 2],
+    pub elements: Elements,
     /// In all.
     pub increments: usize,
 }
@@ -23,85 +36,89 @@ pub struct Case {
 /// Who does the linear algebra: `umfpack`, `faer`, `condensed`, `auto`, or `naive`, see [`super::Who`].
 pub type Who = &'static str;
 
+/// The history's settings, as the constructors of [`HistorySettings`] make them.
+pub type Setting = fn(&ContactProblem, Scaling, usize, f64) -> HistorySettings;
+
 /// What was measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
     /// CPU of the process, s: from the scene on, no files written.
     pub cpu: f64,
     /// Of that, in the history: its set-up, factorisations, solves, the error measure.
     pub history: f64,
-    pub unknowns: f64,
-    pub iterations: f64,
-    pub factorizations: f64,
+    pub unknowns: usize,
+    pub iterations: usize,
+    pub factorizations: usize,
     /// Entries of the factors.
-    pub entries: f64,
+    pub entries: usize,
     /// Operations of the last factorisation; 0 if they are not told.
     pub flops: f64,
     /// Peak resident memory, MB.
     pub megabytes: f64,
     pub backward_error: f64,
     /// Increments that converged.
-    pub converged: f64,
-    /// 1 if the body was condensed.
-    pub condensed: f64,
+    pub converged: usize,
+    /// Whether the body was condensed.
+    pub condensed: bool,
+}
+
+impl FromStr for Elements {
+    type Err = String;
+
+    /// `100` is a square, `1000x4` a strip, `16x16x4` a plate.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let counts: Result<Vec<usize>, _> = text.split('x').map(str::parse).collect();
+        match counts.as_deref() {
+            Ok(&[n]) => Ok(Elements::Plane([n, n])),
+            Ok(&[along, across]) => Ok(Elements::Plane([along, across])),
+            Ok(&[along, aside, across]) => Ok(Elements::Solid([along, aside, across])),
+            _ => Err(format!("{text} is no mesh")),
+        }
+    }
+}
+
+impl fmt::Display for Elements {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Elements::Plane([along, across]) => write!(f, "{along}x{across}"),
+            Elements::Solid([along, aside, across]) => write!(f, "{along}x{aside}x{across}"),
+        }
+    }
+}
+
+impl Elements {
+    /// The scene that is meshed, and the overrides that mesh it.
+    fn meshed(self) -> (&'static str, [String; 2]) {
+        let (scene, elements, size) = match self {
+            Elements::Plane([n, across]) if n == across => ("block.toml", vec![n, n], vec![1.0, 1.0]),
+            Elements::Plane(counts) => ("block.toml", counts.to_vec(), counts.map(|count| count as f64).to_vec()),
+            Elements::Solid(counts) => {
+                ("cube.toml", counts.to_vec(), counts.map(|count| count as f64 / counts[0] as f64).to_vec())
+            }
+        };
+        (scene, [format!("mesh.elements={elements:?}"), format!("mesh.size={size:?}")])
+    }
 }
 
 /// Runs `case` in a child.
 pub fn measure(case: Case, who: Who) -> Measured {
     let exe = std::env::current_exe().unwrap();
-    let [along, across] = case.elements;
-    let args = ["child", who, &format!("{along}x{across}"), &case.increments.to_string()];
-    let child = Command::new(exe).args(args).output().unwrap();
+    let child = Command::new(exe).args(["child", who, &serde_json::to_string(&case).unwrap()]).output().unwrap();
     assert!(child.status.success(), "{case:?} {who}: {}", String::from_utf8_lossy(&child.stderr));
-    let numbers = String::from_utf8(child.stdout).unwrap();
-    let numbers: Vec<f64> = numbers.split_whitespace().map(|number| number.parse().unwrap()).collect();
-    let numbers: [f64; 11] = numbers.try_into().unwrap();
-    let [
-        cpu,
-        history,
-        unknowns,
-        iterations,
-        factorizations,
-        entries,
-        flops,
-        megabytes,
-        backward_error,
-        converged,
-        condensed,
-    ] = numbers;
-    Measured {
-        cpu,
-        history,
-        unknowns,
-        iterations,
-        factorizations,
-        entries,
-        flops,
-        megabytes,
-        backward_error,
-        converged,
-        condensed,
-    }
+    serde_json::from_slice(&child.stdout).unwrap()
 }
 
-/// If this process is a child: runs what it is told to, prints the numbers, and tells so.
-pub fn is_child(setting: fn(&stickslip::problem::ContactProblem, Scaling, usize, f64) -> HistorySettings) -> bool {
+/// If this process is a child: runs what it is told to, prints what it measured, and tells so.
+pub fn is_child(setting: Setting) -> bool {
     let args: Vec<String> = std::env::args().collect();
-    let [_, child, who, mesh, increments, ..] = &args[..] else { return false };
+    let [_, child, who, case] = &args[..] else { return false };
     if child != "child" {
         return false;
     }
     linear::process::set_blas_threads(1);
-    let case = Case { elements: elements(mesh).unwrap(), increments: increments.parse().unwrap() };
-    let numbers = run(case, who, setting).map(|number| number.to_string());
-    println!("{}", numbers.join(" "));
+    let measured = run(serde_json::from_str(case).unwrap(), who, setting);
+    println!("{}", serde_json::to_string(&measured).unwrap());
     true
-}
-
-/// `100x100`, or `100` for a square.
-pub fn elements(text: &str) -> Option<[usize; 2]> {
-    let (along, across) = text.split_once('x').unwrap_or((text, text));
-    Some([along.parse().ok()?, across.parse().ok()?])
 }
 
 /// Keeps freed memory once the factors have their size, as the command line does.
@@ -113,20 +130,11 @@ impl Observer for KeepMemory {
     }
 }
 
-fn run(
-    case: Case,
-    who: &str,
-    setting: fn(&stickslip::problem::ContactProblem, Scaling, usize, f64) -> HistorySettings,
-) -> [f64; 11] {
-    let [along, across] = case.elements;
-    let size = if along == across { [1, 1] } else { [along, across] };
+fn run(case: Case, who: &str, setting: Setting) -> Measured {
     let linear = if who == "naive" { "umfpack" } else { who };
-    let (scene, model) = scene(&[
-        format!("mesh.elements=[{along},{across}]"),
-        format!("mesh.size=[{},{}]", size[0], size[1]),
-        format!("time.increments={}", case.increments),
-        format!("solver.linear=\"{linear}\""),
-    ]);
+    let (name, [elements, size]) = case.elements.meshed();
+    let increments = format!("time.increments={}", case.increments);
+    let (scene, model) = scene(name, &[elements, size, increments, format!("solver.linear=\"{linear}\"")]);
     let before = cpu_seconds();
     // In newtons and metres the tolerance of the scene is out of reach at fine meshes: what the naive caller
     // reaches is taken, the comparison is of time.
@@ -145,17 +153,17 @@ fn run(
     // The naive caller may give up on the way.
     assert!(who == "naive" || outcome.status == Status::Converged, "{case:?} {who}: {:?}", outcome.status);
     let factor = outcome.linear.factor;
-    [
+    Measured {
         cpu,
-        cpu - before,
-        outcome.layout.unknowns() as f64,
-        outcome.records.iter().map(|record| record.iterations).sum::<usize>() as f64,
-        outcome.linear.factorizations as f64,
-        factor.entries as f64,
-        factor.flops,
-        peak_rss_bytes().unwrap_or(0) as f64 * 1e-6,
-        outcome.linear.worst_backward_error,
-        outcome.records.iter().filter(|record| record.status == Status::Converged).count() as f64,
-        f64::from(u8::from(condensed)),
-    ]
+        history: cpu - before,
+        unknowns: outcome.layout.unknowns(),
+        iterations: outcome.records.iter().map(|record| record.iterations).sum(),
+        factorizations: outcome.linear.factorizations,
+        entries: factor.entries,
+        flops: factor.flops,
+        megabytes: peak_rss_bytes().unwrap_or(0) as f64 * 1e-6,
+        backward_error: outcome.linear.worst_backward_error,
+        converged: outcome.records.iter().filter(|record| record.status == Status::Converged).count(),
+        condensed,
+    }
 }

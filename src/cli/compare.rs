@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::de::value::Error as NameError;
 use serde::de::{DeserializeOwned, IntoDeserializer};
-use stickslip::compare::{self, CompareError, Comparison, MeshResult, Phases, Plan, Run, SolverPath};
+use stickslip::compare::{self, CompareError, Comparison, End, MeshResult, Phases, Plan, Run, SolverPath};
 use stickslip::history::Status;
 use stickslip::linear;
 use stickslip::report::{Table, csv_table, write_file};
@@ -166,12 +166,15 @@ fn shown(error: f64, tolerance: f64) -> String {
 }
 
 fn meshes_table(comparison: &Comparison) -> Table {
-    let heads = [
+    // In two dimensions there is no p_o.
+    let in_space = comparison.meshes.iter().any(|result| result.end.p_o.iter().any(|p_o| *p_o != 0.0));
+    let mut heads = vec![
         "n",
         "n_u",
         "n_c",
         "sum p_n, N",
         "sum p_t, N",
+        "sum p_o, N",
         "energy, J",
         "friction work, J",
         "d sum p_n",
@@ -179,10 +182,13 @@ fn meshes_table(comparison: &Comparison) -> Table {
         "d energy",
         "d tractions",
     ];
+    heads.retain(|head| in_space || *head != "sum p_o, N");
     let mut table = Table::new(&heads);
     for result in &comparison.meshes {
+        let [p_n, p_t, p_o, energy, work] = resultants(result);
         let mut row = [result.mesh, result.displacements, result.contacts].map(|count| count.to_string()).to_vec();
-        row.extend(resultants(result).map(|number| format!("{number:.6e}")));
+        let numbers = [p_n, p_t].into_iter().chain(in_space.then_some(p_o)).chain([energy, work]);
+        row.extend(numbers.map(|number| format!("{number:.6e}")));
         let errors = result.errors.map(|errors| [errors.sum_p_n, errors.sum_p_t, errors.energy, errors.tractions]);
         row.extend(errors.unwrap_or([f64::NAN; 4]).map(|error| shown(error, comparison.tolerance)));
         table.push(row);
@@ -190,10 +196,11 @@ fn meshes_table(comparison: &Comparison) -> Table {
     table
 }
 
-fn resultants(result: &MeshResult) -> [f64; 4] {
+fn resultants(result: &MeshResult) -> [f64; 5] {
     // + 0.0: the sum of no forces is -0.
     let sum = |forces: &[f64]| forces.iter().sum::<f64>() + 0.0;
-    [sum(&result.end.p_n), sum(&result.end.p_t), result.end.energy, result.end.work]
+    let End { p_n, p_t, p_o, energy, work, .. } = &result.end;
+    [sum(p_n), sum(p_t), sum(p_o), *energy, *work]
 }
 
 const RUN_COLUMNS: [&str; 25] = [
@@ -279,6 +286,7 @@ fn meshes_csv(comparison: &Comparison) -> String {
         "status",
         "sum_p_n",
         "sum_p_t",
+        "sum_p_o",
         "energy",
         "friction_work",
         "error_sum_p_n",
@@ -304,7 +312,8 @@ fn write(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
     written(write_file(folder, "compare.csv", &runs_csv(comparison)))?;
     written(write_file(folder, "iterations.csv", &iterations_csv(comparison)))?;
     written(write_file(folder, "meshes.csv", &meshes_csv(comparison)))?;
-    let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
+    let quoted = |argument: String| if argument.contains(' ') { format!("'{argument}'") } else { argument };
+    let command = std::env::args().skip(1).map(quoted).collect::<Vec<_>>().join(" ");
     let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
     page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));
     for (stem, what, chart) in compare::charts(comparison) {

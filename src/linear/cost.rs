@@ -6,7 +6,7 @@
 //! | --- | --- | --- |
 //! | once | order the unknowns | order, factor `K` (`|L|`, `φ`), form `S` (`2/3 m³`), store it (`m²`) |
 //! | a factorisation with its solve | `2 |L|` entries, `2 φ` operations | `2/3 k³` operations, some passes over `m²` entries |
-//! | an increment | – | substitutions with `L` |
+//! | an increment | – | substitutions with `L`, some passes over `m²` entries |
 //!
 //! `k` is the number of displacements that contact leaves free, half of `m` where nothing better is known.
 //! Contact rows add a few per cent to the sparse factors and are left out. So is what both ways share: mesh,
@@ -14,8 +14,8 @@
 
 use super::FactorInfo;
 
-/// Seconds for each unit of work, from runs of the paper's block (n = 25 … 200) and of strips (1000 × 4 …
-/// 2000 × 50) on one core with AVX-512: CPU time of whole runs and of their parts, sizes from the
+/// Seconds for each unit of work, from runs of the paper's block (n = 25 … 200), of strips (1000 × 4 …
+/// 2000 × 50) and of plates (16 × 16 × 4 … 32 × 32 × 2) on one core with AVX-512: CPU time of whole runs and of their parts, sizes from the
 /// factorisations. Elsewhere all of them change together, and the choice hangs on their ratios.
 mod seconds {
     /// An operation in a dense kernel.
@@ -34,8 +34,12 @@ mod seconds {
     pub const L_SOLVE_ENTRY: f64 = 4e-9;
     /// An entry of `S`: formed, copied into the matrix that is factored.
     pub const S_ENTRY: f64 = 100e-9;
-    /// An entry of `S` in an iteration: gathered, multiplied, residuals measured.
-    pub const S_ITERATION_ENTRY: f64 = 25e-9;
+    /// An entry of `S` with each factorisation: gathered, multiplied in the solve.
+    pub const S_FACTOR_ENTRY: f64 = 10e-9;
+    /// An entry of `S` in an increment: residuals, and the iterations that keep their factors. Runs with 2 and with 40
+    /// increments tell it from the former: 11 ns on three strips with 4 to 9 factorisations more, 10 ns the former
+    /// on plates with 35 to 118 more.
+    pub const S_INCREMENT_ENTRY: f64 = 11e-9;
 }
 
 /// Bytes an entry of `S` takes at most, with its copies and 64-bit indices (measured: 60 at m = 2000).
@@ -99,8 +103,8 @@ pub fn condensed(sizes: &Sizes, work: &Work) -> Cost {
     let once = entries * seconds::L_ENTRY
         + m * m * seconds::S_ENTRY
         + (sizes.stiffness.flops + 2.0 / 3.0 * m.powi(3)) * seconds::OPERATION;
-    let iteration = flops * seconds::OPERATION + m * m * seconds::S_ITERATION_ENTRY;
-    let increment = entries * seconds::L_SOLVE_ENTRY;
+    let iteration = flops * seconds::OPERATION + m * m * seconds::S_FACTOR_ENTRY;
+    let increment = entries * seconds::L_SOLVE_ENTRY + m * m * seconds::S_INCREMENT_ENTRY;
     Cost {
         seconds: once + work.factorizations * iteration + work.increments as f64 * increment,
         flops,

@@ -82,7 +82,9 @@ impl Umfpack {
         if strategy == Strategy::Symmetric {
             control[sys::UMFPACK_STRATEGY as usize] = f64::from(sys::UMFPACK_STRATEGY_SYMMETRIC);
             control[sys::UMFPACK_SINGLETONS as usize] = 0.0;
-            // Nested dissection: against AMD 17 % less fill at n = 100, 41 % less at n = 400.
+            // Nested dissection. Against AMD 17 % less fill on squares at n = 100 and 41 % at n = 400, 28 % on cubes at
+            // n = 16, in half the time, and 41 % at n = 24, in 0.97 GB instead of 2.18. UMFPACK's "best of all"
+            // fills 1 % more at n = 16, CHOLMOD's choice there is METIS.
             control[sys::UMFPACK_ORDERING as usize] = f64::from(sys::UMFPACK_ORDERING_METIS);
             control[sys::UMFPACK_IRSTEP as usize] = 0.0;
         }

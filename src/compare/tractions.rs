@@ -1,0 +1,225 @@
+//! Contact tractions on meshes of different size, compared point by point.
+
+use std::collections::HashMap;
+
+use crate::contact::ContactNode;
+use crate::model::Model;
+use crate::problem::State;
+use crate::vector::{dot, minus, norm};
+
+/// So many elements are left out at the rim of the contact boundary: edges and corners of the body are singular.
+const OUTERMOST: usize = 2;
+
+/// What rounding makes of a length, in lengths of an element.
+const ROUNDING: f64 = 1e-9;
+
+/// Contact tractions on the contact boundaries.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Tractions {
+    /// Position of each contact node, n_c, m.
+    pub positions: Vec<[f64; 3]>,
+    /// Integration weights `l`, n_c, m or m².
+    pub weight: Vec<f64>,
+    /// The traction of the body on the obstacle at each contact node (32), in the directions of space, n_c, Pa.
+    pub values: Vec<[f64; 3]>,
+    /// The facets between contact nodes: segments, triangles, and quadrilaterals cut into these.
+    pub pieces: Vec<Vec<usize>>,
+}
+
+/// The ends of a segment, or the corners of a triangle.
+type Corners = Vec<[f64; 3]>;
+
+/// Where tractions are compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interior {
+    inside: Vec<Corners>,
+    outside: Vec<Corners>,
+}
+
+impl Interior {
+    /// Whether the point is there, its rim included.
+    fn holds(&self, x: [f64; 3]) -> bool {
+        let nearest = |all: &[Corners]| all.iter().map(|corners| share(corners, x).1).fold(f64::INFINITY, f64::min);
+        let element = self.inside.first().map_or(0.0, |corners| norm(minus(corners[1], corners[0])));
+        nearest(&self.inside) <= nearest(&self.outside) + ROUNDING * element
+    }
+}
+
+impl Tractions {
+    /// Those of a `state` of `model`.
+    pub(super) fn new(model: &Model, state: &State) -> Self {
+        let traction = |(i, contact): (usize, &ContactNode)| {
+            let ([t, o], n) = (contact.facing.tangents, contact.facing.normal);
+            let p = [state.p_n[i], state.p_t[i], state.p_o[i]];
+            [0, 1, 2].map(|k| (p[0] * n[k] + p[1] * t[k] + p[2] * o[k]) / contact.weight)
+        };
+        let mut pieces = Vec::new();
+        for boundary in &model.contact_boundaries {
+            let places: HashMap<usize, usize> = boundary.nodes.clone().map(|i| (model.contacts[i].node, i)).collect();
+            let facets = model.mesh.boundary(&boundary.name).map_or(&[][..], |boundary| &boundary.facets);
+            for facet in facets {
+                // A node that supports hold along the normal is no contact node.
+                let Some(corners) = facet.iter().map(|node| places.get(node).copied()).collect::<Option<Vec<_>>>()
+                else {
+                    continue;
+                };
+                match corners[..] {
+                    [a, b] => pieces.push(vec![a, b]),
+                    [first, ref others @ ..] => {
+                        pieces.extend(others.windows(2).map(|pair| vec![first, pair[0], pair[1]]));
+                    }
+                    [] => {}
+                }
+            }
+        }
+        Tractions {
+            positions: model.contacts.iter().map(|contact| contact.position).collect(),
+            weight: model.problem.weight.clone(),
+            values: model.contacts.iter().enumerate().map(traction).collect(),
+            pieces,
+        }
+    }
+
+    fn corners(&self, piece: &[usize]) -> Corners {
+        piece.iter().map(|&i| self.positions[i]).collect()
+    }
+
+    /// The part of the boundary on which the tractions of finer meshes are compared with those of this one: without
+    /// the two outermost elements along its rim. All of it, if that leaves nothing.
+    pub fn interior(&self) -> Interior {
+        // A side of one piece only is on the rim.
+        let sides = |piece: &[usize]| {
+            (0..piece.len())
+                .map(|k| {
+                    let mut side = piece.to_vec();
+                    side.remove(k);
+                    side.sort_unstable();
+                    side
+                })
+                .collect::<Vec<_>>()
+        };
+        let mut shared = HashMap::<Vec<usize>, usize>::new();
+        for side in self.pieces.iter().flat_map(|piece| sides(piece)) {
+            *shared.entry(side).or_default() += 1;
+        }
+        let mut outer = vec![false; self.positions.len()];
+        shared.iter().filter(|side| *side.1 == 1).flat_map(|side| side.0).for_each(|&i| outer[i] = true);
+        for _ in 1..OUTERMOST {
+            let reached = outer.clone();
+            for piece in self.pieces.iter().filter(|piece| piece.iter().any(|&i| reached[i])) {
+                for &i in piece {
+                    outer[i] = true;
+                }
+            }
+        }
+        let (outside, inside): (Vec<_>, Vec<_>) = self.pieces.iter().partition(|piece| piece.iter().any(|&i| outer[i]));
+        let corners = |pieces: Vec<&Vec<usize>>| pieces.into_iter().map(|piece| self.corners(piece)).collect();
+        if inside.is_empty() {
+            return Interior { inside: corners(outside), outside: Vec::new() };
+        }
+        Interior { inside: corners(inside), outside: corners(outside) }
+    }
+
+    /// The distance to the tractions of a `finer` mesh in the L2 norm of the part `within`, relative to the finer; at
+    /// the nodes of this mesh, with the finer ones linear between their nodes. NaN without a finer boundary.
+    pub fn distance(&self, finer: &Tractions, within: &Interior) -> f64 {
+        let (mut difference, mut whole) = (0.0, 0.0);
+        for ((x, l), coarse) in self.positions.iter().zip(&self.weight).zip(&self.values) {
+            if within.holds(*x) {
+                let Some(fine) = finer.at(*x) else { return f64::NAN };
+                difference += l * dot(minus(*coarse, fine), minus(*coarse, fine));
+                whole += l * dot(fine, fine);
+            }
+        }
+        super::errors::relative(difference.sqrt(), whole.sqrt())
+    }
+
+    /// The traction at the point of the boundary nearest to `x`.
+    fn at(&self, x: [f64; 3]) -> Option<[f64; 3]> {
+        let shares = self.pieces.iter().map(|piece| (piece, share(&self.corners(piece), x)));
+        let (piece, (shares, _)) = shares.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+        let sum = |k: usize| piece.iter().zip(&shares).map(|(&i, share)| share * self.values[i][k]).sum();
+        Some([0, 1, 2].map(sum))
+    }
+}
+
+/// The shares of the corners in the point of a segment or triangle near `x`, the nearest if `x` projects into it, and
+/// the distance of that point.
+fn share(corners: &[[f64; 3]], x: [f64; 3]) -> (Vec<f64>, f64) {
+    let reach = minus(x, corners[0]);
+    let mut shares = match corners[1..] {
+        [b, c] => {
+            let (b, c) = (minus(b, corners[0]), minus(c, corners[0]));
+            let (bb, bc, cc, rb, rc) = (dot(b, b), dot(b, c), dot(c, c), dot(reach, b), dot(reach, c));
+            let area = bb * cc - bc * bc;
+            let [s, t] = [(rb * cc - rc * bc) / area, (rc * bb - rb * bc) / area];
+            vec![1.0 - s - t, s, t]
+        }
+        [b, ..] => {
+            let b = minus(b, corners[0]);
+            let s = dot(reach, b) / dot(b, b);
+            vec![1.0 - s, s]
+        }
+        [] => vec![1.0],
+    };
+    for share in &mut shares {
+        *share = share.max(0.0);
+    }
+    let sum: f64 = shares.iter().sum();
+    for share in &mut shares {
+        *share /= sum;
+    }
+    let near = |k: usize| corners.iter().zip(&shares).map(|(corner, share)| share * corner[k]).sum::<f64>();
+    let distance = norm(minus(x, [0, 1, 2].map(near)));
+    (shares, distance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// n × n squares of a unit square, each in two triangles, with a traction linear in place.
+    fn square(n: usize) -> Tractions {
+        let at = |k: usize| k as f64 / n as f64;
+        let positions: Vec<[f64; 3]> = (0..=n).flat_map(|j| (0..=n).map(move |i| [at(i), at(j), 0.0])).collect();
+        let node = |i: usize, j: usize| j * (n + 1) + i;
+        let mut pieces = Vec::new();
+        for (i, j) in (0..n).flat_map(|j| (0..n).map(move |i| (i, j))) {
+            pieces.push(vec![node(i, j), node(i + 1, j), node(i + 1, j + 1)]);
+            pieces.push(vec![node(i, j), node(i + 1, j + 1), node(i, j + 1)]);
+        }
+        let values = positions.iter().map(|[x, y, _]| [1.0 + x, 2.0 * y, x - y]).collect();
+        Tractions { weight: vec![1.0; positions.len()], positions, values, pieces }
+    }
+
+    #[test]
+    fn a_surface_is_compared_inside_its_rim() {
+        let (coarse, mut fine) = (square(6), square(9));
+        let within = coarse.interior();
+        let held = coarse.positions.iter().filter(|x| within.holds(**x)).count();
+        // Of 7 × 7 nodes those in the middle 3 × 3.
+        assert_eq!(held, 9);
+        assert!(coarse.distance(&fine, &within) < 1e-14);
+        // Linear tractions are met wherever the finer nodes are; a rim that is wrong does not matter.
+        for (x, value) in fine.positions.iter().zip(&mut fine.values) {
+            if x.iter().take(2).any(|x| !(0.2..0.8).contains(x)) {
+                *value = [9.0; 3];
+            }
+        }
+        assert!(coarse.distance(&fine, &within) < 1e-14);
+        fine.values.iter_mut().for_each(|value| *value = [0.0, 0.0, 2.0]);
+        let inner: Vec<_> = coarse.positions.iter().zip(&coarse.values).filter(|(x, _)| within.holds(**x)).collect();
+        let apart = |value: &[f64; 3]| value[0].powi(2) + value[1].powi(2) + (value[2] - 2.0).powi(2);
+        let expected = (inner.iter().map(|(_, value)| apart(value)).sum::<f64>() / (4.0 * 9.0)).sqrt();
+        assert!((coarse.distance(&fine, &within) / expected - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn of_a_small_surface_all_counts() {
+        let (coarse, fine) = (square(3), square(6));
+        let within = coarse.interior();
+        assert!(coarse.positions.iter().all(|x| within.holds(*x)));
+        assert!(coarse.distance(&fine, &within) < 1e-14);
+        assert!(coarse.distance(&Tractions::default(), &within).is_nan());
+    }
+}
