@@ -102,6 +102,13 @@ impl ContactProblem {
         balance.into_iter().map(Twofold::value).collect()
     }
 
+    /// `w_T - w̄_T` of contact node `i`, the slip increment (m), with the `u_rest` of `state`: a slip may be that small
+    /// beside the displacements that its direction is lost in their rounding.
+    pub fn slip(&self, increment: &Increment<'_>, state: &State, i: usize) -> [f64; 2] {
+        let last = [increment.w_t_last[i], increment.w_o_last[i]];
+        [0, 1].map(|d| self.tangential_maps()[d].difference(i, &state.u, &state.u_rest, last[d]))
+    }
+
     /// The displacements that contact forces act on, ascending. There are none along an obstacle
     /// without friction.
     pub fn contact_displacements(&self) -> Vec<usize> {

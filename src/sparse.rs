@@ -191,6 +191,17 @@ impl Csr {
         self.row(i).iter().map(|&(column, value)| value * x[column]).sum()
     }
 
+    /// The product of row `i` with `x + rest`, less `y`, in twice the working precision; `rest` may be empty.
+    pub fn difference(&self, i: usize, x: &[f64], rest: &[f64], y: f64) -> f64 {
+        let mut sum = Twofold::default();
+        for &(column, value) in self.row(i) {
+            sum.add_product(value, x[column]);
+            sum.add(value * rest.get(column).copied().unwrap_or(0.0));
+        }
+        sum.add(-y);
+        sum.value()
+    }
+
     /// `A x`.
     pub fn mul(&self, x: &[f64]) -> Vec<f64> {
         (0..self.rows()).map(|i| self.dot(i, x)).collect()

@@ -193,6 +193,32 @@ fn an_idle_direction_changes_nothing() {
     assert!(slipped > 50, "{slipped}");
 }
 
+/// A slip of a billionth of the displacements: its direction is lost in their rounding, and found in their second word.
+#[test]
+fn a_tiny_slip() {
+    let problem = ContactProblem {
+        stiffness: random::symmetric(3, |i, j| f64::from(u8::from(i == j))),
+        c_n: random::rows(3, [vec![(2, 1.0)]]),
+        c_t: random::rows(3, [vec![(0, 0.6), (1, 0.8)]]),
+        c_o: random::rows(3, [vec![(0, -0.8), (1, 0.6)]]),
+        mu: vec![0.5],
+        weight: vec![1.0],
+        free_motions: Vec::new(),
+    };
+    let case = |force: [f64; 3], history: &[[f64; 2]]| LoadCase { force: force.to_vec(), history: history.to_vec() };
+    let loading = Loading {
+        cases: vec![
+            case([1.7, 1.1, 1.0], &[[0.0, 0.0], [0.2, 1.0]]),
+            case([1e-8, 3e-9, 0.0], &[[0.2, 0.0], [1.0, 1.0]]),
+        ],
+        gap: vec![0.0],
+        ..Loading::default()
+    };
+    let outcome = solve(&problem, &loading);
+    assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.violation);
+    assert_eq!(outcome.records.iter().map(|record| record.contact.slip).sum::<usize>(), 5);
+}
+
 /// One node on springs k along each axis: inside the cone it stays, beyond it goes the way of the load until
 /// the springs carry what friction does not.
 #[test]

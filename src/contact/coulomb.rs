@@ -38,6 +38,23 @@ pub fn tangential_residual(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, 
     [0, 1].map(|d| -p[d] + projected[d])
 }
 
+/// The same rows for a slip that may be below the rounding of `p_T / r`: across `p_T` they are worked out from the slip
+/// alone, where `-p_T + Π(…)` would cancel.
+pub fn resolved_tangential_residual(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f64) -> [f64; 2] {
+    let (size, reach, radius) = (length(p), length(trial(p, slip, r)), mu * positive(pressure));
+    if reach <= radius {
+        return slip.map(|w| r * w);
+    }
+    if size == 0.0 {
+        return tangential_residual(p, pressure, slip, mu, r);
+    }
+    // With e along p_T and a across it, p_T + r Δw_T = (|p_T| + r Δw · e) e + (r Δw · a) a.
+    let e = direction(p);
+    let (along, across) = (r * (e[0] * slip[0] + e[1] * slip[1]), r * (e[0] * slip[1] - e[1] * slip[0]));
+    let (along, across) = (radius * (size + along) / reach - size, radius * across / reach);
+    [along * e[0] - across * e[1], along * e[1] + across * e[0]]
+}
+
 /// `q = p_T + r Δw_T`.
 fn trial(p: [f64; 2], slip: [f64; 2], r: f64) -> [f64; 2] {
     [0, 1].map(|d| p[d] + r * slip[d])
@@ -262,5 +279,25 @@ mod tests {
             |rate| tangential_case_ahead(Germ::new(1.0, 0.0, rate), [Germ::new(0.4, 0.0, 0.0), grazing(3.0)], 0.4);
         assert_eq!(rim(1.0), TangentialCase::Stick);
         assert!(slips(rim(-1.0), 1.0));
+    }
+
+    #[test]
+    fn a_resolved_row_is_the_row() {
+        let (mu, r) = (0.4, 1.5);
+        for (p, p_n, slip) in [
+            ([0.3, -0.1], 1.0, [0.2, 0.4]),
+            ([0.3, -0.1], 1.0, [-0.2, 0.1]),
+            ([0.1, 0.1], 1.0, [0.01, 0.0]),
+            ([0.0, 0.0], 1.0, [1.0, 1.0]),
+            ([0.3, 0.2], -1.0, [0.1, 0.0]),
+            ([-0.3, 0.0], 1.0, [-0.7, 0.0]),
+        ] {
+            let (row, resolved) =
+                (tangential_residual(p, p_n, slip, mu, r), resolved_tangential_residual(p, p_n, slip, mu, r));
+            assert!((0..2).all(|d| (row[d] - resolved[d]).abs() < 1e-15), "{p:?} {slip:?}: {row:?} {resolved:?}");
+        }
+        // Across a force of 0.5 a slip of 1e-20 counts.
+        let [_, across] = resolved_tangential_residual([0.5, 0.0], 1.0, [1e-9, 1e-20], 0.5, 1.0);
+        assert!((across - 1e-20).abs() < 1e-28, "{across:e}");
     }
 }

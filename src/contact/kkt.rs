@@ -169,7 +169,7 @@ fn violations(
         visit(Law::Complementarity, i, smaller(pressed, apart));
         visit(Law::Cone, i, scales.force(positive(length(p_t) - radius)));
         if problem.tangential_maps().iter().any(|map| !map.row(i).is_empty()) {
-            let slip = slip(problem, increment, state, i);
+            let slip = problem.slip(increment, state, i);
             // Judged from the nearest admissible force, so that the cone counts only once. The distance of
             // the vectors, not of what they dissipate: that has no slope where they are parallel.
             let (full, there) = (direction(slip).map(|n| radius * n), project(p_t, radius));
@@ -182,12 +182,6 @@ fn violations(
 /// `p_T` of node `i`.
 fn friction(state: &State, i: usize) -> [f64; 2] {
     [state.p_t[i], state.p_o[i]]
-}
-
-/// `w_T - w̄_T` of node `i`.
-fn slip(problem: &ContactProblem, increment: &Increment<'_>, state: &State, i: usize) -> [f64; 2] {
-    let [w_t, w_o] = problem.tangential_maps().map(|map| map.dot(i, &state.u));
-    [w_t - increment.w_t_last[i], w_o - increment.w_o_last[i]]
 }
 
 impl KktErrors {
@@ -285,7 +279,7 @@ pub fn statuses(
             return ContactStatus::Open;
         }
         let reserve = positive(problem.mu[i] * state.p_n[i] - length(friction(state, i)));
-        let slip = length(slip(problem, increment, state, i));
+        let slip = length(problem.slip(increment, state, i));
         if scales.force(reserve) > scales.length(slip) { ContactStatus::Stick } else { ContactStatus::Slip }
     };
     (0..problem.contacts()).map(status).collect()

@@ -6,7 +6,8 @@ use super::natural::{NaturalRows, half_square};
 use super::scaled::Scaled;
 use super::{Conventions, Formulation, Layout};
 use crate::contact::coulomb::{
-    Germ, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case, tangential_case_ahead,
+    Germ, NormalCase, TangentialCase, normal_case, normal_case_ahead, resolved_tangential_residual, tangential_case,
+    tangential_case_ahead,
 };
 use crate::null_space::null_space;
 use crate::problem::{ContactProblem, Increment};
@@ -81,15 +82,22 @@ impl Bdiff {
         if self.layout().slides_in_a_plane(i) { case } else { case.straight() }
     }
 
-    /// The contact rows of (19).
-    fn contact_rows(&self, z: &[f64], h: &mut [f64]) {
+    /// The contact rows of (19). The direction of a slip may be lost in the rounding of `z`, so a `rest` counts there.
+    fn contact_rows(&self, z: &[f64], rest: Option<&[f64]>, h: &mut [f64]) {
         let Bdiff { data, rows, .. } = self;
         for i in 0..data.layout.contacts() {
             let n = data.layout.p_n(i);
             h[n] = rows.normal(data, i, z[n], data.w_n(i, z));
             if data.layout.has_friction(i) {
                 let pressure = rows.pressure(data, i, z[n], data.w_n(i, z));
-                let tangential = rows.tangential(data, i, data.friction(i, z), pressure, data.tangential(i, z));
+                let p = data.friction(i, z);
+                let tangential = match rest {
+                    None => rows.tangential(data, i, p, pressure, data.tangential(i, z)),
+                    Some(rest) => {
+                        let slip = data.slip_beyond(i, z, rest);
+                        resolved_tangential_residual(p, pressure, slip, data.mu[i], rows.r[i])
+                    }
+                };
                 for (k, row) in data.layout.tangential(i).into_iter().zip(tangential) {
                     if let Some(k) = k {
                         h[k] = row;
@@ -159,7 +167,7 @@ impl Formulation for Bdiff {
         for (row, force) in h.iter_mut().zip(&data.force) {
             *row -= force;
         }
-        self.contact_rows(z, h);
+        self.contact_rows(z, None, h);
     }
 
     fn residual_beyond(&self, z: &[f64], rest: &[f64], h: &mut [f64]) {
@@ -170,7 +178,7 @@ impl Formulation for Bdiff {
         }
         sums.iter_mut().zip(&self.data.force).for_each(|(sum, force)| sum.add(-force));
         h.iter_mut().zip(sums).for_each(|(row, sum)| *row = sum.value());
-        self.contact_rows(z, h);
+        self.contact_rows(z, Some(rest), h);
     }
 
     /// (10), `½ Hᵀ H` with every row in its unit of [`Conventions`], SI.

@@ -72,6 +72,11 @@ impl Scaled {
         [w_t - self.w_t_last[i], w_o - self.w_o_last[i]]
     }
 
+    /// The slip increment of node `i` at `z + rest`, where `rest` is below the rounding of `z`.
+    pub(super) fn slip_beyond(&self, i: usize, z: &[f64], rest: &[f64]) -> [f64; 2] {
+        [self.c_t.difference(i, z, rest, self.w_t_last[i]), self.c_o.difference(i, z, rest, self.w_o_last[i])]
+    }
+
     /// `p_T = (p_t, p_o)` of node `i`; a component it does not have is 0.
     pub(super) fn friction(&self, i: usize, z: &[f64]) -> [f64; 2] {
         self.layout.tangential(i).map(|k| k.map_or(0.0, |k| z[k]))
