@@ -7,7 +7,8 @@ use stickslip::contact::ContactStatus::{Open, Slip, Stick};
 use stickslip::contact::{KktErrors, KktScales};
 use stickslip::history::Status;
 use stickslip::model::Model;
-use stickslip::problem::State;
+use stickslip::problem::{ContactProblem, Increment, State};
+use stickslip::sparse::{Csr, Symmetric};
 
 /// Every component at most 1e-10 in every increment.
 #[test]
@@ -101,8 +102,7 @@ fn the_measure_is_unit_free() {
     problem.stiffness.scale(f / l);
     let (force, gap) = (times(increment.force, f), times(increment.gap, l));
     let [w_t_last, w_o_last] = [increment.w_t_last, increment.w_o_last].map(|w| times(w, l));
-    let increment =
-        stickslip::problem::Increment { force: &force, gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last };
+    let increment = Increment { force: &force, gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last };
     let state = State {
         u: times(&state.u, l),
         u_rest: Vec::new(),
@@ -113,4 +113,28 @@ fn the_measure_is_unit_free() {
     let scales = KktScales::new(&problem, &increment, &state);
     assert_eq!(KktErrors::measure(&problem, &increment, &state, &scales), si);
     assert!(si.worst().1 > 1e-4);
+}
+
+/// In a body that sticks throughout the displacements are mere rounding, and so is their slip: it is compared with what
+/// the load would make of the stiffest entry. A slip that large counts.
+#[test]
+fn rounding_of_a_body_that_sticks() {
+    let mut stiffness = Symmetric::from_entries(2, |take| (0..2).for_each(|i| take(i, i)));
+    (0..2).for_each(|i| stiffness.add(i, i, 2.0));
+    let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(2));
+    c_n.push_row([(1, 1.0)]);
+    c_t.push_row([(0, 1.0)]);
+    c_o.push_row([]);
+    let problem =
+        ContactProblem { stiffness, c_n, c_t, c_o, mu: vec![0.5], weight: vec![1.0], free_motions: Vec::new() };
+    let increment = Increment { force: &[0.1, 1.0], gap: &[0.0], w_t_last: &[0.0], w_o_last: &[0.0] };
+    let dissipation = |slip: f64| {
+        let state = State { u: vec![slip, 0.0], u_rest: Vec::new(), p_t: vec![0.1], p_o: vec![0.0], p_n: vec![1.0] };
+        let scales = KktScales::new(&problem, &increment, &state);
+        KktErrors::measure(&problem, &increment, &state, &scales).dissipation
+    };
+    assert!((dissipation(1e-17) / 2e-17 - 1.0).abs() < 1e-12, "{}", dissipation(1e-17));
+    assert!((dissipation(1e-3) / 2e-3 - 1.0).abs() < 1e-12, "{}", dissipation(1e-3));
+    // Beyond, displacements are compared with themselves, and the force that is missing counts.
+    assert!((dissipation(1.0) - 0.4).abs() < 1e-12, "{}", dissipation(1.0));
 }

@@ -32,26 +32,21 @@ pub fn normal_residual(p_n: f64, w_n: f64, gap: f64, r: f64) -> f64 {
 }
 
 /// The tangential rows of (19): `-p_T + Π(p_T + r Δw_T)` with the radius `μ (pressure)₊`; in (19) the
-/// pressure is `p_n`.
+/// pressure is `p_n`. They are worked out along and across `p_T`: across it the slip alone counts, which may be below
+/// the rounding of `p_T / r`.
 pub fn tangential_residual(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f64) -> [f64; 2] {
-    let projected = project(trial(p, slip, r), mu * positive(pressure));
-    [0, 1].map(|d| -p[d] + projected[d])
-}
-
-/// The same rows for a slip that may be below the rounding of `p_T / r`: across `p_T` they are worked out from the slip
-/// alone, where `-p_T + Π(…)` would cancel.
-pub fn resolved_tangential_residual(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f64) -> [f64; 2] {
-    let (size, reach, radius) = (length(p), length(trial(p, slip, r)), mu * positive(pressure));
+    let (q, radius) = (trial(p, slip, r), mu * positive(pressure));
+    let (size, reach) = (length(p), length(q));
     if reach <= radius {
         return slip.map(|w| r * w);
     }
     if size == 0.0 {
-        return tangential_residual(p, pressure, slip, mu, r);
+        return project(q, radius);
     }
     // With e along p_T and a across it, p_T + r Δw_T = (|p_T| + r Δw · e) e + (r Δw · a) a.
     let e = direction(p);
     let (along, across) = (r * (e[0] * slip[0] + e[1] * slip[1]), r * (e[0] * slip[1] - e[1] * slip[0]));
-    let (along, across) = (radius * (size + along) / reach - size, radius * across / reach);
+    let (along, across) = (radius * ((size + along) / reach) - size, radius * (across / reach));
     [along * e[0] - across * e[1], along * e[1] + across * e[0]]
 }
 
@@ -282,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn a_resolved_row_is_the_row() {
+    fn the_row_is_the_projection() {
         let (mu, r) = (0.4, 1.5);
         for (p, p_n, slip) in [
             ([0.3, -0.1], 1.0, [0.2, 0.4]),
@@ -292,12 +287,15 @@ mod tests {
             ([0.3, 0.2], -1.0, [0.1, 0.0]),
             ([-0.3, 0.0], 1.0, [-0.7, 0.0]),
         ] {
-            let (row, resolved) =
-                (tangential_residual(p, p_n, slip, mu, r), resolved_tangential_residual(p, p_n, slip, mu, r));
-            assert!((0..2).all(|d| (row[d] - resolved[d]).abs() < 1e-15), "{p:?} {slip:?}: {row:?} {resolved:?}");
+            let (row, projected) =
+                (tangential_residual(p, p_n, slip, mu, r), project(trial(p, slip, r), mu * positive(p_n)));
+            assert!(
+                (0..2).all(|d| (row[d] + p[d] - projected[d]).abs() < 1e-15),
+                "{p:?} {slip:?}: {row:?} {projected:?}"
+            );
         }
         // Across a force of 0.5 a slip of 1e-20 counts.
-        let [_, across] = resolved_tangential_residual([0.5, 0.0], 1.0, [1e-9, 1e-20], 0.5, 1.0);
+        let [_, across] = tangential_residual([0.5, 0.0], 1.0, [1e-9, 1e-20], 0.5, 1.0);
         assert!((across - 1e-20).abs() < 1e-28, "{across:e}");
     }
 }

@@ -6,8 +6,7 @@ use super::natural::{NaturalRows, half_square};
 use super::scaled::Scaled;
 use super::{Conventions, Formulation, Layout};
 use crate::contact::coulomb::{
-    Germ, NormalCase, TangentialCase, normal_case, normal_case_ahead, resolved_tangential_residual, tangential_case,
-    tangential_case_ahead,
+    Germ, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case, tangential_case_ahead,
 };
 use crate::null_space::null_space;
 use crate::problem::{ContactProblem, Increment};
@@ -90,14 +89,11 @@ impl Bdiff {
             h[n] = rows.normal(data, i, z[n], data.w_n(i, z));
             if data.layout.has_friction(i) {
                 let pressure = rows.pressure(data, i, z[n], data.w_n(i, z));
-                let p = data.friction(i, z);
-                let tangential = match rest {
-                    None => rows.tangential(data, i, p, pressure, data.tangential(i, z)),
-                    Some(rest) => {
-                        let slip = data.slip_beyond(i, z, rest);
-                        resolved_tangential_residual(p, pressure, slip, data.mu[i], rows.r[i])
-                    }
+                let slip = match rest {
+                    None => data.slip(i, data.tangential(i, z)),
+                    Some(rest) => data.slip_beyond(i, z, rest),
                 };
+                let tangential = rows.tangential(data, i, data.friction(i, z), pressure, slip);
                 for (k, row) in data.layout.tangential(i).into_iter().zip(tangential) {
                     if let Some(k) = k {
                         h[k] = row;

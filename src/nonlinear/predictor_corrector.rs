@@ -14,6 +14,10 @@ use crate::linear::{Direct, LinearError};
 /// 0.9 costs 8 % more iterations, and nothing was found between 0.99 and 0.995.
 const SHARE: f64 = 0.99;
 
+/// A step that is shorter has jammed, and is taken centred instead. Of 160 histories with the exact cone and stiffness over
+/// three decades three were lost without that, none with 0.1; 0.03 and 0.3 take as many iterations.
+const JAMMED: f64 = 0.1;
+
 /// When the iteration ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PredictorCorrectorSettings {
@@ -138,8 +142,17 @@ impl PredictorCorrector {
         for pair in formulation.pairs() {
             self.work.b[pair.length] += centring - self.work.dz[pair.force] * self.work.dz[pair.length];
         }
-        let corrected = self.work.solve(formulation, linear, z)?;
-        let step = (SHARE * largest_step(formulation.pairs(), z, &self.work.dz)).min(1.0);
+        let mut corrected = self.work.solve(formulation, linear, z)?;
+        let mut step = (SHARE * largest_step(formulation.pairs(), z, &self.work.dz)).min(1.0);
+        if step < JAMMED {
+            // A predictor that gets nowhere tells nothing of the second order. Without it, σ = 1.
+            self.work.b.iter_mut().zip(&self.work.h).for_each(|(b, h)| *b = -h);
+            for pair in formulation.pairs() {
+                self.work.b[pair.length] += beta;
+            }
+            corrected = self.work.solve(formulation, linear, z)?;
+            step = (SHARE * largest_step(formulation.pairs(), z, &self.work.dz)).min(1.0);
+        }
 
         self.before.clear();
         self.before.extend_from_slice(z);
