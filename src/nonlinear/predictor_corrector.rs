@@ -14,8 +14,10 @@ use crate::linear::{Direct, LinearError};
 /// 0.9 costs 8 % more iterations, and nothing was found between 0.99 and 0.995.
 const SHARE: f64 = 0.99;
 
-/// A step that is shorter has jammed, and is taken centred instead. Of 160 histories with the exact cone and stiffness over
-/// three decades three were lost without that, none with 0.1; 0.03 and 0.3 take as many iterations.
+/// A step that is shorter has jammed, and is taken centred instead if the equations are curved.
+/// Of 160 histories with the exact cone and stiffness over three decades three were lost without
+/// that, none with 0.1; 0.03 and 0.3 take as many iterations. Equations that are linear on their
+/// faces lose none, and the extreme scenes in the plane took 1.3 % more iterations with it.
 const JAMMED: f64 = 0.1;
 
 /// When the iteration ends.
@@ -70,6 +72,7 @@ impl PredictorCorrector {
         // The face ahead, and the last one that a step to it has been tried on.
         let (mut ahead, mut tried): (Option<Face>, Option<Face>) = (None, None);
         let mut settled = false;
+        let curved = formulation.face_ahead(z, z).is_none();
 
         for iteration in 1..=settings.max_iterations {
             let taken = match &ahead {
@@ -79,7 +82,7 @@ impl PredictorCorrector {
                     self.step_to(face, formulation, linear, z, settings.tolerance, error)
                 }
                 _ => {
-                    let taken = self.step(formulation, linear, z, error);
+                    let taken = self.step(curved, formulation, linear, z, error);
                     let face = formulation.face_ahead(&self.before, z);
                     settled = ahead == face;
                     ahead = face;
@@ -121,6 +124,7 @@ impl PredictorCorrector {
     /// A predictor and a corrector with one matrix, and the step.
     fn step(
         &mut self,
+        curved: bool,
         formulation: &mut dyn InteriorPoint,
         linear: &mut Direct,
         z: &mut [f64],
@@ -144,7 +148,7 @@ impl PredictorCorrector {
         }
         let mut corrected = self.work.solve(formulation, linear, z)?;
         let mut step = (SHARE * largest_step(formulation.pairs(), z, &self.work.dz)).min(1.0);
-        if step < JAMMED {
+        if curved && step < JAMMED {
             // A predictor that gets nowhere tells nothing of the second order. Without it, σ = 1.
             self.work.b.iter_mut().zip(&self.work.h).for_each(|(b, h)| *b = -h);
             for pair in formulation.pairs() {
