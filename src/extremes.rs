@@ -260,7 +260,7 @@ impl Case {
             SuiteMethod::Bn => {
                 let mut settings = HistorySettings::bn(problem, scaling, MAX_ITERATIONS, TOLERANCE);
                 if let Method::Bn { r_factor } = scene.solver.method {
-                    settings.conventions.r.iter_mut().for_each(|r| *r *= r_factor);
+                    settings.conventions.scale_r(r_factor);
                 }
                 settings
             }

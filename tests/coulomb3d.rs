@@ -318,12 +318,12 @@ fn jacobian_is_the_derivative() {
         let mut z: Vec<f64> = (0..n).map(|k| (1.0 + k as f64 * 0.7).sin()).collect();
         let [mut gap, mut w_t_last, mut w_o_last] = [(); 3].map(|()| vec![0.0; CASES.len()]);
         for (i, (_, p_n, gap_left, p, slip)) in CASES.into_iter().enumerate() {
-            let r = conventions.r[i] / scaling.stiffness();
+            let [r_n, r_t] = [conventions.r_n[i], conventions.r_t[i]].map(|r| r / scaling.stiffness());
             z[layout.p_n(i)] = p_n;
             layout.tangential(i).into_iter().zip(p).for_each(|(k, p)| z[k.unwrap()] = p);
-            gap[i] = (problem.c_n.dot(i, &z) + gap_left / r) * scaling.length;
-            w_t_last[i] = (problem.c_t.dot(i, &z) - slip[0] / r) * scaling.length;
-            w_o_last[i] = (problem.c_o.dot(i, &z) - slip[1] / r) * scaling.length;
+            gap[i] = (problem.c_n.dot(i, &z) + gap_left / r_n) * scaling.length;
+            w_t_last[i] = (problem.c_t.dot(i, &z) - slip[0] / r_t) * scaling.length;
+            w_o_last[i] = (problem.c_o.dot(i, &z) - slip[1] / r_t) * scaling.length;
         }
         let force = loading.cases[0].force.clone();
         formulation.begin(&Increment { force: &force, gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last });

@@ -132,8 +132,9 @@ fn a_slab_is_plane() {
     };
     // Alone, either of the two nodes across the slab is softer; with the same r, for half of the thickness, the way is the same.
     let mut settings = HistorySettings::bn(&space.problem, space.scaling(), 200, slab.solver.tolerance);
-    let r = Conventions::natural(&plane.problem).r;
-    settings.conventions.r = space.contacts.iter().map(|contact| 0.5 * thickness * r[in_plane(contact)]).collect();
+    let natural = Conventions::natural(&plane.problem);
+    let across = |r: &[f64]| space.contacts.iter().map(|contact| 0.5 * thickness * r[in_plane(contact)]).collect();
+    (settings.conventions.r_n, settings.conventions.r_t) = (across(&natural.r_n), across(&natural.r_t));
     let (mut linear, mut thick_states) = (space.linear(LinearBackend::Condensed), Keep::default());
     let times = slab.time.all();
     let thick =

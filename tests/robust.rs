@@ -126,7 +126,7 @@ fn r_does_not_matter() {
     let (model, times) = block(base(), 20, &[]);
     let with = |factor: f64| {
         let mut settings = HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
-        settings.conventions.r.iter_mut().for_each(|r| *r *= factor);
+        settings.conventions.scale_r(factor);
         let mut linear = Direct::default();
         let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{factor:e}: {:?}", outcome.violation);

@@ -70,7 +70,7 @@ fn grid() -> Vec<[f64; 4]> {
 
 /// BN from one start; the solution if it gets there, and the law holds.
 fn solve(problem: &ContactProblem, increment: &Increment<'_>, start: [f64; 4]) -> Option<State> {
-    let conventions = Conventions { r: vec![1.0], pressure: Pressure::Unknown, row_unit: vec![1.0] };
+    let conventions = Conventions { r_n: vec![1.0], r_t: vec![1.0], pressure: Pressure::Unknown, row_unit: vec![1.0] };
     let mut formulation = Bdiff::new(problem, Scaling::SI, &conventions);
     formulation.begin(increment);
     let mut linear = Direct::default();

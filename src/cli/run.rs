@@ -183,7 +183,7 @@ fn settings(scene: &Scene, model: &Model) -> HistorySettings {
     match method {
         scene::Method::Bn { r_factor } => {
             let mut settings = HistorySettings::bn(problem, model.scaling(), max_iterations, tolerance);
-            settings.conventions.r.iter_mut().for_each(|r| *r *= r_factor);
+            settings.conventions.scale_r(r_factor);
             settings
         }
         scene::Method::PaperBn => HistorySettings::paper_bn(problem, model.scaling(), max_iterations, tolerance),

@@ -48,21 +48,21 @@ impl Bdiff {
 
     /// The cases of node `i` at `z`.
     fn case(&self, i: usize, z: &[f64]) -> Case {
-        let (data, r) = (&self.data, self.rows.r[i]);
+        let (data, r_n, r_t) = (&self.data, self.rows.r_n[i], self.rows.r_t[i]);
         let (p_n, w_n) = (z[data.layout.p_n(i)], data.w_n(i, z));
         let tangential = data.layout.has_friction(i).then(|| {
             let (p, slip) = (data.friction(i, z), data.slip(i, data.tangential(i, z)));
             let pressure = self.rows.pressure(data, i, p_n, w_n);
-            self.of_tangents(i, tangential_case(p, pressure, slip, data.mu[i], r))
+            self.of_tangents(i, tangential_case(p, pressure, slip, data.mu[i], r_t))
         });
-        (normal_case(p_n, w_n, data.gap[i], r), tangential)
+        (normal_case(p_n, w_n, data.gap[i], r_n), tangential)
     }
 
     /// The cases of node `i` just ahead of `z` along `dz`.
     fn case_ahead(&self, i: usize, z: &[f64], dz: &[f64]) -> Case {
-        let (data, r) = (&self.data, self.rows.r[i]);
+        let (data, r_n, r_t) = (&self.data, self.rows.r_n[i], self.rows.r_t[i]);
         let n = data.layout.p_n(i);
-        let trial = Germ::new(z[n], r * (data.w_n(i, z) - data.gap[i]), dz[n] + r * data.w_n(i, dz));
+        let trial = Germ::new(z[n], r_n * (data.w_n(i, z) - data.gap[i]), dz[n] + r_n * data.w_n(i, dz));
         let tangential = data.layout.has_friction(i).then(|| {
             let pressure = match self.rows.kind {
                 Pressure::Unknown => Germ::new(z[n], 0.0, dz[n]),
@@ -70,7 +70,7 @@ impl Bdiff {
             };
             let (p, dp, dw) = (data.friction(i, z), data.friction(i, dz), data.tangential(i, dz));
             let slip = data.slip(i, data.tangential(i, z));
-            let q = [0, 1].map(|d| Germ::new(p[d], r * slip[d], dp[d] + r * dw[d]));
+            let q = [0, 1].map(|d| Germ::new(p[d], r_t * slip[d], dp[d] + r_t * dw[d]));
             self.of_tangents(i, tangential_case_ahead(pressure, q, data.mu[i]))
         });
         (normal_case_ahead(trial), tangential)
@@ -124,18 +124,18 @@ impl Bdiff {
             return false;
         }
         self.cases[i] = Some((normal, tangential));
-        let r = self.rows.r[i];
+        let (r_n, r_t) = (self.rows.r_n[i], self.rows.r_t[i]);
         match normal {
             NormalCase::Open => self.matrix.set_normal(i, 0.0, -1.0),
-            NormalCase::Closed => self.matrix.set_normal(i, r, 0.0),
+            NormalCase::Closed => self.matrix.set_normal(i, r_n, 0.0),
         }
         for (d, unit) in [[1.0, 0.0], [0.0, 1.0_f64]].into_iter().enumerate() {
             let row = match tangential {
                 None => continue,
                 Some(TangentialCase::NoPressure) => TangentialRow { w: [0.0; 2], p: unit.map(|x| -x), p_n: 0.0 },
-                Some(TangentialCase::Stick) => TangentialRow { w: unit.map(|x| r * x), p: [0.0; 2], p_n: 0.0 },
+                Some(TangentialCase::Stick) => TangentialRow { w: unit.map(|x| r_t * x), p: [0.0; 2], p_n: 0.0 },
                 Some(TangentialCase::Slip { direction, turning }) => TangentialRow {
-                    w: turning[d].map(|x| r * x),
+                    w: turning[d].map(|x| r_t * x),
                     p: [0, 1].map(|e| turning[d][e] - unit[e]),
                     p_n: self.data.mu[i] * direction[d],
                 },

@@ -132,7 +132,7 @@ fn start_forces(
         return vec![0.0; problem.contacts()];
     }
     let held = problem.free_motions.is_empty();
-    let closing = |i: usize| if held { 0.0 } else { 2.0 * settings.conventions.r[i] * loading.gap[i] };
+    let closing = |i: usize| if held { 0.0 } else { 2.0 * settings.conventions.r_n[i] * loading.gap[i] };
     let pressure = match start {
         FirstGuess::Pressure(pressure) => pressure,
         FirstGuess::Held => 0.0,
