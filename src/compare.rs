@@ -18,7 +18,7 @@ mod tractions;
 use std::fmt;
 
 pub use answers::{Estimate, Lead};
-pub use errors::{End, MeshErrors, TimeErrors, friction_work};
+pub use errors::{End, MeshErrors, TimeErrors};
 pub use pareto::front;
 pub use picture::charts;
 pub use tractions::{Interior, Tractions};

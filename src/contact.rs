@@ -11,7 +11,7 @@ mod range;
 mod surface;
 
 pub use gap_table::{GapTable, TableError};
-pub use kinematics::{ContactBoundary, ContactNode, Row, contact_nodes, unreachable};
+pub use kinematics::{ContactBoundary, ContactNode, Row, contact_nodes, share_edges, unreachable};
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, rounding_level, statuses};
 pub use motion::{ObstacleMotion, Rates};
 pub use obstacle::{Facing, Obstacle, ObstacleError};

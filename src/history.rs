@@ -129,7 +129,7 @@ pub fn run(
             }
             Err(error) => return Err(error),
         };
-        let Walked { solved, attempt, kkt, status, parts } = increment;
+        let Walked { solved, attempt, kkt, status, parts, friction_work } = increment;
         let statuses = statuses(problem, &path.data(), &attempt.state, &attempt.scales);
         let after = *linear.statistics();
         let seconds = Seconds::between(&before, &after, solved.assembly_seconds, start.elapsed().as_secs_f64());
@@ -145,6 +145,7 @@ pub fn run(
             kkt,
             backward_error: solved.backward_error,
             contact: ContactCounts::of(&statuses),
+            friction_work,
             seconds,
         };
         let data = path.data();

@@ -110,6 +110,19 @@ impl Mesh {
         [0, 1, 2].map(|c| corners.iter().map(|x| x[c]).sum::<f64>() / corners.len() as f64)
     }
 
+    /// The lengths of the box around the body, m.
+    pub fn extent(&self) -> [f64; 3] {
+        [0, 1, 2].map(|c| {
+            let along = || self.nodes.iter().map(|x| x[c]);
+            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+        })
+    }
+
+    /// The longest of these, m.
+    pub fn size(&self) -> f64 {
+        self.extent().into_iter().fold(0.0, f64::max)
+    }
+
     /// The outward normal of a facet times its length (m) or area (m²): exact for curved bilinear faces,
     /// too, since the integral of the normal depends on the edges alone.
     pub fn area_vector(&self, facet: &[usize]) -> [f64; 3] {

@@ -5,7 +5,7 @@ mod contact;
 mod range;
 mod stress;
 
-use crate::contact::{ContactBoundary, ContactNode, Facing, Obstacle, ObstacleMotion};
+use crate::contact::{ContactBoundary, ContactNode, Facing, Obstacle, ObstacleMotion, share_edges};
 use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, facet_load, rigid_motions};
 use crate::linear::{Direct, built_in};
 use crate::loading::{LoadCase, Loading, Motion};
@@ -80,7 +80,7 @@ impl Model {
         let stiffness = assemble(&mesh, &dofs, element, |e| materials[e])?;
 
         let (mut contacts, mut mu) = (Vec::<ContactNode>::new(), Vec::new());
-        let (mut contact_boundaries, mut obstacles, mut motions) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut contact_boundaries, mut obstacles) = (Vec::new(), Vec::new());
         for contact in &scene.contacts {
             let first = contacts.len();
             let (obstacle, motion, nodes) = contact::boundary(scene, &mesh, &dofs, contact)?;
@@ -88,23 +88,19 @@ impl Model {
             contacts.extend(nodes);
             mu.resize(contacts.len(), contact.friction);
             let nodes = first..contacts.len();
-            let positions: Vec<[f64; 3]> = contacts[first..].iter().map(|contact| contact.position).collect();
-            let facings: Vec<Facing> = contacts[first..].iter().map(|contact| contact.facing).collect();
+            contact_boundaries.push(ContactBoundary { name: contact.boundary.to_string(), nodes });
+            obstacles.push((obstacle, motion));
+        }
+        share_edges(&mut contacts, &mu, &dofs);
+        let mut motions = Vec::new();
+        for (ContactBoundary { nodes, .. }, (_, motion)) in contact_boundaries.iter().zip(&obstacles) {
+            let contacts = &contacts[nodes.clone()];
+            let positions: Vec<[f64; 3]> = contacts.iter().map(|contact| contact.position).collect();
+            let facings: Vec<Facing> = contacts.iter().map(|contact| contact.facing).collect();
             for (rates, history) in motion.rates(&positions, &facings) {
                 let (gap, drift) = rates.iter().map(|rates| (rates.gap, rates.drift)).unzip();
                 motions.push(Motion { nodes: nodes.clone(), gap, drift, history });
             }
-            contact_boundaries.push(ContactBoundary { name: contact.boundary.to_string(), nodes });
-            obstacles.push((obstacle, motion));
-        }
-        // Two obstacles at one node can hold it in both directions; then there is no slip, and friction
-        // there would make the equations dependent. Such a corner node carries none.
-        let mut obstacles_at = vec![0_usize; mesh.nodes.len()];
-        for contact in &contacts {
-            obstacles_at[contact.node] += 1;
-        }
-        for contact in contacts.iter_mut().filter(|contact| obstacles_at[contact.node] > 1) {
-            contact.tangents.iter_mut().for_each(Vec::clear);
         }
         let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(dofs.free()));
         for contact in &contacts {

@@ -109,6 +109,16 @@ impl ContactProblem {
         [0, 1].map(|d| self.tangential_maps()[d].difference(i, &state.u, &state.u_rest, last[d]))
     }
 
+    /// The work that friction dissipates in one increment, `p_Tᵀ (w_T - w̄_T)`, J, or J per m of depth: by (8) no node
+    /// has a negative share in it.
+    pub fn friction_work(&self, increment: &Increment<'_>, state: &State) -> f64 {
+        let of_node = |i: usize| {
+            let [slip_t, slip_o] = self.slip(increment, state, i);
+            state.p_t[i] * slip_t + state.p_o[i] * slip_o
+        };
+        (0..self.contacts()).map(of_node).sum()
+    }
+
     /// The displacements that contact forces act on, ascending. There are none along an obstacle
     /// without friction.
     pub fn contact_displacements(&self) -> Vec<usize> {

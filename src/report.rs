@@ -17,12 +17,15 @@ mod map;
 mod plot;
 #[cfg(feature = "meshes")]
 mod pvd;
+mod resultant;
 mod run;
 mod table;
 mod unknowns;
 mod usage;
+mod validity;
 #[cfg(feature = "meshes")]
 mod vtu;
+mod warnings;
 
 #[cfg(feature = "plots")]
 pub use chart::{Axis, Chart, Curve, Dash, Line, Marker, Panel, PlotError, Scale};
@@ -37,9 +40,12 @@ pub use folder::{ResultFolder, write_file};
 pub use plot::{contact_stresses, stress_chart};
 #[cfg(feature = "meshes")]
 pub use pvd::series as pvd_series;
-pub use run::{Explanation, Final, Measured, Resultant, RunReport, Totals, WorstNode};
+pub use resultant::{ComponentSums, ForceRecord, Resultant};
+pub use run::{Explanation, Measured, RunReport, Totals, WorstNode};
 pub use table::Table;
 pub use unknowns::{LeftOut, Unknowns};
 pub use usage::{available_bytes, cpu_seconds, peak_rss_bytes};
+pub use validity::{LargestDisplacement, NOT_SMALL, Validity};
 #[cfg(feature = "meshes")]
 pub use vtu::{Field, Grid, Values};
+pub use warnings::{Warning, WarningKind};

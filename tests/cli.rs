@@ -13,7 +13,7 @@ use common::edit;
 use common::program::{
     Folder, assert_exit, count, csv, json, number, report, small, stderr, stdout, stickslip, without,
 };
-use serde_json::Value;
+use serde_json::{Value, json as json_value};
 
 #[test]
 fn a_good_run_fills_its_folder() {
@@ -22,7 +22,7 @@ fn a_good_run_fills_its_folder() {
     let output = stickslip(&["run", &scene, "--json", "--out", &out]);
     assert_exit(&output, 0);
     let lines = ["contact_0002.csv", "contact_0002.svg", "contact_0004.csv", "contact_0004.svg"];
-    assert_eq!(folder.names("new/out"), [&lines[..], &["increments.csv", "run.json"]].concat());
+    assert_eq!(folder.names("new/out"), [&lines[..], &["forces.csv", "increments.csv", "run.json"]].concat());
 
     let out = Path::new(&out);
     let (header, rows) = csv(&out.join("increments.csv"));
@@ -36,11 +36,11 @@ fn a_good_run_fills_its_folder() {
 
     for name in ["contact_0002", "contact_0004"] {
         let (header, rows) = csv(&out.join(name).with_extension("csv"));
-        assert_eq!(header, "x,y,p_n,p_t,sigma_n,sigma_t,w_n,w_t,status");
+        assert_eq!(header, "x,y,p_n,p_t,sigma_n,sigma_t,w_n,w_t,gap,slip_t,f_x,f_y,status");
         assert_eq!(rows.len(), 4);
         for row in &rows {
-            assert!(["open", "stick", "slip"].contains(&row[8].as_str()), "{row:?}");
-            assert!(row[..8].iter().all(|field| field.parse::<f64>().unwrap().is_finite()), "{row:?}");
+            assert!(["open", "stick", "slip"].contains(&row[12].as_str()), "{row:?}");
+            assert!(row[..12].iter().all(|field| field.parse::<f64>().unwrap().is_finite()), "{row:?}");
         }
         let svg = fs::read_to_string(out.join(name).with_extension("svg")).unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{name}");
@@ -50,6 +50,51 @@ fn a_good_run_fills_its_folder() {
     }
     let written: Value = serde_json::from_str(&fs::read_to_string(out.join("run.json")).unwrap()).unwrap();
     assert_eq!(written, json(&output));
+
+    // The forces of each increment, which at the end are those of the contact nodes and balance the loads and the wall.
+    let (header, forces) = csv(&out.join("forces.csv"));
+    assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t");
+    assert_eq!(forces.len(), 4);
+    let (_, nodes) = csv(&out.join("contact_0004.csv"));
+    let value = |row: &[String], k: usize| row[k].parse::<f64>().unwrap();
+    let total = |of: &dyn Fn(&[String]) -> f64| nodes.iter().map(|row| of(row)).sum::<f64>();
+    let moment = |row: &[String]| value(row, 0) * value(row, 11) - value(row, 1) * value(row, 10);
+    for (k, expected) in [(3, total(&|row| value(row, 10))), (4, total(&|row| value(row, 11))), (5, total(&moment))] {
+        assert!((value(&forces[3], k) - expected).abs() < 1e-9 * value(&forces[3], 6), "{k}: {expected}");
+    }
+    let end = &written["boundaries"][0];
+    assert_eq!((number(&end["force"][0]), number(&end["moment"][0])), (value(&forces[3], 3), value(&forces[3], 5)));
+    assert_eq!(written["forces"][3]["force"], end["force"]);
+    assert!(number(&written["increments"][1]["friction_work"]) > 0.0);
+    assert_eq!(written["warnings"], json_value!([]));
+}
+
+/// What may make an answer wrong although every law holds is told beside the verdict and in the report, and costs no exit status.
+#[test]
+fn warnings() {
+    let layers = "poisson = 0.3\nlayers = [[0.3, 70e9, 0.3]]";
+    let idle =
+        "[[support]]\nboundary = \"right\"\nfix = [\"x\"]\n\n[[load]]\nboundary = \"right\"\ntraction = [1e5, 0.0]\n";
+    for (scene, kind, words) in [
+        (edit(&small(), "poisson = 0.3", "poisson = 0.4999"), "locking", "use mesh.element = \"b-bar\""),
+        (edit(&small(), "poisson = 0.3", layers), "layers-through-elements", "y = 0.3 m goes through 4 elements"),
+        (small() + idle, "idle-load", "the load on `right` does nothing"),
+        (edit(&small(), "gap = 1e-5", "gap = 0.01"), "no-contact", "`bottom` never touched its obstacle"),
+        (
+            edit(&edit(&small(), "young = 210e9", "young = 210e5"), "\"paper\"", "\"default\""),
+            "large-displacements",
+            "of the body's size",
+        ),
+    ] {
+        let report = report(&scene, 0);
+        let kinds: Vec<_> = report["warnings"].as_array().unwrap().iter().map(|warning| &warning["kind"]).collect();
+        assert_eq!(kinds, [kind], "{}", report["warnings"]);
+        assert!(report["warnings"][0]["message"].as_str().unwrap().contains(words), "{}", report["warnings"]);
+        let (_folder, scene) = Folder::with_scene(&scene);
+        assert!(stdout(&stickslip(&["run", &scene])).contains(words), "{kind}");
+        let before = ["locking", "layers-through-elements", "idle-load"].contains(&kind);
+        assert_eq!(stdout(&stickslip(&["check", &scene])).contains(words), before, "{kind}");
+    }
 }
 
 #[test]

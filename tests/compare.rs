@@ -4,13 +4,12 @@
 
 use stickslip::compare::{
     self, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, Run, SolverPath, TimeErrors, Tractions,
-    friction_work, front,
+    front,
 };
 use stickslip::history::{self, HistorySettings, Observer, Status, Step};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
-use stickslip::problem::ContactProblem;
 use stickslip::scene::{LinearBackend, MethodName, Scene, Setting};
 
 const BN: SolverPath = SolverPath { method: MethodName::Bn, setting: Setting::Default, linear: LinearBackend::Umfpack };
@@ -88,21 +87,18 @@ fn the_front_holds_what_no_cheaper_run_reaches() {
     assert!(front(&[]).is_empty());
 }
 
-/// The friction work of every increment, and what the external forces do.
-struct Works<'a> {
-    problem: &'a ContactProblem,
-    friction: Vec<f64>,
-    external: f64,
+/// What the external forces do.
+struct External {
+    work: f64,
     force: Vec<f64>,
     u: Vec<f64>,
 }
 
-impl Observer for Works<'_> {
+impl Observer for External {
     fn increment(&mut self, step: &Step<'_>) -> Flow {
-        self.friction.push(friction_work(self.problem, step.increment, step.state));
         let moved = step.state.u.iter().zip(&self.u).map(|(u, before)| u - before);
         let mean = step.increment.force.iter().zip(&self.force).map(|(f, before)| 0.5 * (f + before));
-        self.external += moved.zip(mean).map(|(u, f)| u * f).sum::<f64>();
+        self.work += moved.zip(mean).map(|(u, f)| u * f).sum::<f64>();
         self.force = step.increment.force.to_vec();
         self.u.clone_from(&step.state.u);
         Flow::Continue
@@ -120,23 +116,24 @@ fn friction_dissipates_what_the_loads_do_beyond_the_strain_energy() {
         let model = Model::new(&scene).unwrap();
         let problem = &model.problem;
         let zero = vec![0.0; problem.displacements()];
-        let mut works = Works { problem, friction: Vec::new(), external: 0.0, force: zero.clone(), u: zero.clone() };
+        let mut external = External { work: 0.0, force: zero.clone(), u: zero.clone() };
         let settings = HistorySettings::bn(problem, model.scaling(), 100, 1e-10);
         let mut linear = Direct::default();
         let times = scene.time.all();
-        let outcome = history::run(problem, &model.loading, &times, &settings, &mut linear, &mut works).unwrap();
+        let outcome = history::run(problem, &model.loading, &times, &settings, &mut linear, &mut external).unwrap();
         assert_eq!(outcome.status, Status::Converged);
 
         let mut force = zero;
         problem.stiffness.mul(&outcome.state.u, &mut force);
         let energy = 0.5 * outcome.state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>();
-        let total: f64 = works.friction.iter().sum();
-        assert!(works.friction.iter().all(|work| *work >= -1e-9 * energy), "mu = {mu}");
+        let friction = || outcome.records.iter().map(|record| record.friction_work);
+        let total: f64 = friction().sum();
+        assert!(friction().all(|work| work >= -1e-9 * energy), "mu = {mu}");
         if mu == "0.0" {
             assert_eq!(total, 0.0);
         } else {
             // Both sums have an error of first order in the increments.
-            let beyond = works.external - energy;
+            let beyond = external.work - energy;
             assert!(total > 1e-3 * energy && (total / beyond - 1.0).abs() < 0.02, "mu = {mu}: {total}, {beyond}");
         }
     }

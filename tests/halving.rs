@@ -53,6 +53,10 @@ fn halves_are_increments_of_their_own() {
         for (a, b) in keep.w_t_last.last().unwrap().iter().zip(whole.w_t_last.last().unwrap()) {
             assert!((a - b).abs() <= 1e-9 * 1e-4, "{a} {b}");
         }
+        // The work of both halves counts.
+        let work = |outcome: &HistoryOutcome| outcome.records.iter().map(|r| r.friction_work).sum::<f64>();
+        let (found, expected) = (work(&outcome), work(&reference));
+        assert!(expected > 0.0 && (found - expected).abs() <= 1e-9 * expected, "{found} {expected}");
         halved += 1;
     }
     assert!(halved > 0, "no path was halved once: the test has lost its case");

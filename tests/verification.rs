@@ -8,9 +8,12 @@ mod common;
 use common::Keep;
 use common::hertz::Hertz;
 use stickslip::contact::ContactStatus;
-use stickslip::history::{HistoryOutcome, Observer, Status, Step};
+use stickslip::fem::{Dofs, assemble};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Observer, Status, Step};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
+use stickslip::report::Resultant;
+use stickslip::scene::{LinearBackend, Scene};
 use stickslip::vector::norm;
 
 const YOUNG: f64 = 210e9;
@@ -104,6 +107,40 @@ fn hertz_line(elements: usize) -> [f64; 3] {
 #[test]
 fn hertz_cylinder() {
     assert_converges(&[12, 24, 48, 96], hertz_line);
+}
+
+/// Half a wedge with the slope ψ: the pressure is E* ψ/π arcosh(a/x) and the force P = E* ψ a. The relative error of the
+/// force for the a of the second moment, P a²/6, and the distance of the pressure, which has no bound at the ridge.
+fn indenting_wedge(elements: usize) -> [f64; 2] {
+    let slope = 1e-3_f64;
+    let cylinder = "kind = \"cylinder\"\nradius = 100.0                  # m";
+    let text = include_str!("../data/scenes/hertz_line.toml");
+    assert!(text.contains(cylinder));
+    let text = text.replace(cylinder, &format!("kind = \"wedge\"\nangle = {}", slope.atan()));
+    let mesh = [("contact_elements", elements), ("outer_elements", elements), ("layers", 4 + elements / 2)];
+    let mesh = mesh.map(|(key, value)| format!("mesh.{key}={value}").parse().unwrap());
+    let model = Model::new(&Scene::parse("wedge.toml", &text, &mesh).unwrap()).unwrap();
+    let settings = HistorySettings::bn(&model.problem, model.scaling(), 100, 1e-10);
+    let mut linear = model.linear(LinearBackend::Condensed);
+    let outcome = history::run(&model.problem, &model.loading, &[1.0], &settings, &mut linear, &mut ()).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    let p_n = &outcome.state.p_n;
+    let moment: f64 = p_n.iter().zip(&model.contacts).map(|(p, contact)| p * contact.position[0].powi(2)).sum();
+    let a = (6.0 * moment / sum(p_n)).sqrt();
+    let stiffness = YOUNG / (1.0 - 0.09) * slope;
+    let exact = |x: [f64; 3]| if x[0] < a { stiffness / std::f64::consts::PI * (a / x[0]).acosh() } else { 0.0 };
+    println!("{elements}: a {a}, {} nodes in contact", p_n.iter().filter(|p| **p > 1.0).count());
+    [2.0 * sum(p_n) / (stiffness * a) - 1.0, distance(&model, p_n, exact)]
+}
+
+#[test]
+fn wedge_on_a_half_plane() {
+    let elements = [24, 48, 96];
+    let errors = elements.map(indenting_wedge);
+    let [force, pressure] = [0, 1].map(|k| errors.map(|errors| errors[k].abs()));
+    println!("{errors:?}, orders {} {}", order(&elements, &force), order(&elements, &pressure));
+    assert!(force[2] < 0.02 && pressure[2] < 0.05, "{errors:?}");
+    assert!(pressure.windows(2).all(|pair| pair[1] < pair[0]), "{errors:?}");
 }
 
 /// A quarter of a sphere: the same, with the second moment 2 P a²/5.
@@ -201,18 +238,30 @@ fn cattaneo_mindlin() {
     }
 }
 
-/// F/G = (tan α + μ)/(1 - μ tan α) once everything slides.
+/// F/G = (tan α + μ)/(1 - μ tan α) once everything slides, driven in; (tan α - μ)/(1 + μ tan α), drawn out. F is what the
+/// guide bears, too.
 #[test]
 fn wedge() {
-    let (model, outcome) = solve("wedge.toml", &[], &mut ());
-    let [mut f, mut g] = [0.0; 2];
-    for (i, contact) in model.contacts.iter().enumerate() {
-        let (n, t) = (contact.facing.normal, contact.facing.tangents[0]);
-        f += outcome.state.p_n[i] * n[0] + outcome.state.p_t[i] * t[0];
-        g -= outcome.state.p_n[i] * n[1] + outcome.state.p_t[i] * t[1];
+    let out = "contact.obstacle.motion.translation=[[0,0,0],[1,0,0],[2,1e-3,0]]";
+    for (overrides, ratio) in [(&[][..], 0.4 / 0.97), (&[out], -0.2 / 1.03)] {
+        let (model, outcome) = solve("wedge.toml", overrides, &mut ());
+        let [f, g] = Resultant::all(&model, &outcome.state)[0].force[..] else { panic!() };
+        assert!((g / -1e6 - 1.0).abs() < 1e-10, "{g}");
+        assert!((f / -g - ratio).abs() < 1e-10, "{}", f / g);
+        let guide: f64 = guide_force(&model, &outcome.state.u);
+        assert!((guide / f - 1.0).abs() < 1e-9, "{guide} {f}");
     }
-    assert!((g / 1e6 - 1.0).abs() < 1e-10, "{g}");
-    assert!((f / g - 0.4 / 0.97).abs() < 1e-10, "{}", f / g);
+}
+
+/// What supports do to the body along x: `K u` of the body without any, at the nodes that they hold.
+fn guide_force(model: &Model, u: &[f64]) -> f64 {
+    let all = Dofs::new(&model.mesh, |_, _| false);
+    let stiffness = assemble(&model.mesh, &all, model.element, |e| model.materials[e]).unwrap();
+    let displacements: Vec<f64> = model.dofs.displacements(u).iter().flat_map(|u| u[..2].to_vec()).collect();
+    let mut forces = vec![0.0; displacements.len()];
+    stiffness.mul(&displacements, &mut forces);
+    let held = (0..model.mesh.nodes.len()).filter(|&node| model.dofs.node(node)[0].is_none());
+    held.map(|node| forces[2 * node]).sum()
 }
 
 /// Keeps the last statuses.

@@ -8,6 +8,7 @@ use stickslip::fem::RigidMotion;
 use stickslip::formulation::Layout;
 use stickslip::mesh::CellKind;
 use stickslip::model::Model;
+use stickslip::report::Warning;
 use stickslip::scene::{Element, HalfPlane, Material, Mesh, Plane, Rotation, Scene, Segment, Shape};
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 
@@ -42,6 +43,9 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         solver.tolerance
     );
     holding(&model);
+    for warning in Warning::of_scene(&scene, &model) {
+        say!("warning      {}", warning.message);
+    }
     if !model.contacts.is_empty() {
         theorem(&model);
         equilibrium(&scene, &model);

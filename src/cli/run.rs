@@ -7,15 +7,14 @@ use std::time::Instant;
 
 use clap::Args;
 use stickslip::auto::Choice;
-use stickslip::contact::RangeLeft;
 use stickslip::formulation::Layout;
 use stickslip::history::{self, HistorySettings, Method, Observer, Start, Status, Step};
 use stickslip::linear;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IpSettings, IterationRecord, PredictorCorrectorSettings};
 use stickslip::report::{
-    ContactLine, ContactSurface, Final, LeftOut, Measured, ResultFolder, Resultant, RunReport, Unknowns,
-    available_bytes, cpu_seconds, fields, peak_rss_bytes,
+    ComponentSums, ContactLine, ContactSurface, ForceRecord, LeftOut, Measured, ResultFolder, Resultant, RunReport,
+    Unknowns, Validity, Warning, available_bytes, cpu_seconds, fields, peak_rss_bytes,
 };
 use stickslip::scene::{self, NewtonSystem, Scene, Solver};
 
@@ -47,7 +46,7 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     if args.uniqueness {
         uniqueness::applies(&model)?;
     }
-    let folder = args.out.as_deref().map(open_folder).transpose()?;
+    let folder = args.out.as_deref().map(|path| open_folder(path, &model)).transpose()?;
     let choice = Choice::new(&scene, &model, available_bytes()).map_err(|error| Failure::linear(&error))?;
     if !args.json {
         print_head(&scene, &model, &choice);
@@ -59,7 +58,8 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         title: &scene.title,
         wanted: wanted_increments(&scene.output.times, &times),
         fields: scene.output.fields,
-        range_left: None,
+        validity: Validity::new(&model),
+        forces: Vec::new(),
         folder,
         progress: Progress::new(times.len(), !args.json),
         failed_write: None,
@@ -69,7 +69,7 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let mut linear = model.linear(choice.backend);
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut watcher);
     watcher.progress.finish();
-    let Watcher { folder, failed_write, last, range_left, .. } = watcher;
+    let Watcher { folder, failed_write, last, validity, forces, .. } = watcher;
     let outcome = outcome.map_err(|error| Failure::linear(&error))?;
     let critical_friction = match last {
         Some(last) => last.critical_friction(&model, &outcome).map_err(|error| Failure::linear(&error))?,
@@ -85,7 +85,10 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let name = args.scene.scene.display().to_string();
     let mut report = RunReport::new(&name, &scene, &model, &choice, &outcome, explanation, measured);
     report.critical_friction = critical_friction;
-    report.range_left = range_left;
+    report.warnings.extend(validity.warnings(&model));
+    report.largest_displacement = validity.largest;
+    report.range_left = validity.range_left;
+    report.forces = forces;
     let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     if let Some(folder) = &folder
         && let Err(error) = failed_write.map_or_else(|| folder.write("run.json", &json), Err)
@@ -96,8 +99,8 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         say!("{json}");
     } else {
         print_verdict(&report, times.len());
-        if let Some(left) = &report.range_left {
-            say!("warning      {}", verdict::out_of_range(&model, left));
+        for warning in validity.warnings(&model) {
+            say!("warning      {}", warning.message);
         }
         if let Some(critical) = &report.critical_friction {
             say!("uniqueness   {}", uniqueness::explain(critical, &model.problem.mu));
@@ -121,8 +124,9 @@ struct Watcher<'a> {
     wanted: Vec<usize>,
     /// Whether the fields of the body are written, too.
     fields: bool,
-    /// Where the linearised gaps were most wrong.
-    range_left: Option<RangeLeft>,
+    validity: Validity,
+    /// The resultants so far.
+    forces: Vec<ForceRecord>,
     folder: Option<ResultFolder>,
     progress: Progress,
     failed_write: Option<io::Error>,
@@ -146,14 +150,11 @@ impl Observer for Watcher<'_> {
         if let Some(last) = &mut self.last {
             last.keep(step);
         }
-        let Step { record, increment, state, statuses } = step;
-        if let Some(left) = self.model.range_left(record.time, &state.u, increment.gap, statuses)
-            && self.range_left.is_none_or(|worst| left.share.is_nan() || left.share > worst.share)
-        {
-            self.range_left = Some(left);
-        }
+        self.validity.see(self.model, step);
+        let forces = ForceRecord::all(self.model, step);
+        self.forces.extend_from_slice(&forces);
         let Some(folder) = &mut self.folder else { return Flow::Continue };
-        let mut written = folder.add_increment(step.record);
+        let mut written = folder.add_increment(step.record).and_then(|()| folder.add_forces(&forces));
         // What a failed increment reached is worth a look, too.
         if self.wanted.contains(&step.record.index) || step.record.status != Status::Converged {
             for line in ContactLine::all(self.model, step) {
@@ -164,7 +165,7 @@ impl Observer for Watcher<'_> {
             }
             if self.fields {
                 let grid = fields(self.model, step);
-                written = written.and_then(|()| folder.add_fields(record.index, record.time, &grid));
+                written = written.and_then(|()| folder.add_fields(step.record.index, step.record.time, &grid));
             }
         }
         match written {
@@ -212,8 +213,8 @@ fn wanted_increments(wanted: &[f64], times: &[f64]) -> Vec<usize> {
     wanted.iter().filter_map(|t| Some(1 + times.iter().position(|time| *time >= t - slack)?)).collect()
 }
 
-fn open_folder(path: &Path) -> Result<ResultFolder, Failure> {
-    ResultFolder::create(path).map_err(|error| write_failure(path, &error))
+fn open_folder(path: &Path, model: &Model) -> Result<ResultFolder, Failure> {
+    ResultFolder::create(path, model.mesh.dimension).map_err(|error| write_failure(path, &error))
 }
 
 /// Results cannot be written at all: the folder is to blame, unless the disk is.
@@ -253,6 +254,9 @@ fn print_head(scene: &Scene, model: &Model, choice: &Choice) {
     for (k, LeftOut { count, unknown, reason }) in LeftOut::all(scene, model, choice.backend).iter().enumerate() {
         say!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
     }
+    for warning in Warning::of_scene(scene, model) {
+        say!("warning      {}", warning.message);
+    }
     say!("");
 }
 
@@ -272,9 +276,14 @@ fn print_verdict(report: &RunReport, increments: usize) {
         return;
     }
     say!("error        {error:.1e} at most ({law}); backward error of the solves {:.1e}", totals.backward_error);
-    for Resultant { boundary, sums: Final { sum_p_n, sum_p_t, sum_p_o } } in &report.boundaries {
+    for Resultant { boundary, force, sums: ComponentSums { sum_p_n, sum_p_t, sum_p_o }, .. } in &report.boundaries {
         let other = sum_p_o.map_or(String::new(), |sum| format!(", sum p_o = {sum:.6e} N"));
         say!("contact      {boundary}: sum p_n = {sum_p_n:.6e} N, sum p_t = {sum_p_t:.6e} N{other}");
+        let force: Vec<_> = force.iter().map(|f| format!("{f:.6e}")).collect();
+        say!("             force on the obstacle ({}) N", force.join(", "));
+    }
+    if let Some(largest) = &report.largest_displacement {
+        say!("displaced    by {:.3e} m at most", largest.length);
     }
     say!(
         "work         {} iterations, {} factorisations, {} symbolic analysis, {} entries in L and U",

@@ -1,6 +1,6 @@
 //! Why a run did not converge, in words: the law that is violated, where, and what to try.
 
-use stickslip::contact::{Law, RangeLeft};
+use stickslip::contact::Law;
 use stickslip::fem::RigidMotion;
 use stickslip::history::{HistoryOutcome, Status};
 use stickslip::model::Model;
@@ -90,20 +90,6 @@ fn advice(scene: &Scene) -> &'static str {
              try --setting default, or scale modulus and loads alike"
         }
     }
-}
-
-/// That the contact left the range of its linearised gaps, in words.
-pub(super) fn out_of_range(model: &Model, left: &RangeLeft) -> String {
-    let RangeLeft { position, time, linearised, exact, share, .. } = *left;
-    let place = model.mesh.place(position);
-    if exact.is_nan() {
-        return format!("the obstacle is no longer in front of the contact node at {place} m at t = {time} s");
-    }
-    format!(
-        "gaps are linearised in the undeformed state, and the contact leaves where that holds: at the node {place} m at \
-         t = {time} s the distance is {exact:.2e} m, not {linearised:.2e} m, off by {:.0} % of the indentation",
-        100.0 * share
-    )
 }
 
 fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::errors::{End, TimeErrors, friction_work};
+use super::errors::{End, TimeErrors};
 use super::{CompareError, Iterate, MeshResult, Phases, Run, SolverPath};
 use crate::history::{self, HistoryOutcome, HistorySettings, Observer, Start, Status, Step};
 use crate::model::Model;
@@ -99,7 +99,7 @@ fn solve(
     let (wall, cpu) = (Instant::now(), cpu_seconds());
     let settings = path.settings(&scene, model);
     let mut linear = model.linear(path.linear);
-    let mut recorder = Recorder { model, last: cpu_seconds(), work: 0.0, iterates: Vec::new() };
+    let mut recorder = Recorder { last: cpu_seconds(), iterates: Vec::new() };
     let outcome =
         history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut recorder)?;
     let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
@@ -116,9 +116,9 @@ fn solve(
         wall: built[0] + wall,
         cpu: built[1] + cpu,
     };
-    let Recorder { work, iterates, .. } = recorder;
+    let work = outcome.records.iter().map(|record| record.friction_work).sum();
     let end = End::new(model, &outcome.state, work);
-    Ok(Solved { increments, outcome, end, seconds, iterates })
+    Ok(Solved { increments, outcome, end, seconds, iterates: recorder.iterates })
 }
 
 impl SolverPath {
@@ -137,16 +137,14 @@ impl SolverPath {
     }
 }
 
-/// Keeps the iterations and adds up the friction work.
-struct Recorder<'a> {
-    model: &'a Model,
+/// Keeps the iterations.
+struct Recorder {
     /// The CPU time at the end of the last increment, s.
     last: f64,
-    work: f64,
     iterates: Vec<Iterate>,
 }
 
-impl Observer for Recorder<'_> {
+impl Observer for Recorder {
     fn ready(&mut self) {
         self.last = cpu_seconds();
     }
@@ -167,12 +165,6 @@ impl Observer for Recorder<'_> {
         if let Some(last) = self.iterates.last_mut().filter(|last| last.increment == step.record.index) {
             last.error = Some(step.record.kkt.worst().1);
         }
-        // The slip of a part that is not the last is not seen here.
-        self.work += if step.record.parts == 1 {
-            friction_work(&self.model.problem, step.increment, step.state)
-        } else {
-            f64::NAN
-        };
         self.last = cpu_seconds();
         Flow::Continue
     }

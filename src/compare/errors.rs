@@ -1,8 +1,9 @@
 //! How far a history is from its reference, and a mesh from the finest.
 
 use super::tractions::{Interior, Tractions};
+use crate::contact::ContactNode;
 use crate::model::Model;
-use crate::problem::{ContactProblem, Increment, State};
+use crate::problem::State;
 
 /// What a history comes to, SI.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,24 +50,18 @@ pub struct MeshErrors {
     pub tractions: f64,
 }
 
-/// The work that friction dissipates in one increment, `p_Tᵀ (w_T - w̄_T)`, J, or J per m of depth: by (8) no
-/// node has a negative share in it.
-pub fn friction_work(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> f64 {
-    let directions = [(&problem.c_t, &state.p_t, increment.w_t_last), (&problem.c_o, &state.p_o, increment.w_o_last)];
-    let of_node = |i: usize| directions.iter().map(|(c, p, last)| p[i] * (c.dot(i, &state.u) - last[i])).sum::<f64>();
-    (0..problem.contacts()).map(of_node).sum()
-}
-
 impl End {
     /// A `state` of `model` after so much friction `work`.
     pub(super) fn new(model: &Model, state: &State, work: f64) -> Self {
         let problem = &model.problem;
         let mut force = vec![0.0; state.u.len()];
         problem.stiffness.mul(&state.u, &mut force);
+        let told = |(i, contact): (usize, &ContactNode)| contact.in_frame([state.p_t[i], state.p_o[i]]);
+        let (p_t, p_o) = model.contacts.iter().enumerate().map(told).map(|[p_t, p_o]| (p_t, p_o)).unzip();
         End {
             p_n: state.p_n.clone(),
-            p_t: state.p_t.clone(),
-            p_o: state.p_o.clone(),
+            p_t,
+            p_o,
             work,
             energy: 0.5 * state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>(),
             tractions: Tractions::new(model, state),

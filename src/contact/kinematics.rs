@@ -1,12 +1,13 @@
 //! The contact nodes of a boundary: gaps, weights, and rows of `C_n`, `C_t` and `C_o` (2).
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::motion::ObstacleMotion;
 use super::obstacle::{Facing, Obstacle};
 use crate::fem::{Dofs, facet_weights};
 use crate::mesh::{Boundary, Mesh};
-use crate::vector::{cross, unit};
+use crate::vector::{cross, dot, unit};
 
 /// A row of a contact map, `w = Σ coefficient · u[dof]`, as pairs `(dof, coefficient)`.
 pub type Row = Vec<(usize, f64)>;
@@ -23,8 +24,10 @@ pub struct ContactNode {
     /// Its rows of `C_t` and `C_o`, along orthonormal tangents. A row is empty where there is no such
     /// direction to slide in: the first before the second never.
     pub tangents: [Row; 2],
-    /// What it sees of the obstacle; the tangents are those of `C_t` and `C_o`.
+    /// What it sees of the obstacle; the tangents are those of `C_t` and `C_o`, 0 where there is none.
     pub facing: Facing,
+    /// The obstacle's own tangents, along which results are told: they are the same for all nodes in front of a plane.
+    pub frame: [[f64; 3]; 2],
     /// Its share of the contact boundary, `∫ N dA`: m in two dimensions (the trapezoidal rule), m² in three.
     pub weight: f64,
 }
@@ -48,22 +51,68 @@ pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &O
             weights[node] += weight;
         }
     }
-    let row = |node: usize, direction: [f64; 3]| -> Row {
-        let free = dofs.node(node).iter().zip(direction);
-        free.filter_map(|(dof, c)| dof.map(|d| (d, c))).filter(|&(_, c)| c != 0.0).collect()
-    };
     (nodes.iter())
         .map(|&node| {
             let mut facing = obstacle.at(mesh.nodes[node]);
+            let frame = facing.tangents;
             let tangents = tangents(dofs.node(node), &facing);
-            let row_along = |k: usize| tangents.get(k).map_or(Vec::new(), |tangent| row(node, *tangent));
-            let rows = [row_along(0), row_along(1)];
-            facing.tangents.iter_mut().zip(tangents).for_each(|(to, tangent)| *to = tangent);
-            let normal = row(node, facing.normal);
-            ContactNode { node, position: mesh.nodes[node], normal, tangents: rows, facing, weight: weights[node] }
+            facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
+            let normal = row(dofs, node, facing.normal);
+            let tangents = facing.tangents.map(|tangent| row(dofs, node, tangent));
+            ContactNode { node, position: mesh.nodes[node], normal, tangents, facing, frame, weight: weights[node] }
         })
         .filter(|contact| !contact.normal.is_empty())
         .collect()
+}
+
+/// The row of a displacement of `node` along `direction`.
+fn row(dofs: &Dofs, node: usize, direction: [f64; 3]) -> Row {
+    let free = dofs.node(node).iter().zip(direction);
+    free.filter_map(|(dof, c)| dof.map(|d| (d, c))).filter(|&(_, c)| c != 0.0).collect()
+}
+
+impl ContactNode {
+    /// A tangential vector with the components `along` on the node's tangents, in components on its [`frame`].
+    ///
+    /// [`frame`]: ContactNode::frame
+    pub fn in_frame(&self, along: [f64; 2]) -> [f64; 2] {
+        let [t, o] = self.facing.tangents;
+        if self.facing.tangents == self.frame {
+            return along;
+        }
+        self.frame.map(|axis| along[0] * dot(t, axis) + along[1] * dot(o, axis))
+    }
+
+    /// Takes `tangents` for its own, 0 for one that it does not have.
+    fn slide_along(&mut self, dofs: &Dofs, tangents: [[f64; 3]; 2]) {
+        self.facing.tangents = tangents;
+        self.tangents = tangents.map(|tangent| row(dofs, self.node, tangent));
+    }
+}
+
+/// Nodes that meet two obstacles, as on an edge of the body: closed at both they can slide along that edge only, and
+/// friction in other directions would make the equations dependent. So there is one tangent, along the edge, at the
+/// obstacle that is nearer at first (of those with friction, `mu`, n_c). A node that is not free in all of
+/// space, or meets more obstacles, as in a corner, carries no friction.
+pub fn share_edges(contacts: &mut [ContactNode], mu: &[f64], dofs: &Dofs) {
+    let mut at_node: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (i, contact) in contacts.iter().enumerate() {
+        at_node.entry(contact.node).or_default().push(i);
+    }
+    for (node, sharing) in at_node.into_iter().filter(|(_, sharing)| sharing.len() > 1) {
+        let free = dofs.node(node).iter().flatten().count() == 3;
+        let edge = match sharing[..] {
+            [a, b] if free => unit(cross(contacts[a].facing.normal, contacts[b].facing.normal)),
+            _ => [0.0; 3],
+        };
+        let gap = |i: &usize| contacts[*i].facing.gap;
+        let rough = sharing.iter().copied().filter(|&i| mu[i] > 0.0);
+        let carrier = rough.min_by(|a, b| gap(a).total_cmp(&gap(b)));
+        for i in sharing {
+            let tangent = if Some(i) == carrier { edge } else { [0.0; 3] };
+            contacts[i].slide_along(dofs, [tangent, [0.0; 3]]);
+        }
+    }
 }
 
 /// The tangents along which a node with the unknowns `dofs` can slide: orthonormal

@@ -59,6 +59,8 @@ pub(super) struct Walked {
     pub status: Status,
     /// How many parts converged.
     pub parts: usize,
+    /// What friction dissipated in these, J.
+    pub friction_work: f64,
 }
 
 impl<'a> Path<'a> {
@@ -108,7 +110,7 @@ impl<'a> Path<'a> {
         // The ends of the parts to come, the nearest last.
         let mut ends = vec![time];
         let mut solved: Option<Outcome> = None;
-        let (mut kkt, mut parts) = (KktErrors::default(), 0);
+        let (mut kkt, mut parts, mut friction_work) = (KktErrors::default(), 0, 0.0);
         loop {
             let end = ends.last().copied().unwrap_or(time);
             let from = self.reached.unwrap_or(0.0);
@@ -117,18 +119,20 @@ impl<'a> Path<'a> {
             let outcome = attempt.outcome.clone();
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
             if attempt.status == Status::Converged {
+                friction_work += self.problem.friction_work(&self.data(), &attempt.state);
                 self.accept(end, &attempt);
                 parts += 1;
                 kkt = kkt.max(&attempt.kkt);
                 ends.pop();
                 if ends.is_empty() {
-                    return Ok(Walked { solved: so_far, attempt, kkt, status: Status::Converged, parts });
+                    let status = Status::Converged;
+                    return Ok(Walked { solved: so_far, attempt, kkt, status, parts, friction_work });
                 }
             } else {
                 let half = 0.5 * (end - from);
                 if half < smallest || !self.smaller_may_do(&attempt) {
                     let (kkt, status) = (attempt.kkt, attempt.status);
-                    return Ok(Walked { solved: so_far, attempt, kkt, status, parts });
+                    return Ok(Walked { solved: so_far, attempt, kkt, status, parts, friction_work });
                 }
                 self.method.unknowns().copy_from_slice(&unknowns);
                 ends.push(from + half);

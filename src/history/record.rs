@@ -116,6 +116,8 @@ pub struct IncrementRecord {
     pub backward_error: f64,
     /// Statuses of the contact nodes.
     pub contact: ContactCounts,
+    /// The work that friction dissipated in it, in all parts that converged, J; in two dimensions J per m of depth.
+    pub friction_work: f64,
     /// Wall time.
     pub seconds: Seconds,
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use serde::Serialize;
 
 use super::csv;
+use super::resultant::nodal_force;
 use crate::contact::{ContactBoundary, ContactStatus};
 use crate::history::Step;
 use crate::model::Model;
@@ -40,6 +41,14 @@ pub struct ContactPoint {
     pub w_t: f64,
     /// The same along the second tangent, m.
     pub w_o: f64,
+    /// The distance from the obstacle that is left, m.
+    pub gap: f64,
+    /// Motion past the obstacle along the first tangent since the beginning, m.
+    pub slip_t: f64,
+    /// The same along the second tangent, m.
+    pub slip_o: f64,
+    /// The force of the body on the obstacle, N: normal and tangential ones together.
+    pub force: [f64; 3],
     /// Friction coefficient.
     pub mu: f64,
     /// What the node does.
@@ -85,7 +94,7 @@ impl ContactLine {
                 ContactStatus::Stick => "stick",
                 ContactStatus::Slip => "slip",
             };
-            columns.iter().map(|column| (column.value)(p).to_string()).chain([status.to_string()]).collect()
+            columns.iter().map(|column| csv::number((column.value)(p))).chain([status.to_string()]).collect()
         };
         csv::table(&header, self.points.iter().map(row))
     }
@@ -98,7 +107,7 @@ struct Column {
     value: fn(&ContactPoint) -> f64,
 }
 
-const COLUMNS: [Column; 12] = [
+const COLUMNS: [Column; 18] = [
     Column { name: "x", dimension: 2, value: |p| p.x },
     Column { name: "y", dimension: 2, value: |p| p.y },
     Column { name: "z", dimension: 3, value: |p| p.z },
@@ -111,17 +120,31 @@ const COLUMNS: [Column; 12] = [
     Column { name: "w_n", dimension: 2, value: |p| p.w_n },
     Column { name: "w_t", dimension: 2, value: |p| p.w_t },
     Column { name: "w_o", dimension: 3, value: |p| p.w_o },
+    Column { name: "gap", dimension: 2, value: |p| p.gap },
+    Column { name: "slip_t", dimension: 2, value: |p| p.slip_t },
+    Column { name: "slip_o", dimension: 3, value: |p| p.slip_o },
+    Column { name: "f_x", dimension: 2, value: |p| p.force[0] },
+    Column { name: "f_y", dimension: 2, value: |p| p.force[1] },
+    Column { name: "f_z", dimension: 3, value: |p| p.force[2] },
 ];
 
-fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec<ContactPoint> {
+/// The contact nodes `nodes` at the end of a step.
+pub(super) fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec<ContactPoint> {
     let (problem, state) = (&model.problem, step.state);
+    let drift = [0, 1].map(|k| model.loading.drift_at(step.record.time, k));
     let mut s = 0.0;
     let mut last: Option<[f64; 3]> = None;
     let point = |i: usize| {
         let position = model.contacts[i].position;
         s += last.replace(position).map_or(0.0, |last| norm(minus(position, last)));
         let [x, y, z] = position;
-        let (p_n, p_t, p_o, l) = (state.p_n[i], state.p_t[i], state.p_o[i], problem.weight[i]);
+        let contact = &model.contacts[i];
+        let (p_n, l) = (state.p_n[i], problem.weight[i]);
+        let w_n = problem.c_n.dot(i, &state.u);
+        let w = problem.tangential_maps().map(|map| map.dot(i, &state.u));
+        let [p_t, p_o] = contact.in_frame([state.p_t[i], state.p_o[i]]);
+        let [w_t, w_o] = contact.in_frame(w);
+        let [slip_t, slip_o] = contact.in_frame([0, 1].map(|k| w[k] - drift[k][i]));
         ContactPoint {
             x,
             y,
@@ -133,9 +156,13 @@ fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec<ContactPoi
             sigma_n: p_n / l,
             sigma_t: p_t / l,
             sigma_o: p_o / l,
-            w_n: problem.c_n.dot(i, &state.u),
-            w_t: problem.c_t.dot(i, &state.u),
-            w_o: problem.c_o.dot(i, &state.u),
+            w_n,
+            w_t,
+            w_o,
+            gap: step.increment.gap[i] - w_n,
+            slip_t,
+            slip_o,
+            force: nodal_force(model, state, i),
             mu: problem.mu[i],
             status: step.statuses[i],
         }

@@ -1,9 +1,10 @@
 //! The fields of a body at the end of an increment: displacement, stress, contact.
 
+use super::contact_line::points;
 use super::vtu::{Field, Grid, Values};
 use crate::contact::ContactStatus;
 use crate::history::Step;
-use crate::mesh::CellKind;
+use crate::mesh::{Cell, CellKind};
 use crate::model::Model;
 
 /// The body with its fields at the end of a step, SI.
@@ -12,8 +13,8 @@ use crate::model::Model;
 /// body on the obstacle), `slip` (m, the vector of motion past the obstacle since the beginning), `gap` (m, the distance
 /// that is left), all NaN off the contact; `status`: -1 off the contact, 0 open, 1 stick, 2 slip. A node that meets
 /// two obstacles shows the one that presses more.
-/// Of cells: `stress` (Pa, at the centre, all nine components row by row), `von_mises` (Pa), `material`, the number
-/// of the material group.
+/// Of cells: `stress` (Pa, at the centre, all nine components row by row), `von_mises` (Pa), `material`, a number
+/// from 0 for each group of the mesh and each law in it, in the order of the elements.
 pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     let mesh = &model.mesh;
     let displacements = model.dofs.displacements(&step.state.u);
@@ -26,31 +27,29 @@ pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     let cell_fields = vec![
         real("stress", 9, tensors.collect()),
         real("von_mises", 1, stresses.iter().map(von_mises).collect()),
-        whole("material", mesh.cells.iter().map(|cell| cell.group as i32).collect()),
+        whole("material", materials(model)),
     ];
     let cells = mesh.cells.iter().map(|cell| (cell.nodes.clone(), vtk(cell.kind))).collect();
     Grid { points: mesh.nodes.clone(), cells, point_fields, cell_fields }
 }
 
 fn contact_fields(model: &Model, step: &Step<'_>) -> [Field; 5] {
-    let (problem, state, n) = (&model.problem, step.state, model.mesh.nodes.len());
-    let drift = [0, 1].map(|k| model.loading.drift_at(step.record.time, k));
+    let n = model.mesh.nodes.len();
     let mut pressure = vec![f64::NAN; n];
     let (mut traction, mut slip) = (vec![[f64::NAN; 3]; n], vec![[f64::NAN; 3]; n]);
     let (mut gap, mut status) = (vec![f64::NAN; n], vec![-1; n]);
-    for (i, contact) in model.contacts.iter().enumerate() {
-        let (node, l) = (contact.node, problem.weight[i]);
-        if pressure[node] >= state.p_n[i] / l {
+    for (contact, point) in model.contacts.iter().zip(points(model, 0..model.contacts.len(), step)) {
+        let node = contact.node;
+        if pressure[node] >= point.sigma_n {
             continue;
         }
-        let [t, o] = contact.facing.tangents;
+        let [t, o] = contact.frame;
         let along = |a: f64, b: f64| [0, 1, 2].map(|c| a * t[c] + b * o[c]);
-        pressure[node] = state.p_n[i] / l;
-        traction[node] = along(state.p_t[i] / l, state.p_o[i] / l);
-        let past = |k: usize, w: f64| if contact.tangents[k].is_empty() { 0.0 } else { w - drift[k][i] };
-        slip[node] = along(past(0, problem.c_t.dot(i, &state.u)), past(1, problem.c_o.dot(i, &state.u)));
-        gap[node] = step.increment.gap[i] - problem.c_n.dot(i, &state.u);
-        status[node] = match step.statuses[i] {
+        pressure[node] = point.sigma_n;
+        traction[node] = along(point.sigma_t, point.sigma_o);
+        slip[node] = along(point.slip_t, point.slip_o);
+        gap[node] = point.gap;
+        status[node] = match point.status {
             ContactStatus::Open => 0,
             ContactStatus::Stick => 1,
             ContactStatus::Slip => 2,
@@ -63,6 +62,19 @@ fn contact_fields(model: &Model, step: &Step<'_>) -> [Field; 5] {
         real("gap", 1, gap),
         whole("status", status),
     ]
+}
+
+/// A number for each cell's group and law.
+fn materials(model: &Model) -> Vec<i32> {
+    let mut different = Vec::new();
+    let number = |(cell, law): (&Cell, _)| {
+        let material = (cell.group, law);
+        different.iter().position(|other| *other == material).unwrap_or_else(|| {
+            different.push(material);
+            different.len() - 1
+        }) as i32
+    };
+    model.mesh.cells.iter().zip(&model.materials).map(number).collect()
 }
 
 fn real(name: &'static str, components: usize, values: Vec<f64>) -> Field {

@@ -6,27 +6,29 @@ use std::path::{Path, PathBuf};
 
 use super::contact_line::ContactLine;
 use super::contact_surface::ContactSurface;
+use super::resultant::ForceRecord;
 use super::vtu::Grid;
 use super::{increments, plot, pvd};
 use crate::history::IncrementRecord;
 
-/// A folder that takes the results of one run: `increments.csv` grows line by line, contact lines
+/// A folder that takes the results of one run: `increments.csv` and `forces.csv` grow line by line, contact lines
 /// and plots come as they are reached, `run.json` at the end.
 #[derive(Debug)]
 pub struct ResultFolder {
     path: PathBuf,
     increments: File,
+    forces: File,
     /// The files of fields so far, each with its time, s.
     fields: Vec<(f64, String)>,
 }
 
 impl ResultFolder {
     /// Makes the folder if need be, removes what an earlier run left there under the names used
-    /// here, and opens `increments.csv`.
+    /// here, and opens the two tables, those of forces for a body of `dimension` 2 or 3.
     ///
     /// # Errors
     /// When the folder cannot be made or written, or holds files of these names that no run wrote.
-    pub fn create(path: &Path) -> io::Result<Self> {
+    pub fn create(path: &Path, dimension: usize) -> io::Result<Self> {
         fs::create_dir_all(path)?;
         let earlier: Vec<_> = fs::read_dir(path)?
             .filter_map(Result::ok)
@@ -34,21 +36,22 @@ impl ResultFolder {
             .map(|entry| entry.path())
             .filter(|path| path.is_file())
             .collect();
-        let header = increments::header();
-        let mut found = vec![0; header.len()];
+        let mut found = vec![0; increments::FIRST_COLUMNS.len()];
         let read = File::open(path.join("increments.csv")).and_then(|mut file| file.read_exact(&mut found));
-        let ours = read.is_ok() && found == header.as_bytes();
+        let ours = read.is_ok() && found == increments::FIRST_COLUMNS.as_bytes();
         if let Some(file) = earlier.first().filter(|_| !ours) {
             let message = format!("{} is there already, and no run of stickslip wrote it", file.display());
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
         }
-        let mut increments =
-            OpenOptions::new().create(true).write(true).truncate(true).open(path.join("increments.csv"))?;
+        let table = |name: &str| OpenOptions::new().create(true).write(true).truncate(true).open(path.join(name));
+        let mut increments = table("increments.csv")?;
         for file in earlier.iter().filter(|file| file.file_name() != Some("increments.csv".as_ref())) {
             fs::remove_file(file)?;
         }
-        increments.write_all(header.as_bytes())?;
-        Ok(ResultFolder { path: path.to_path_buf(), increments, fields: Vec::new() })
+        increments.write_all(increments::header().as_bytes())?;
+        let mut forces = table("forces.csv")?;
+        forces.write_all(ForceRecord::header(dimension).as_bytes())?;
+        Ok(ResultFolder { path: path.to_path_buf(), increments, forces, fields: Vec::new() })
     }
 
     /// Where the results are.
@@ -61,13 +64,15 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_increment(&mut self, record: &IncrementRecord) -> io::Result<()> {
-        let complete = self.increments.stream_position()?;
-        let written = self.increments.write_all(increments::line(record).as_bytes());
-        if written.is_err() {
-            // A full disk may have taken part of the line; what stands before it is kept.
-            let _ = self.increments.set_len(complete);
-        }
-        written
+        append(&mut self.increments, &increments::line(record))
+    }
+
+    /// Appends the resultants of an increment.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_forces(&mut self, forces: &[ForceRecord]) -> io::Result<()> {
+        append(&mut self.forces, &forces.iter().map(ForceRecord::line).collect::<String>())
     }
 
     /// Writes a contact line as CSV and, in two dimensions, as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`; with
@@ -114,6 +119,17 @@ impl ResultFolder {
     }
 }
 
+/// Appends whole lines.
+fn append(table: &mut File, lines: &str) -> io::Result<()> {
+    let complete = table.stream_position()?;
+    let written = table.write_all(lines.as_bytes());
+    if written.is_err() {
+        // A full disk may have taken part of them; what stands before is kept.
+        let _ = table.set_len(complete);
+    }
+    written
+}
+
 /// The name of the files of a contact boundary in an increment; the boundary is named if there are several.
 fn contact_name(index: usize, boundary: Option<&str>) -> String {
     let boundary = boundary.map_or(String::new(), |name| format!("_{name}"));
@@ -145,7 +161,7 @@ fn is_ours(name: &str) -> bool {
         let number = name.strip_prefix("fields_")?.strip_suffix(".vtu")?;
         Some(number.len() >= 4 && number.bytes().all(|b| b.is_ascii_digit()))
     };
-    ["run.json", "increments.csv", "fields.pvd"].contains(&name)
+    ["run.json", "increments.csv", "forces.csv", "fields.pvd"].contains(&name)
         || name.strip_prefix("contact_").and_then(line).unwrap_or(false)
         || fields(name).unwrap_or(false)
 }

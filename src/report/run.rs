@@ -1,15 +1,15 @@
 //! The report of a whole run, as `--json` prints it.
 
-use std::ops::Range;
-
 use serde::Serialize;
 
+use super::resultant::{ComponentSums, ForceRecord, Resultant};
 use super::unknowns::{LeftOut, Unknowns};
+use super::validity::LargestDisplacement;
+use super::warnings::Warning;
 use crate::auto::Choice;
 use crate::contact::{Law, RangeLeft};
 use crate::history::{HistoryOutcome, IncrementRecord, Status};
 use crate::model::Model;
-use crate::problem::State;
 use crate::scene::{LinearBackend, MethodName, Scene, Setting};
 use crate::uniqueness::CriticalFriction;
 
@@ -34,6 +34,11 @@ pub struct RunReport {
     /// Why the run ended early.
     #[serde(flatten)]
     pub explanation: Explanation,
+    /// What may make the answer wrong although the laws hold.
+    pub warnings: Vec<Warning>,
+    /// The largest displacement.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_displacement: Option<LargestDisplacement>,
     /// The node and time where the contact was furthest out of the range of its linearised gaps, if it left it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_left: Option<RangeLeft>,
@@ -45,11 +50,13 @@ pub struct RunReport {
     pub increments: Vec<IncrementRecord>,
     /// Sums over the run.
     pub totals: Totals,
-    /// Resultants at the end.
+    /// The components of all contact forces at the end of the last converged increment, added up.
     #[serde(rename = "final")]
-    pub end: Final,
-    /// The same for each boundary with contact.
+    pub end: ComponentSums,
+    /// The resultant of each boundary with contact then.
     pub boundaries: Vec<Resultant>,
+    /// The resultants at the end of each increment.
+    pub forces: Vec<ForceRecord>,
     /// The critical friction at the end of the last converged increment, where it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical_friction: Option<CriticalFriction>,
@@ -101,28 +108,6 @@ pub struct Totals {
     pub backward_error: f64,
 }
 
-/// Resultants of the contact forces at the end of the last converged increment.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Final {
-    /// `Σ p_n`, N.
-    pub sum_p_n: f64,
-    /// `Σ p_t`, N.
-    pub sum_p_t: f64,
-    /// `Σ p_o`, N; only in three dimensions.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub sum_p_o: Option<f64>,
-}
-
-/// The resultant of one boundary: on several, normals and tangents point different ways.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Resultant {
-    /// The boundary.
-    pub boundary: String,
-    /// Its sums.
-    #[serde(flatten)]
-    pub sums: Final,
-}
-
 /// What the caller measured around a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
@@ -156,6 +141,9 @@ impl RunReport {
             solver_choice: choice.reason(),
             status: outcome.status,
             explanation,
+            warnings: Warning::of_scene(scene, model),
+            largest_displacement: None,
+            range_left: None,
             unknowns: Unknowns::new(&outcome.layout, scene.solver.method.name()),
             left_out: LeftOut::all(scene, model, choice.backend),
             increments: outcome.records.clone(),
@@ -170,15 +158,10 @@ impl RunReport {
                 nnz_factors: outcome.linear.factor.entries,
                 backward_error: outcome.linear.worst_backward_error,
             },
-            end: Final::of(&outcome.state, 0..outcome.state.p_n.len(), model.mesh.dimension),
-            boundaries: (model.contact_boundaries.iter())
-                .map(|boundary| Resultant {
-                    boundary: boundary.name.clone(),
-                    sums: Final::of(&outcome.state, boundary.nodes.clone(), model.mesh.dimension),
-                })
-                .collect(),
+            end: ComponentSums::of(model, &outcome.state, 0..model.contacts.len()),
+            boundaries: Resultant::all(model, &outcome.state),
+            forces: Vec::new(),
             critical_friction: None,
-            range_left: None,
         }
     }
 
@@ -188,13 +171,5 @@ impl RunReport {
     /// None that the types allow; serde's signature has one.
     pub fn to_json(&self) -> serde_json::Result<String> {
         serde_json::to_string_pretty(self)
-    }
-}
-
-impl Final {
-    fn of(state: &State, nodes: Range<usize>, dimension: usize) -> Self {
-        // + 0.0: the sum of no forces is -0.
-        let sum = |forces: &[f64]| forces[nodes.clone()].iter().sum::<f64>() + 0.0;
-        Final { sum_p_n: sum(&state.p_n), sum_p_t: sum(&state.p_t), sum_p_o: (dimension == 3).then(|| sum(&state.p_o)) }
     }
 }

@@ -1,0 +1,121 @@
+//! The resultants of the contact forces.
+
+use std::ops::Range;
+
+use serde::Serialize;
+
+use super::csv;
+use crate::contact::ContactBoundary;
+use crate::history::Step;
+use crate::model::Model;
+use crate::problem::State;
+use crate::vector::cross;
+
+/// What the body does to the obstacle in front of one boundary: the sum of the contact forces, and their components. On
+/// several boundaries, and on an obstacle with a normal for each node, normals and tangents point different ways.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Resultant {
+    /// The boundary.
+    pub boundary: String,
+    /// The force of the body on the obstacle: x, y and, in three dimensions, z, N; in two dimensions N per m of depth.
+    pub force: Vec<f64>,
+    /// Its moment about the origin, at the reference positions of the nodes: about z in two dimensions, about x, y
+    /// and z in three, N m; in two dimensions N m per m of depth.
+    pub moment: Vec<f64>,
+    /// The sums of the components.
+    #[serde(flatten)]
+    pub sums: ComponentSums,
+}
+
+/// Sums of the components of contact forces.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ComponentSums {
+    /// `Σ p_n`, N.
+    pub sum_p_n: f64,
+    /// `Σ p_t`, N, along the first tangent of the obstacle.
+    pub sum_p_t: f64,
+    /// `Σ p_o`, N, along the second; only in three dimensions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sum_p_o: Option<f64>,
+}
+
+/// The resultant of a boundary at the end of an increment.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ForceRecord {
+    /// The increment, from 1.
+    pub index: usize,
+    /// The time at its end, s.
+    pub time: f64,
+    /// The resultant.
+    #[serde(flatten)]
+    pub resultant: Resultant,
+}
+
+impl Resultant {
+    /// The resultants of a `state`, one for each boundary with contact.
+    pub fn all(model: &Model, state: &State) -> Vec<Self> {
+        model.contact_boundaries.iter().map(|boundary| Resultant::of(model, state, boundary)).collect()
+    }
+
+    fn of(model: &Model, state: &State, boundary: &ContactBoundary) -> Self {
+        let dimension = model.mesh.dimension;
+        let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+        for i in boundary.nodes.clone() {
+            let f = nodal_force(model, state, i);
+            let m = cross(model.contacts[i].position, f);
+            (0..3).for_each(|c| (force[c] += f[c], moment[c] += m[c]).0);
+        }
+        Resultant {
+            boundary: boundary.name.clone(),
+            force: force[..dimension].to_vec(),
+            moment: if dimension == 2 { vec![moment[2]] } else { moment.to_vec() },
+            sums: ComponentSums::of(model, state, boundary.nodes.clone()),
+        }
+    }
+}
+
+impl ComponentSums {
+    /// Those of the contact nodes `nodes`.
+    pub(super) fn of(model: &Model, state: &State, nodes: Range<usize>) -> Self {
+        let mut sums = [0.0; 3];
+        for i in nodes {
+            let [p_t, p_o] = model.contacts[i].in_frame([state.p_t[i], state.p_o[i]]);
+            sums.iter_mut().zip([state.p_n[i], p_t, p_o]).for_each(|(sum, p)| *sum += p);
+        }
+        let [sum_p_n, sum_p_t, sum_p_o] = sums;
+        ComponentSums { sum_p_n, sum_p_t, sum_p_o: (model.mesh.dimension == 3).then_some(sum_p_o) }
+    }
+}
+
+/// The force of the body on the obstacle at contact node `i`, N.
+pub(super) fn nodal_force(model: &Model, state: &State, i: usize) -> [f64; 3] {
+    let facing = &model.contacts[i].facing;
+    let [t, o] = facing.tangents;
+    let (p_n, p_t, p_o) = (state.p_n[i], state.p_t[i], state.p_o[i]);
+    [0, 1, 2].map(|c| p_n * facing.normal[c] + p_t * t[c] + p_o * o[c])
+}
+
+impl ForceRecord {
+    /// The records of a step, one for each boundary with contact.
+    pub fn all(model: &Model, step: &Step<'_>) -> Vec<Self> {
+        let (index, time) = (step.record.index, step.record.time);
+        Resultant::all(model, step.state).into_iter().map(|resultant| ForceRecord { index, time, resultant }).collect()
+    }
+
+    /// The header of their table, comma-separated, for so many dimensions.
+    pub(super) fn header(dimension: usize) -> String {
+        let columns: &[&str] = match dimension {
+            2 => &["f_x", "f_y", "m_z", "sum_p_n", "sum_p_t"],
+            _ => &["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "sum_p_n", "sum_p_t", "sum_p_o"],
+        };
+        csv::table(&[&["index", "time", "boundary"], columns].concat(), std::iter::empty())
+    }
+
+    /// Its line in the table.
+    pub(super) fn line(&self) -> String {
+        let Resultant { boundary, force, moment, sums } = &self.resultant;
+        let numbers = force.iter().chain(moment).chain([&sums.sum_p_n, &sums.sum_p_t]).chain(&sums.sum_p_o);
+        let fields = [self.index.to_string(), csv::number(self.time), boundary.clone()];
+        fields.into_iter().chain(numbers.map(|x| csv::number(*x))).collect::<Vec<_>>().join(",") + "\n"
+    }
+}

@@ -1,0 +1,113 @@
+//! Whether a solution stays where its equations hold: small displacements, and gaps linearised in the undeformed state.
+
+use serde::Serialize;
+
+use super::warnings::{Warning, WarningKind};
+use crate::contact::{ContactStatus, RangeLeft};
+use crate::history::{Status, Step};
+use crate::model::Model;
+use crate::vector::norm;
+
+/// The share of the body's size from which on displacements do not count as small. A body that turns by as much turns
+/// its normals by six degrees, and the squares of strains that are left out reach a percent.
+pub const NOT_SMALL: f64 = 0.1;
+
+/// Watches the converged increments of a history.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validity {
+    /// The largest displacement, if there was any increment.
+    pub largest: Option<LargestDisplacement>,
+    /// Where the linearised gaps were most wrong, if they were out of their range.
+    pub range_left: Option<RangeLeft>,
+    /// Whether each boundary with contact ever touched its obstacle.
+    touched: Vec<bool>,
+}
+
+/// The largest displacement of a history.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LargestDisplacement {
+    /// Its length, m.
+    pub length: f64,
+    /// The node's position, m.
+    pub position: [f64; 3],
+    /// When, s.
+    pub time: f64,
+}
+
+impl Validity {
+    /// Before the first increment of `model`.
+    pub fn new(model: &Model) -> Self {
+        Validity { largest: None, range_left: None, touched: vec![false; model.contact_boundaries.len()] }
+    }
+
+    /// Looks at the end of an increment; one that did not converge says nothing.
+    pub fn see(&mut self, model: &Model, step: &Step<'_>) {
+        let Step { record, increment, state, statuses } = step;
+        if record.status != Status::Converged {
+            return;
+        }
+        for (position, u) in model.mesh.nodes.iter().zip(model.dofs.displacements(&state.u)) {
+            let length = norm(u);
+            if self.largest.is_none_or(|largest| length > largest.length) {
+                self.largest = Some(LargestDisplacement { length, position: *position, time: record.time });
+            }
+        }
+        for (touched, boundary) in self.touched.iter_mut().zip(&model.contact_boundaries) {
+            *touched |= statuses[boundary.nodes.clone()].iter().any(|status| *status != ContactStatus::Open);
+        }
+        if let Some(left) = model.range_left(record.time, &state.u, increment.gap, statuses)
+            && self.range_left.is_none_or(|worst| left.share.is_nan() || left.share > worst.share)
+        {
+            self.range_left = Some(left);
+        }
+    }
+
+    /// The warnings that follow.
+    pub fn warnings(&self, model: &Model) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        let mut warn = |kind, message| warnings.push(Warning { kind, message });
+        // Without a converged increment nothing is known of the contact.
+        let known = if self.largest.is_some() { &self.touched[..] } else { &[] };
+        for (boundary, _) in model.contact_boundaries.iter().zip(known).filter(|(_, touched)| !**touched) {
+            let message = format!(
+                "`{}` never touched its obstacle; `stickslip check` tells where that is and how it moves",
+                boundary.name
+            );
+            warn(WarningKind::NoContact, message);
+        }
+        let size = model.mesh.size();
+        if let Some(LargestDisplacement { length, position, time }) = self.largest
+            && length > NOT_SMALL * size
+        {
+            let message = format!(
+                "displacements are taken as small, but the node {} m moves by {length:.2e} m at t = {time} s, {:.0} % of \
+                 the body's size; are lengths in m, moduli and tractions in Pa?",
+                model.mesh.place(position),
+                100.0 * length / size
+            );
+            warn(WarningKind::LargeDisplacements, message);
+        }
+        if let Some(left) = &self.range_left {
+            warn(WarningKind::GapsOutOfRange, out_of_range(model, left));
+        }
+        warnings
+    }
+}
+
+fn out_of_range(model: &Model, left: &RangeLeft) -> String {
+    let RangeLeft { position, time, linearised, exact, share, .. } = *left;
+    let place = model.mesh.place(position);
+    let remedy =
+        "pressures may be as wrong; put the obstacle, in the scene, nearer to where it presses, or let it move less";
+    if exact.is_nan() {
+        return format!(
+            "the obstacle is no longer in front of the contact node at {place} m at t = {time} s: {remedy}"
+        );
+    }
+    let off =
+        if share.is_finite() { format!(", off by {:.0} % of the indentation", 100.0 * share) } else { String::new() };
+    format!(
+        "gaps are linearised in the undeformed state, and the contact leaves where that holds: at the node {place} m at \
+         t = {time} s the distance is {exact:.2e} m, not {linearised:.2e} m{off}; {remedy}"
+    )
+}

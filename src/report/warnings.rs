@@ -1,0 +1,102 @@
+//! What may make an answer wrong although every law holds: assumptions that a scene does not meet.
+
+use serde::Serialize;
+
+use crate::mesh::CellKind;
+use crate::model::Model;
+use crate::scene::{Element, Scene};
+
+/// A warning.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Warning {
+    /// Of what.
+    pub kind: WarningKind,
+    /// In words, with what to do.
+    pub message: String,
+}
+
+/// What a warning is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WarningKind {
+    /// Elements that lock, because a material hardly changes its volume.
+    Locking,
+    /// A border of layers that runs through elements.
+    LayersThroughElements,
+    /// A load that acts on nothing but supports.
+    IdleLoad,
+    /// A boundary that never touches its obstacle.
+    NoContact,
+    /// Displacements that are not small.
+    LargeDisplacements,
+    /// A contact that leaves the range of its linearised gaps.
+    GapsOutOfRange,
+}
+
+/// From this Poisson's ratio on elements may lock: K is 50 times as stiff against a change of volume as against shear.
+const LOCKING: f64 = 0.49;
+
+/// Beside the size of the body, what rounding leaves of the corners of an element.
+const ROUNDING: f64 = 1e-9;
+
+impl Warning {
+    /// The warnings that a scene deserves before it is solved.
+    pub fn of_scene(scene: &Scene, model: &Model) -> Vec<Self> {
+        let messages = [
+            (WarningKind::Locking, locking(scene, model)),
+            (WarningKind::LayersThroughElements, layers_through_elements(scene, model)),
+            (WarningKind::IdleLoad, idle_load(scene, model)),
+        ];
+        messages.into_iter().filter_map(|(kind, message)| Some(Warning { kind, message: message? })).collect()
+    }
+}
+
+fn locking(scene: &Scene, model: &Model) -> Option<String> {
+    if scene.element == Element::BBar || model.thin {
+        return None;
+    }
+    let poisson = model.materials.iter().map(|law| 0.5 * law.lambda / (law.lambda + law.mu)).fold(0.0, f64::max);
+    // What is computed back from Lamé's constants may miss the ratio by rounding.
+    let simplices = |kind| matches!(kind, CellKind::Triangle | CellKind::Tetrahedron);
+    let cells = match (model.mesh.cells.iter().any(|cell| simplices(cell.kind)), model.mesh.dimension) {
+        (false, _) => "",
+        (true, 2) => " with quadrilaterals",
+        (true, _) => " with hexahedra",
+    };
+    (poisson > LOCKING + ROUNDING).then(|| {
+        format!(
+            "elements lock near nu = 0.5, and nu is {poisson:.6}: the body may be far too stiff; \
+             use mesh.element = \"b-bar\"{cells}"
+        )
+    })
+}
+
+fn layers_through_elements(scene: &Scene, model: &Model) -> Option<String> {
+    let mesh = &model.mesh;
+    let up = mesh.dimension - 1;
+    let cut = |height: f64| {
+        let within = |e: usize| {
+            let heights = || mesh.cells[e].nodes.iter().map(|&node| mesh.nodes[node][up]);
+            let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+            let slack = ROUNDING * mesh.size();
+            low + slack < height && height < high - slack
+        };
+        (0..mesh.cells.len()).filter(|&e| within(e)).count()
+    };
+    let (height, count) =
+        scene.material.layers.iter().map(|layer| (layer.top, cut(layer.top))).find(|cut| cut.1 > 0)?;
+    let axis = ["x", "y", "z"][up];
+    // A height is a sum of thicknesses; seven digits hide its rounding.
+    let height: f64 = format!("{height:.6e}").parse().unwrap_or(height);
+    Some(format!(
+        "the border between layers at {axis} = {height} m goes through {count} elements, each of which is of one layer; \
+         let elements end there"
+    ))
+}
+
+fn idle_load(scene: &Scene, model: &Model) -> Option<String> {
+    let idle = |force: &[f64]| force.iter().all(|f| *f == 0.0);
+    let mut loads = scene.loads.iter().zip(&model.loading.cases);
+    let (load, _) = loads.find(|(load, case)| load.traction.iter().any(|t| *t != 0.0) && idle(&case.force))?;
+    Some(format!("the load on `{}` does nothing: supports hold the boundary in its direction", load.boundary))
+}
