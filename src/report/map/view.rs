@@ -16,6 +16,8 @@ const MOST_HEIGHT: f64 = 720.0;
 
 /// Where there is no surface.
 const OUTSIDE: [u8; 3] = [236, 236, 236];
+/// The longest arrow, in distances between nodes.
+const ARROW: f64 = 0.9;
 /// Arrows that are shorter say nothing (px); where nodes are closer, some have none.
 const SHORTEST: f64 = 24.0;
 
@@ -49,16 +51,23 @@ impl View {
         };
         let whole = bounds(&mut all());
         let [low, high] = if pressed.is_empty() { whole } else { bounds(&mut pressed.iter().copied()) };
-        // A little of what is around it, with room for arrows.
-        let margin = 0.08 * (high[0] - low[0]).max(high[1] - low[1]);
-        let (low, high) = (low.map(|x| x - margin), high.map(|x| x + margin));
-        let [across, upwards] = [0, 1].map(|c| high[c] - low[c]);
-        let scale = ((WIDTH - LEFT - RIGHT) / across).min(MOST_HEIGHT / upwards);
         let shown = all().filter(|p| (0..2).all(|c| (low[c]..=high[c]).contains(&p[c]))).count().max(1);
         let shown_area = (0..2).map(|c| (high[c].min(whole[1][c]) - low[c].max(whole[0][c])).max(0.0)).product::<f64>();
-        let spacing = scale * (shown_area / shown as f64).sqrt();
+        let spacing = (shown_area / shown as f64).sqrt();
         let most = |value: fn(&SurfaceNode) -> f64| surface.nodes.iter().map(value).fold(0.0, f64::max);
         let most_traction = most(|node| node.traction[0].hypot(node.traction[1]));
+        // A little of what is around it, with room for arrows.
+        let margin = 0.08 * (high[0] - low[0]).max(high[1] - low[1]);
+        let reach = |node: &SurfaceNode| {
+            node.traction.map(|t| if t == 0.0 { 0.0 } else { ARROW * spacing * t / most_traction })
+        };
+        let tips = surface.nodes.iter().map(|node| [0, 1].map(|c| node.place[c] + reach(node)[c]));
+        let [lowest, highest] = bounds(&mut tips.chain([low, high]));
+        let low = [0, 1].map(|c| (low[c] - margin).min(lowest[c] - 0.25 * margin));
+        let high = [0, 1].map(|c| (high[c] + margin).max(highest[c] + 0.25 * margin));
+        let [across, upwards] = [0, 1].map(|c| high[c] - low[c]);
+        let scale = ((WIDTH - LEFT - RIGHT) / across).min(MOST_HEIGHT / upwards);
+        let spacing = scale * spacing;
         View {
             low,
             high,
@@ -67,7 +76,7 @@ impl View {
             most_traction,
             friction: most_traction > 0.0,
             held: surface.nodes.iter().any(|node| node.status.is_none()),
-            arrow: (0.9 * spacing).max(SHORTEST),
+            arrow: (ARROW * spacing).max(SHORTEST),
             markers: spacing > 16.0,
         }
     }
