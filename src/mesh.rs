@@ -104,6 +104,14 @@ impl Mesh {
         nodes.iter().map(|&node| self.nodes[node]).collect()
     }
 
+    /// The smallest and the largest coordinate along each axis, m.
+    pub fn bounds(&self) -> [(f64, f64); 3] {
+        [0, 1, 2].map(|c| {
+            let wider = |(lo, hi): (f64, f64), x: &[f64; 3]| (lo.min(x[c]), hi.max(x[c]));
+            self.nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), wider)
+        })
+    }
+
     /// The centre of cell `e`, the mean of its corners, m.
     pub fn centre(&self, e: usize) -> [f64; 3] {
         let corners = self.points(&self.cells[e].nodes);
