@@ -130,9 +130,9 @@ fn body(scene: &Scene, model: &Model) {
 
 fn contact(scene: &Scene, model: &Model) {
     for contact in &scene.contacts {
-        let shape = shape(model, &contact.obstacle.shape);
-        let moves = moves(model, &contact.obstacle);
-        say!("contact      {}: {shape}{moves}, mu = {}", contact.boundary, contact.friction);
+        let mut obstacle = vec![shape(model, &contact.obstacle.shape)];
+        obstacle.extend(motions(model, &contact.obstacle));
+        say!("contact      {}: {}, mu = {}", contact.boundary, obstacle.join(", "), contact.friction);
     }
     let layout = Layout::new(&model.problem);
     say!("unknowns     {} displacements u", layout.displacements());
@@ -154,21 +154,21 @@ fn contact(scene: &Scene, model: &Model) {
     }
 }
 
-/// How an obstacle moves, point by point.
-fn moves(model: &Model, obstacle: &Obstacle) -> String {
-    let mut moves = String::new();
+/// The motions of an obstacle, point by point.
+fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
+    let mut motions = Vec::new();
     if !obstacle.approach.is_empty() {
         let distance = |d: &[f64]| format!("{} m", number(d[0]));
-        moves += &format!(", moves in by {}", points(&obstacle.approach, distance));
+        motions.push(format!("moves in by {}", points(&obstacle.approach, distance)));
     }
     if !obstacle.translation.is_empty() {
         let place = |x: &[f64]| format!("({}) m", numbers(&x[..model.mesh.dimension]));
-        moves += &format!(", moves by {}", points(&obstacle.translation, place));
+        motions.push(format!("moves by {}", points(&obstacle.translation, place)));
     }
     if let Some(Rotation { history, .. }) = &obstacle.rotation {
-        moves += &format!(", turns by {}", points(history, |angle| format!("{} rad", number(angle[0]))));
+        motions.push(format!("turns by {}", points(history, |angle| format!("{} rad", number(angle[0])))));
     }
-    moves
+    motions
 }
 
 fn shape(model: &Model, shape: &Shape) -> String {

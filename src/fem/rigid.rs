@@ -87,8 +87,8 @@ impl fmt::Display for RigidMotion {
 }
 
 /// The rigid motions of `mesh` that the fixed components of `dofs` leave free: none for a body
-/// that is held; for one that is not supported at all three in two dimensions, six in three. Of all bases of
-/// that space the one that reads best: see [`readable`].
+/// that is held; for one that is not supported at all three in two dimensions, six in three. First the
+/// translations, then rotations about one axis of coordinates each, as far as there are such.
 pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
     let bounds = mesh.bounds();
     let about = bounds.map(|(lo, hi)| 0.5 * (lo + hi));
