@@ -28,6 +28,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use stickslip::formulation::Layout;
 use stickslip::linear::LinearError;
 use stickslip::model::Model;
 use stickslip::report::available_bytes;
@@ -96,7 +97,7 @@ impl SceneArgs {
     }
 }
 
-/// Discretises a scene, unless the machine has no room for it.
+/// Discretises a scene, unless the machine has no room for it or its method does not know such a problem.
 fn discretise(scene: &Scene) -> Result<Model, Failure> {
     // The matrices alone, 16 bytes an entry, and for each unknown 27 of them in two dimensions and 81 in
     // three; the factors take more. Asking first is kinder than being killed half-way.
@@ -111,7 +112,15 @@ fn discretise(scene: &Scene) -> Result<Model, Failure> {
             gigabytes(available)
         )));
     }
-    Ok(Model::new(scene)?)
+    let model = Model::new(scene)?;
+    if let Some(span) = &scene.one_tangent_span
+        && Layout::new(&model.problem).has_second_tangent()
+    {
+        let message = "this interior point method knows one tangent a node, but nodes of this scene slide in a plane";
+        let help = "leave solver.setting and solver.newton out, or use the method \"bn\"";
+        return Err(scene.error_at(span.clone(), message, help).into());
+    }
+    Ok(model)
 }
 
 /// Why a command ended without a result.

@@ -104,6 +104,14 @@ impl Mesh {
         nodes.iter().map(|&node| self.nodes[node]).collect()
     }
 
+    /// The smallest and the largest coordinate along each axis, m.
+    pub fn bounds(&self) -> [(f64, f64); 3] {
+        [0, 1, 2].map(|c| {
+            let wider = |(lo, hi): (f64, f64), x: &[f64; 3]| (lo.min(x[c]), hi.max(x[c]));
+            self.nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), wider)
+        })
+    }
+
     /// The centre of cell `e`, the mean of its corners, m.
     pub fn centre(&self, e: usize) -> [f64; 3] {
         let corners = self.points(&self.cells[e].nodes);
@@ -112,10 +120,7 @@ impl Mesh {
 
     /// The lengths of the box around the body, m.
     pub fn extent(&self) -> [f64; 3] {
-        [0, 1, 2].map(|c| {
-            let along = || self.nodes.iter().map(|x| x[c]);
-            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-        })
+        self.bounds().map(|(lowest, highest)| highest - lowest)
     }
 
     /// The longest of these, m.

@@ -26,6 +26,7 @@
 mod check;
 mod document;
 mod error;
+mod fault;
 mod formula;
 mod mesh;
 mod obstacle;
@@ -70,6 +71,9 @@ pub struct Scene {
     pub time: Time,
     /// How to solve.
     pub solver: Solver,
+    /// Where the scene asks for a method that knows one tangent a node only, if it does: ip in the setting
+    /// `paper`, or with `newton = "extended"`.
+    pub one_tangent_span: Option<Range<usize>>,
     /// What to write.
     pub output: Output,
     source: Source,

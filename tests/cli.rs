@@ -185,6 +185,58 @@ fn check_explains_without_solving() {
     assert_eq!(folder.names(""), ["scene.toml"]);
 }
 
+/// Every point of a motion is told as that of a load is, and which of them no increment meets.
+#[test]
+fn check_tells_histories() {
+    let motion = "gap = 1e-5, approach = [[0, 0], [1, 1e-5], [2, 0]], motion = { \
+                  translation = [[0, 0, 0], [0.5, 1e-3, 0], [2, 0, 0]], \
+                  rotation = { through = [0, 0], history = [[0, 0], [1, 1e-6], [2, -1e-6]] } }";
+    let text = edit(&without(&small(), "[[support]]", "[[contact]]"), "gap = 1e-5", motion);
+    let check = |text: &str| {
+        let (_folder, scene) = Folder::with_scene(text);
+        let output = stickslip(&["check", &scene]);
+        assert_exit(&output, 0);
+        stdout(&output).to_string()
+    };
+    let told = check(&text);
+    let words = "moves in by 0 m at 0 s, 1e-5 m at 1 s, 0 m at 2 s, \
+                 moves by (0, 0) m at 0 s, (1e-3, 0) m at 0.5 s, (0, 0) m at 2 s, \
+                 turns by 0 rad at 0 s, 1e-6 rad at 1 s, -1e-6 rad at 2 s, mu = 0.4";
+    assert!(told.contains(words), "{told}");
+    assert!(told.contains("factor 0 at 0 s, 1 at 1 s, 0 at 2 s\n"), "{told}");
+    assert!(!told.contains("stepped over"), "{told}");
+
+    let told = check(&edit(&text, "increments = 4", "increments = 6"));
+    let stepped: Vec<&str> = told.lines().filter(|line| line.starts_with("stepped over")).collect();
+    let [line] = stepped[..] else { panic!("{told}") };
+    assert!(
+        line.contains("over the kink of the translation of the obstacle at bottom at 0.5 s: no increment"),
+        "{line}"
+    );
+    let told = check(&edit(&text, "increments = 4", "increments = 7"));
+    assert_eq!(told.matches("stepped over the kink of ").count(), 5, "{told}");
+
+    // Ten points, of which three are left out.
+    let many: Vec<String> = (0..10).map(|k| format!("[{k}, {}e-6]", k % 2)).collect();
+    let told = check(&edit(&small(), "gap = 1e-5", &format!("gap = 1e-5, approach = [{}]", many.join(", "))));
+    assert!(told.contains("1e-6 m at 5 s, (3 more), 1e-6 m at 9 s"), "{told}");
+}
+
+#[cfg(feature = "meshes")]
+#[test]
+fn check_tells_the_size_of_a_mesh_file() {
+    let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes/plate_quads_mm.msh");
+    let text = edit(&without(&small(), "[mesh]", "[material]"), "\"right\"", "\"top\"");
+    let at = text.find("[material]").unwrap();
+    for (scale, size) in [("0.001", "0.04 m x 0.02 m over all"), ("1", "40 m x 20 m over all")] {
+        let table = format!("[mesh]\nkind = \"gmsh\"\nfile = \"{}\"\nscale = {scale}\n", mesh.display());
+        let (_folder, scene) = Folder::with_scene(&[&text[..at], &table, &text[at..]].concat());
+        let output = stickslip(&["check", &scene]);
+        assert_exit(&output, 0);
+        assert!(stdout(&output).contains(size), "{}", stdout(&output));
+    }
+}
+
 #[test]
 fn cells_of_table_ii() {
     let output = stickslip(&["tables", "block", "--contact-nodes", "5", "--increments", "1", "--json"]);

@@ -102,6 +102,31 @@ fn bad_input_is_status_2_and_nothing_is_written() {
     }
 }
 
+/// A method with one tangent a node is refused where nodes slide in a plane, before anything is printed.
+#[test]
+fn a_method_of_the_plane_in_space_is_status_2() {
+    let cube = edit(include_str!("../data/scenes/cube.toml"), "[10, 10, 10]", "[2, 2, 2]");
+    let solver = |keys: &str| format!("{cube}\n[solver]\nmethod = \"ip\"\n{keys}\n");
+    let refused = ["setting = \"paper\"", "newton = \"extended\"", "setting = \"paper\"\nnewton = \"reduced\""];
+    for keys in refused {
+        let text = solver(keys);
+        let line = text[..text.find(keys).unwrap()].lines().count() + 1;
+        let (folder, scene) = Folder::with_scene(&text);
+        for command in ["check", "run"] {
+            let output = stickslip(&[command, &scene]);
+            assert_exit(&output, 2);
+            assert_eq!(stdout(&output), "");
+            assert!(stderr(&output).contains(&format!("scene.toml:{line}:")), "{}", stderr(&output));
+            assert!(stderr(&output).contains("use the method \"bn\""), "{}", stderr(&output));
+        }
+        assert_eq!(folder.names(""), ["scene.toml"]);
+        // Without friction no node has a tangent.
+        assert_exit(&stickslip(&["check", &scene, "--set", "contact.friction=0"]), 0);
+    }
+    let (_folder, scene) = Folder::with_scene(&solver("newton = \"reduced\""));
+    assert_exit(&stickslip(&["check", &scene]), 0);
+}
+
 #[test]
 fn a_folder_that_cannot_be_made_is_status_2() {
     let (_folder, scene) = Folder::with_scene(&small());

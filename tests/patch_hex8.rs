@@ -7,7 +7,8 @@ use std::f64::consts::PI;
 
 use common::solve;
 use stickslip::fem::{
-    Dofs, Elasticity, Element, assemble, element_stiffness, facet_load, gradients, quadrature, rigid_motions, shape,
+    Dofs, Elasticity, Element, RigidMotion, assemble, element_stiffness, facet_load, gradients, quadrature,
+    rigid_motions, shape,
 };
 use stickslip::mesh::{Cell, CellKind, Mesh, block};
 use stickslip::model::Model;
@@ -151,11 +152,28 @@ fn free_motions_in_space() {
     assert_eq!(free(&|node, c| c == 2 && mesh.nodes[node][2] == 0.0).len(), 3);
     let slider = free(&|node, c| c > 0 && mesh.nodes[node][c] == 0.0);
     assert_eq!(slider.len(), 1);
-    assert_eq!(slider[0].to_string().replace('-', ""), "a translation along (1, 0, 0)");
+    assert_eq!(slider[0].to_string(), "a translation along (1, 0, 0)");
     let hinge = free(&|node, _| mesh.nodes[node][1] == 0.0 && mesh.nodes[node][2] == 0.0);
     assert_eq!(hinge.len(), 1);
-    let words = hinge[0].to_string();
-    assert_eq!(words.replace('-', ""), "a rotation about the axis through (1, 0, 0) m along (1, 0, 0)");
+    assert_eq!(hinge[0].to_string(), "a rotation about the axis through (1, 0, 0) m along (1, 0, 0)");
+    // Held along x and y on its top: no combination of the three, but each by itself, about axes in the top.
+    let words = |free: Vec<RigidMotion>| free.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let guided = free(&|node, c| c < 2 && mesh.nodes[node][2] == 1.0);
+    let about = |place: &str, axis: &str| format!("a rotation about the axis through {place} m along {axis}");
+    let expected = [
+        "a translation along (0, 0, 1)".to_string(),
+        about("(1, 0.5, 1)", "(1, 0, 0)"),
+        about("(1, 0.5, 1)", "(0, 1, 0)"),
+    ];
+    assert_eq!(words(guided), expected);
+    // A ball joint in a corner, its hinge slanted by a second one.
+    let corner = |node: usize, x: [f64; 3]| mesh.nodes[node] == x;
+    let joint = words(free(&|node, _| corner(node, [0.0; 3])));
+    assert_eq!(joint.len(), 3);
+    assert!(joint[0].starts_with("a rotation") && joint[0].ends_with("along (1, 0, 0)"), "{joint:?}");
+    assert!(joint[2].starts_with("a rotation") && joint[2].ends_with("along (0, 0, 1)"), "{joint:?}");
+    let slanted = words(free(&|node, _| corner(node, [0.0; 3]) || corner(node, [0.0, 1.0, 1.0])));
+    assert_eq!(slanted, [about("(0, 0.5, 0.5)", "(0, 0.707107, 0.707107)")]);
     // Every motion keeps what is held where it is.
     assert!(mesh.nodes.iter().filter(|x| x[1] == 0.0 && x[2] == 0.0).all(|&x| norm(hinge[0].at(x)) < 1e-14));
 }

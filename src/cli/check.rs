@@ -1,7 +1,8 @@
 //! `stickslip check`.
 
+mod histories;
+
 use std::collections::BTreeSet;
-use std::fmt::Write;
 
 use clap::Args;
 use stickslip::fem::RigidMotion;
@@ -9,10 +10,11 @@ use stickslip::formulation::Layout;
 use stickslip::mesh::CellKind;
 use stickslip::model::Model;
 use stickslip::report::Warning;
-use stickslip::scene::{Element, HalfPlane, Material, Mesh, Plane, Rotation, Scene, Segment, Shape};
+use stickslip::scene::{Element, HalfPlane, Material, Mesh, Obstacle, Plane, Rotation, Scene, Segment, Shape};
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 
 use super::{Failure, SceneArgs, discretise};
+use histories::points;
 
 #[derive(Args)]
 pub(super) struct CheckArgs {
@@ -34,6 +36,9 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         scene.time.end / scene.time.increments as f64,
         scene.time.end
     );
+    for kink in histories::stepped_over(&scene) {
+        say!("stepped over {kink}: no increment ends there; choose time.increments so that one does");
+    }
     say!(
         "solver       {}, setting {}, {}; at most {} iterations; error of every law at most {:.0e}",
         solver.method.name(),
@@ -75,7 +80,15 @@ fn body(scene: &Scene, model: &Model) {
         Mesh::HalfPlane(HalfPlane { size: [width, height], contact_elements, outer_elements, layers, .. }) => {
             format!("half-plane {width} m x {height} m, ({contact_elements} + {outer_elements}) x {layers}")
         }
-        Mesh::Gmsh { file, scale } => format!("{}, unit {scale} m,", file.display()),
+        Mesh::Gmsh { file, scale } => {
+            // A forgotten scale is seen here. Six digits hide the rounding of a difference.
+            let length = |(lo, hi): (f64, f64)| {
+                let rounded: f64 = format!("{:.5e}", hi - lo).parse().unwrap_or(hi - lo);
+                format!("{rounded} m")
+            };
+            let lengths = model.mesh.bounds()[..model.mesh.dimension].iter().copied().map(length).collect::<Vec<_>>();
+            format!("{}, unit {scale} m, {} over all,", file.display(), lengths.join(" x "))
+        }
     };
     let mut cells: Vec<CellKind> = model.mesh.cells.iter().map(|cell| cell.kind).collect();
     cells.dedup();
@@ -121,20 +134,9 @@ fn body(scene: &Scene, model: &Model) {
 
 fn contact(scene: &Scene, model: &Model) {
     for contact in &scene.contacts {
-        let shape = shape(model, &contact.obstacle.shape);
-        let mut moves = match contact.obstacle.approach.last() {
-            Some([t, distance]) => format!(", moves in by {} m until {t} s", number(*distance)),
-            None => String::new(),
-        };
-        if let Some([t, x, y, z]) = contact.obstacle.translation.last() {
-            let _ = write!(moves, ", moves by {} m until {t} s", model.mesh.place([*x, *y, *z]));
-        }
-        if let Some(Rotation { history, .. }) = &contact.obstacle.rotation
-            && let Some([t, angle]) = history.last()
-        {
-            let _ = write!(moves, ", turns by {angle} rad until {t} s");
-        }
-        say!("contact      {}: {shape}{moves}, mu = {}", contact.boundary, contact.friction);
+        let mut obstacle = vec![shape(model, &contact.obstacle.shape)];
+        obstacle.extend(motions(model, &contact.obstacle));
+        say!("contact      {}: {}, mu = {}", contact.boundary, obstacle.join(", "), contact.friction);
     }
     let layout = Layout::new(&model.problem);
     say!("unknowns     {} displacements u", layout.displacements());
@@ -154,6 +156,23 @@ fn contact(scene: &Scene, model: &Model) {
             say!("             {t} tangential forces {along}{rest}");
         }
     }
+}
+
+/// The motions of an obstacle, point by point.
+fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
+    let mut motions = Vec::new();
+    if !obstacle.approach.is_empty() {
+        let distance = |d: &[f64]| format!("{} m", number(d[0]));
+        motions.push(format!("moves in by {}", points(&obstacle.approach, distance)));
+    }
+    if !obstacle.translation.is_empty() {
+        let place = |x: &[f64]| format!("({}) m", numbers(&x[..model.mesh.dimension]));
+        motions.push(format!("moves by {}", points(&obstacle.translation, place)));
+    }
+    if let Some(Rotation { history, .. }) = &obstacle.rotation {
+        motions.push(format!("turns by {}", points(history, |angle| format!("{} rad", number(angle[0])))));
+    }
+    motions
 }
 
 fn shape(model: &Model, shape: &Shape) -> String {
@@ -176,18 +195,12 @@ fn loads(scene: &Scene, model: &Model) {
             .displacements(&case.force)
             .into_iter()
             .fold([0.0; 3], |sum, force| [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]);
-        let numbers = |x: &[f64]| x.iter().map(|&x| number(x)).collect::<Vec<_>>().join(", ");
-        let mut history: Vec<String> = load.history.iter().map(|[t, factor]| format!("{factor} at {t} s")).collect();
-        if history.len() > 8 {
-            let left_out = format!("({} more)", history.len() - 7);
-            history.splice(6..history.len() - 1, [left_out]);
-        }
         say!(
             "load         {}: ({}) N/m2, in all ({}) N on what is free; factor {}",
             load.boundary,
             numbers(&load.traction),
             numbers(&sum[..model.mesh.dimension]),
-            history.join(", ")
+            points(&load.history, |factor| factor[0].to_string())
         );
     }
 }
@@ -201,6 +214,11 @@ fn listed(mut names: Vec<String>) -> String {
 /// A number in few digits, 0 as 0.
 fn number(x: f64) -> String {
     if x == 0.0 { "0".to_string() } else { format!("{:e}", (format!("{x:.5e}")).parse().unwrap_or(x)) }
+}
+
+/// Numbers in few digits, with commas.
+fn numbers(x: &[f64]) -> String {
+    x.iter().map(|&x| number(x)).collect::<Vec<_>>().join(", ")
 }
 
 fn holding(model: &Model) {

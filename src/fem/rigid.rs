@@ -1,6 +1,7 @@
 //! Rigid motions that the supports leave free: the null space of `K`.
 
 use std::fmt;
+use std::ops::Range;
 
 use super::dofs::Dofs;
 use crate::mesh::Mesh;
@@ -86,12 +87,10 @@ impl fmt::Display for RigidMotion {
 }
 
 /// The rigid motions of `mesh` that the fixed components of `dofs` leave free: none for a body
-/// that is held; for one that is not supported at all three in two dimensions, six in three.
+/// that is held; for one that is not supported at all three in two dimensions, six in three. First the
+/// translations, then rotations about one axis of coordinates each, as far as there are such.
 pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
-    let bounds = [0, 1, 2].map(|c| {
-        let wider = |(lo, hi): (f64, f64), x: &[f64; 3]| (lo.min(x[c]), hi.max(x[c]));
-        mesh.nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), wider)
-    });
+    let bounds = mesh.bounds();
     let about = bounds.map(|(lo, hi)| 0.5 * (lo + hi));
     let size = norm(bounds.map(|(lo, hi)| hi - lo));
     let dimension = mesh.dimension;
@@ -107,7 +106,51 @@ pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
         let all = &all;
         held.map(move |c| all.iter().map(|motion| motion.at(x)[c]).collect())
     });
-    null_space(all.len(), rows).iter().filter_map(|weights| RigidMotion::combination(&all, weights)).collect()
+    let basis = readable(null_space(all.len(), rows), dimension);
+    basis.iter().filter_map(|weights| RigidMotion::combination(&all, weights)).collect()
+}
+
+/// Another basis of the space of `basis`, whose members are weights of the translations and then of the rotations:
+/// first what is a translation only, then rotations about one axis of coordinates each, without the translations
+/// that are free by themselves, as far as the space has such members.
+///
+/// That is the reduced echelon form, the rotations eliminated first; its members are unit, but need not be at right
+/// angles.
+fn readable(mut basis: Vec<Vec<f64>>, translations: usize) -> Vec<Vec<f64>> {
+    let mut pivots = Vec::new();
+    for columns in [translations..basis.first().map_or(0, Vec::len), 0..translations] {
+        while let Some((column, row)) = pivot(&basis, pivots.len(), columns.clone()) {
+            let k = pivots.len();
+            basis.swap(k, row);
+            let scale = basis[k][column];
+            basis[k].iter_mut().for_each(|x| *x /= scale);
+            let pivot = basis[k].clone();
+            for (_, member) in basis.iter_mut().enumerate().filter(|(j, _)| *j != k) {
+                let factor = member[column];
+                member.iter_mut().zip(&pivot).for_each(|(x, p)| *x -= factor * p);
+            }
+            pivots.push(column);
+        }
+    }
+    let mut members: Vec<(usize, Vec<f64>)> = pivots.into_iter().zip(basis).collect();
+    members.sort_by_key(|(column, _)| *column);
+    let unit = |member: Vec<f64>| {
+        let length = member.iter().map(|x| x * x).sum::<f64>().sqrt();
+        member.iter().map(|x| x / length).collect()
+    };
+    members.into_iter().map(|(_, member)| unit(member)).collect()
+}
+
+/// The column and the row, from `first` on, to eliminate with: the first of `columns` whose largest entry is not much
+/// smaller than that of all. So columns come in order, and are safe to divide by.
+fn pivot(rows: &[Vec<f64>], first: usize, columns: Range<usize>) -> Option<(usize, usize)> {
+    let largest = |column: usize| {
+        let entries = (first..rows.len()).map(|row| (rows[row][column].abs(), row));
+        entries.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(entry, _)| *entry > NEGLIGIBLE)
+    };
+    let all: Vec<_> = columns.filter_map(|column| largest(column).map(|(entry, row)| (entry, column, row))).collect();
+    let most = all.iter().fold(0.0_f64, |most, (entry, ..)| most.max(*entry));
+    all.into_iter().find(|(entry, ..)| *entry >= 0.5 * most).map(|(_, column, row)| (column, row))
 }
 
 #[cfg(test)]
@@ -123,7 +166,7 @@ mod tests {
         assert!(free(&|node, _| mesh.nodes[node][0] == 0.0).is_empty());
         let rollers = free(&|node, c| mesh.nodes[node][1] == 0.0 && c == 1);
         assert_eq!(rollers.len(), 1);
-        assert_eq!(rollers[0].to_string().replace('-', ""), "a translation along (1, 0)");
+        assert_eq!(rollers[0].to_string(), "a translation along (1, 0)");
         let hinge = free(&|node, _| node == 2);
         assert_eq!(hinge.len(), 1);
         assert_eq!(hinge[0].to_string(), "a rotation about (1, 0) m");

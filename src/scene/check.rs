@@ -26,10 +26,25 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     let contacts = check.contacts(document.contact)?;
     let loads = document.load.into_iter().map(|load| check.load(load, &time)).collect::<Result<_, _>>()?;
     let solver = check.solver(&document.solver, !contacts.is_empty())?;
+    let one_tangent_span = solver::one_tangent_span(&document.solver, solver.method);
     let output = check.output(document.output, &time)?;
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let title = document.title.unwrap_or_else(stem);
-    Ok(Scene { title, mesh, element, element_span, material, supports, contacts, loads, time, solver, output, source })
+    Ok(Scene {
+        title,
+        mesh,
+        element,
+        element_span,
+        material,
+        supports,
+        contacts,
+        loads,
+        time,
+        solver,
+        one_tangent_span,
+        output,
+        source,
+    })
 }
 
 struct Check<'a> {

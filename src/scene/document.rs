@@ -9,6 +9,7 @@ use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
 use super::error::Source;
+use super::fault;
 use super::solver::LinearName;
 use super::{CellShape, Element, GapDirection, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start};
 
@@ -270,32 +271,8 @@ pub(super) struct Output {
     pub fields: bool,
 }
 
-/// What the TOML reader calls its types, and what the author of a scene does.
-const JARGON: [(&str, &str); 7] = [
-    ("wanted string or table", "invalid type: expected a word in quotes"),
-    ("type: map", "type: table"),
-    ("type: sequence", "type: list"),
-    ("expected a sequence", "expected a list"),
-    ("expected f64", "expected a number"),
-    ("expected i64", "expected a whole number"),
-    ("expected struct ", "expected a table: "),
-];
-
 impl Document {
     pub(super) fn parse(source: &Source) -> Result<Self, SceneError> {
-        toml::from_str(&source.text).map_err(|error| {
-            let mut message = error.message().trim().replace('\n', ", ");
-            for (jargon, plain) in JARGON {
-                message = message.replace(jargon, plain);
-            }
-            let help = match message.split(' ').take(2).collect::<Vec<_>>()[..] {
-                ["unknown", "field"] => "remove the key or correct its spelling",
-                ["missing", "field"] => "add the key; data/scenes/block.toml shows a complete scene",
-                ["unknown", "variant"] => "use one of the values it lists",
-                ["invalid", "type:" | "length" | "value:"] => "data/scenes/block.toml shows the form of every value",
-                _ => "mend the TOML here",
-            };
-            source.error(error.span().unwrap_or(0..0), message, help)
-        })
+        toml::from_str(&source.text).map_err(|error| fault::of(error, source))
     }
 }

@@ -1,11 +1,13 @@
 //! The solver of a scene.
 
+use std::ops::Range;
+
 use toml::Spanned;
 
 use super::Check;
 use crate::scene::document;
 use crate::scene::solver::LinearName;
-use crate::scene::{LinearBackend, Method, MethodName, SceneError, Setting, Solver};
+use crate::scene::{LinearBackend, Method, MethodName, NewtonSystem, SceneError, Setting, Solver};
 
 const NOTHING_BUILT_IN: &str = "this build has no linear algebra to choose from";
 const BUILD_IT: &str = "build it with the cargo feature umfpack or faer";
@@ -14,6 +16,15 @@ const BUILD_IT: &str = "build it with the cargo feature umfpack or faer";
 /// 1e-7 on the paper's problems; the other methods reach rounding.
 fn default_tolerance(method: Method) -> f64 {
     if let Method::PaperIp { .. } = method { 1e-6 } else { 1e-10 }
+}
+
+/// Where `solver` asks for a `method` that knows one tangent a node only, if it does.
+pub(super) fn one_tangent_span(solver: &document::Solver, method: Method) -> Option<Range<usize>> {
+    match method {
+        Method::PaperIp { .. } => solver.setting.as_ref().map(Spanned::span),
+        Method::Ip { newton: NewtonSystem::Extended } => solver.newton.as_ref().map(Spanned::span),
+        Method::Bn { .. } | Method::PaperBn | Method::Ip { newton: NewtonSystem::Reduced } => None,
+    }
 }
 
 impl Check<'_> {

@@ -1,0 +1,59 @@
+//! What the TOML reader finds wrong, in the words of a scene's author.
+
+use std::ops::Range;
+
+use super::SceneError;
+use super::error::Source;
+use super::overrides::LISTS;
+
+/// What the TOML reader calls its types, and what the author of a scene does.
+const JARGON: [(&str, &str); 7] = [
+    ("wanted string or table", "invalid type: expected a word in quotes"),
+    ("type: map", "type: table"),
+    ("type: sequence", "type: list"),
+    ("expected a sequence", "expected a list"),
+    ("expected f64", "expected a number"),
+    ("expected i64", "expected a whole number"),
+    ("expected struct ", "expected a table: "),
+];
+
+pub(super) fn of(mut error: toml::de::Error, source: &Source) -> SceneError {
+    let span = error.span().unwrap_or(0..0);
+    // Without the text the reader adds the key to its message instead of the line, which is named anyway.
+    error.set_input(None);
+    let mut message = error.to_string().trim().replace('\n', ", ");
+    for (jargon, plain) in JARGON {
+        message = message.replace(jargon, plain);
+    }
+    let help = help(&message, source, &span);
+    source.error(span, message, help)
+}
+
+fn help(message: &str, source: &Source, span: &Range<usize>) -> String {
+    let form = "data/scenes/block.toml shows the form of every value";
+    match message.split(' ').take(2).collect::<Vec<_>>()[..] {
+        ["unknown", "field"] => return "remove the key or correct its spelling".to_string(),
+        ["missing", "field"] => return "add the key; data/scenes/block.toml shows a complete scene".to_string(),
+        ["unknown", "variant"] => return "use one of the values it lists".to_string(),
+        ["invalid", "length" | "value:"] => return form.to_string(),
+        _ => {}
+    }
+    let given = source.text.get(span.clone()).unwrap_or_default();
+    if let Some(name) = given.strip_prefix("[[").and_then(|rest| rest.strip_suffix("]]")) {
+        return format!("write `[{name}]`: there is one only");
+    }
+    let list_expected = message.contains("expected a list");
+    if list_expected && given.starts_with('[') {
+        return format!("write `[{given}]`: there may be several of them");
+    }
+    if message.starts_with("duplicate key") && LISTS.contains(&given) {
+        return format!("write each of them as `[[{given}]]`");
+    }
+    let quoted = given.starts_with(['"', '\'']) && given.trim_matches(['"', '\'']).parse::<f64>().is_ok();
+    match message.starts_with("invalid type:") {
+        true if quoted && message.contains("number") => "write the number without quotes".to_string(),
+        true if list_expected => format!("a list stands in brackets, [ ]; {form}"),
+        true => form.to_string(),
+        false => "mend the TOML here".to_string(),
+    }
+}
