@@ -17,11 +17,6 @@ fn reason(scene: &Scene, model: &Model, outcome: &HistoryOutcome) -> String {
         return match outcome.status {
             Status::Singular => unheld(model, outcome),
             Status::Interrupted => "stopped on request".to_string(),
-            Status::Unsupported => {
-                "the setting \"paper\" of the method ip, and newton = \"extended\", know one tangential direction at a \
-                 contact node; leave them out, or use the method bn"
-                    .to_string()
-            }
             Status::OutOfMemory => {
                 "memory ran out; the increments before are complete: use a coarser mesh or a machine with more memory"
                     .to_string()

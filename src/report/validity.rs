@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::warnings::{Warning, WarningKind};
-use crate::contact::{ContactStatus, RangeLeft};
+use crate::contact::{ContactNode, ContactStatus, RangeLeft};
 use crate::history::{Status, Step};
 use crate::model::Model;
-use crate::vector::norm;
+use crate::vector::{minus, norm};
 
 /// The share of the body's size from which on displacements do not count as small. A body that turns by as much turns
 /// its normals by six degrees, and the squares of strains that are left out reach a percent.
@@ -19,7 +19,7 @@ pub struct Validity {
     pub largest: Option<LargestDisplacement>,
     /// Where the linearised gaps were most wrong, if they were out of their range.
     pub range_left: Option<RangeLeft>,
-    /// Whether each boundary with contact ever touched its obstacle.
+    /// Whether each contact node ever touched its obstacle.
     touched: Vec<bool>,
 }
 
@@ -37,7 +37,7 @@ pub struct LargestDisplacement {
 impl Validity {
     /// Before the first increment of `model`.
     pub fn new(model: &Model) -> Self {
-        Validity { largest: None, range_left: None, touched: vec![false; model.contact_boundaries.len()] }
+        Validity { largest: None, range_left: None, touched: vec![false; model.contacts.len()] }
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
@@ -52,8 +52,8 @@ impl Validity {
                 self.largest = Some(LargestDisplacement { length, position: *position, time: record.time });
             }
         }
-        for (touched, boundary) in self.touched.iter_mut().zip(&model.contact_boundaries) {
-            *touched |= statuses[boundary.nodes.clone()].iter().any(|status| *status != ContactStatus::Open);
+        for (touched, status) in self.touched.iter_mut().zip(*statuses) {
+            *touched |= *status != ContactStatus::Open;
         }
         if let Some(left) = model.range_left(record.time, &state.u, increment.gap, statuses)
             && self.range_left.is_none_or(|worst| left.share.is_nan() || left.share > worst.share)
@@ -66,14 +66,26 @@ impl Validity {
     pub fn warnings(&self, model: &Model) -> Vec<Warning> {
         let mut warnings = Vec::new();
         let mut warn = |kind, message| warnings.push(Warning { kind, message });
+        let mut boundaries = model.contact_boundaries.iter();
         // Without a converged increment nothing is known of the contact.
-        let known = if self.largest.is_some() { &self.touched[..] } else { &[] };
-        for (boundary, _) in model.contact_boundaries.iter().zip(known).filter(|(_, touched)| !**touched) {
+        let untouched = boundaries.find(|boundary| !self.touched[boundary.nodes.clone()].contains(&true));
+        if let (Some(boundary), Some(_)) = (untouched, self.largest) {
             let message = format!(
                 "`{}` never touched its obstacle; `stickslip check` tells where that is and how it moves",
                 boundary.name
             );
             warn(WarningKind::NoContact, message);
+        }
+        let touched = model.contacts.iter().zip(&self.touched).filter(|(_, touched)| **touched);
+        let steepest = touched.map(|(contact, _)| (contact, slope(contact))).max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((contact, slope)) = steepest.filter(|(_, slope)| *slope > NOT_SMALL) {
+            let message = format!(
+                "at the node {} m the obstacle leans by {:.0} degrees against the normal along which it presses; use \
+                 direction = \"nearest\", or another normal",
+                model.mesh.place(contact.position),
+                slope.atan().to_degrees()
+            );
+            warn(WarningKind::LeaningObstacle, message);
         }
         let size = model.mesh.size();
         if let Some(LargestDisplacement { length, position, time }) = self.largest
@@ -92,6 +104,11 @@ impl Validity {
         }
         warnings
     }
+}
+
+/// The slope of the obstacle in front of a node, against the node's normal: the tangent of the angle.
+fn slope(contact: &ContactNode) -> f64 {
+    norm(minus(contact.facing.inward, contact.facing.normal))
 }
 
 fn out_of_range(model: &Model, left: &RangeLeft) -> String {

@@ -29,6 +29,8 @@ pub enum WarningKind {
     NoContact,
     /// Displacements that are not small.
     LargeDisplacements,
+    /// An obstacle that leans against the normal along which it presses.
+    LeaningObstacle,
     /// A contact that leaves the range of its linearised gaps.
     GapsOutOfRange,
 }
