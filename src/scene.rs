@@ -39,7 +39,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 pub use error::{Located, SceneError};
-pub use formula::Formula;
+pub use formula::{Formula, FormulaError};
 pub use mesh::{CellShape, Element, HalfPlane, Mesh, Segment};
 pub use obstacle::{GapDirection, Obstacle, Rotation, Shape};
 pub use overrides::{Override, OverrideSyntax};

@@ -7,6 +7,7 @@ mod common;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use common::Keep;
+use miette::Diagnostic;
 use stickslip::contact::{Facing, Obstacle, ObstacleError, ObstacleMotion};
 use stickslip::history::Status;
 use stickslip::mesh::{Mesh, block};
@@ -303,4 +304,22 @@ fn bad_obstacles_get_one_message() {
         };
         assert!(said.starts_with("bad.toml:") && said.contains(message), "`{message}`: {said}");
     }
+}
+
+/// The label is on what is wrong within the formula, also on a line of its own.
+#[test]
+fn a_bad_formula_is_marked_where_it_is_wrong() {
+    let kind = "kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
+    let marked = |formula: &str| {
+        let text = BELT.replace(kind, &format!("kind = \"formula\", formula = {formula}"));
+        let error = Scene::parse("bad.toml", &text, &[]).unwrap_err();
+        let label = error.labels().unwrap().next().unwrap();
+        text[label.offset()..label.offset() + label.len()].to_string()
+    };
+    assert_eq!(marked("\"0.5 * (x - r)^2\""), "r");
+    assert_eq!(marked("'2 + 3x'"), "x");
+    assert_eq!(marked("\"\"\"\n0.5 * x^2\n+ foo(y)\"\"\""), "foo");
+    assert_eq!(marked("\"x +\""), "");
+    // Escapes are longer in the file than in the formula.
+    assert_eq!(marked("\"x\\t+ r\""), "\"x\\t+ r\"");
 }

@@ -88,8 +88,13 @@ impl Check<'_> {
             ObstacleKind::Formula => {
                 let given = self.needed("formula", formula.as_ref(), &kind.span(), whose)?;
                 let help = "give the gap in m as a formula of x, y and z in m, such as \"0.5 * x^2 / 0.1\"";
-                let formula = Formula::parse(given.get_ref());
-                formula.map(Shape::Formula).or_else(|why| self.fail(given.span(), format!("the formula: {why}"), help))
+                let text = given.get_ref();
+                Formula::parse(text).map(Shape::Formula).or_else(|why| {
+                    // A text with escapes does not stand in the file as it is read.
+                    let start = self.source.text[given.span()].find(text).map(|quote| given.span().start + quote);
+                    let span = start.map_or(given.span(), |start| start + why.span.start..start + why.span.end);
+                    self.fail(span, format!("the formula: {why}"), help)
+                })
             }
             ObstacleKind::Table => {
                 let given = self.needed("file", file.as_ref(), &kind.span(), whose)?;
