@@ -166,7 +166,7 @@ pub struct Load {
     pub traction: Vec<f64>,
     /// Where the scene says it.
     pub traction_span: Range<usize>,
-    /// Points `[time (s), factor]` with increasing times; linear between, constant outside.
+    /// Points `[time (s), factor]` with increasing times from 0 to the end of the scene; linear between, constant outside.
     pub history: Vec<[f64; 2]>,
 }
 

@@ -323,3 +323,28 @@ fn a_bad_formula_is_marked_where_it_is_wrong() {
     // Escapes are longer in the file than in the formula.
     assert_eq!(marked("\"x\\t+ r\""), "\"x\\t+ r\"");
 }
+
+/// What an obstacle or a load would do after the end is neither a contradiction nor a measure of anything.
+#[test]
+fn what_lies_beyond_the_end_does_not_count() {
+    let scene = |obstacle: &str, history: &str| {
+        let obstacle =
+            format!("contact.obstacle={{ kind = \"cylinder\", radius = 5.0, apex = [0.5, -1e-3], {obstacle} }}");
+        common::block(&[&obstacle, &format!("load[1].history={history}")])
+    };
+    let within = scene(
+        "approach = [[0, 0], [1, 5e-4], [2, 8e-4]], motion.translation = [[0, 0, 0], [2, 0.2, 0]], \
+         motion.rotation = { through = [0.5, -5.0], history = [[0, 0], [2, 0.1]] }",
+        "[[0, 0], [2, 0.5]]",
+    );
+    let beyond = scene(
+        "approach = [[0, 0], [1, 5e-4], [2, 8e-4], [100, 0.5]], motion.translation = [[0, 0, 0], [4, 0.4, 0]], \
+         motion.rotation = { through = [0.5, -5.0], history = [[-1, 0], [0, 0], [2, 0.1], [3, 9.0]] }",
+        "[[0, 0], [4, 1]]",
+    );
+    let [within, beyond] = [within, beyond].map(|scene| Model::new(&scene).unwrap());
+    assert_eq!(within.loading, beyond.loading);
+    assert_eq!(within.obstacles[0].1, beyond.obstacles[0].1);
+    let deepest = beyond.loading.largest_interference();
+    assert!(0.0 < deepest && deepest < 1e-2, "{deepest}");
+}
