@@ -226,10 +226,10 @@ fn groups_without_names() {
 #[test]
 fn joints_are_refused() {
     let cubes = |second: &str, count: usize, more: &str| {
-        let nodes: String = (1..=count).map(|k| format!("{k}\n")).collect();
+        let nodes = (1..=count).map(|k| k.to_string()).collect::<Vec<_>>().join("\n");
         format!(
             "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 1 1 1 0 0\n$EndEntities\n\
-             $Nodes\n1 {count} 1 {count}\n3 1 0 {count}\n{nodes}\
+             $Nodes\n1 {count} 1 {count}\n3 1 0 {count}\n{nodes}\n\
              0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n{more}$EndNodes\n\
              $Elements\n1 2 10 11\n3 1 5 2\n10 1 2 3 4 5 6 7 8\n11 {second}\n$EndElements\n"
         )

@@ -347,4 +347,11 @@ fn what_lies_beyond_the_end_does_not_count() {
     assert_eq!(within.obstacles[0].1, beyond.obstacles[0].1);
     let deepest = beyond.loading.largest_interference();
     assert!(0.0 < deepest && deepest < 1e-2, "{deepest}");
+    // Supports hold the left end of the bottom, which the obstacle would come to only later.
+    let reaches = |end: &str| {
+        let late = ["contact.obstacle.approach=[[0, 0], [2, 5e-6], [100, 0.5]]", end];
+        Model::new(&common::block(&late)).err().map(|error| error.to_string())
+    };
+    assert_eq!(reaches("time.end=2"), None);
+    assert!(reaches("time.end=3").unwrap().contains("supports hold the body"));
 }

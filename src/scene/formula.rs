@@ -179,7 +179,7 @@ mod tests {
     /// Neither length nor depth takes up the stack.
     #[test]
     fn long_and_deep_formulas() {
-        assert_eq!(at(&["x"; 100_000].join("-")), -199_996.0);
+        assert_eq!(at(&vec!["x"; 100_000].join("-")), -199_996.0);
         assert_eq!(at(&format!("{}x{}", "(".repeat(90), ")".repeat(90))), 2.0);
         for text in ["(".repeat(100_000), "-".repeat(100_000), "2^".repeat(100_000), "sin(".repeat(100_000)] {
             let error = Formula::parse(&text).unwrap_err();

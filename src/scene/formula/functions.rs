@@ -11,6 +11,17 @@ pub(super) enum Function {
     Several(fn(f64, f64) -> f64),
 }
 
+impl Function {
+    /// What it takes, in words.
+    pub(super) fn arguments(self) -> &'static str {
+        match self {
+            Function::One(_) => "1 argument",
+            Function::Two(_) => "2 arguments",
+            Function::Several(_) => "2 arguments or more",
+        }
+    }
+}
+
 const CONSTANTS: &[(&str, f64)] = &[("PI", PI), ("π", PI), ("TAU", TAU), ("τ", TAU), ("E", E), ("e", E)];
 
 const FUNCTIONS: &[(&str, Function)] = &[

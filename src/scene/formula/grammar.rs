@@ -87,21 +87,23 @@ impl Parser<'_> {
     }
 
     fn operand(&mut self) -> Result<(), FormulaError> {
-        match self.peek() {
-            Some('(') => self.enclosed(None).map(|_| ()),
-            Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
-            Some(c) if c.is_alphabetic() => self.name(),
+        let step = match self.peek() {
+            Some('(') => self.enclosed(None).map(|_| None)?,
+            Some(c) if c.is_ascii_digit() || c == '.' => Some(self.number()?),
+            Some(c) if c.is_alphabetic() => self.name()?,
             Some(c @ ('+' | '-' | '*' | '/' | '^' | ')' | ',')) => {
                 let message = format!("`{c}` stands where a number, x, y, z, a function or a bracket should");
-                Err(self.error(self.at, 1, message))
+                return Err(self.error(self.at, 1, message));
             }
-            Some(other) => Err(self.unexpected(other)),
-            None => Err(self.error(self.at, 0, "something is missing at the end")),
-        }
+            Some(other) => return Err(self.unexpected(other)),
+            None => return Err(self.error(self.at, 0, "something is missing at the end")),
+        };
+        self.steps.extend(step);
+        Ok(())
     }
 
     /// A number as Rust writes them, `1e-3` among them.
-    fn number(&mut self) -> Result<(), FormulaError> {
+    fn number(&mut self) -> Result<Step, FormulaError> {
         let text = &self.text[self.at..];
         let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
         let mut length = digits(text);
@@ -122,42 +124,33 @@ impl Parser<'_> {
             return Err(self.error(self.at, length, format!("{number} is too large")));
         }
         self.at += length;
-        self.steps.push(Step::Number(value));
-        Ok(())
+        Ok(Step::Number(value))
     }
 
-    /// A coordinate, a constant or the call of a function.
-    fn name(&mut self) -> Result<(), FormulaError> {
+    /// A coordinate, a constant or the call of a function: its step, unless the steps stand between the arguments.
+    fn name(&mut self) -> Result<Option<Step>, FormulaError> {
         let (start, text) = (self.at, &self.text[self.at..]);
         let name = &text[..text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len())];
         self.at += name.len();
         if let Some(k) = COORDINATES.iter().position(|coordinate| *coordinate == name) {
-            self.steps.push(Step::Coordinate(k));
-            return Ok(());
+            return Ok(Some(Step::Coordinate(k)));
         }
         if let Some(value) = constant(name) {
-            self.steps.push(Step::Number(value));
-            return Ok(());
+            return Ok(Some(Step::Number(value)));
         }
         let bracket = self.peek() == Some('(');
-        let error = |parser: &Self, message: String| Err(parser.error(start, name.len(), message));
-        match function(name) {
-            Some(function) if bracket => {
-                let given = self.enclosed(Some(function))?;
-                let wanted = match function {
-                    Function::One(f) if given == 1 => return Ok(self.steps.push(Step::One(f))),
-                    Function::Two(f) if given == 2 => return Ok(self.steps.push(Step::Two(f))),
-                    Function::Several(_) if given >= 2 => return Ok(()),
-                    Function::One(_) => "1 argument",
-                    Function::Two(_) => "2 arguments",
-                    Function::Several(_) => "2 arguments or more",
-                };
-                error(self, format!("`{name}` takes {wanted}, not {given}"))
-            }
-            Some(_) => error(self, format!("`{name}` needs its arguments in brackets")),
-            None if bracket => error(self, format!("`{name}` is not a function that is known")),
-            None => error(self, format!("`{name}` is neither x, y nor z nor a constant that is known")),
-        }
+        let message = match function(name) {
+            Some(function) if bracket => match (function, self.enclosed(Some(function))?) {
+                (Function::One(f), 1) => return Ok(Some(Step::One(f))),
+                (Function::Two(f), 2) => return Ok(Some(Step::Two(f))),
+                (Function::Several(_), 2..) => return Ok(None),
+                (_, given) => format!("`{name}` takes {}, not {given}", function.arguments()),
+            },
+            Some(_) => format!("`{name}` needs its arguments in brackets"),
+            None if bracket => format!("`{name}` is not a function that is known"),
+            None => format!("`{name}` is neither x, y nor z nor a constant that is known"),
+        };
+        Err(self.error(start, name.len(), message))
     }
 
     /// What stands in brackets: a sum, or the arguments of a function, and how many these are.
