@@ -145,8 +145,8 @@ mod tests {
     #[test]
     fn what_is_wrong_and_where() {
         for (text, said, span) in [
-            ("", "the formula is empty", 0..0),
-            ("  ", "the formula is empty", 2..2),
+            ("", "nothing is given", 0..0),
+            ("  ", "nothing is given", 2..2),
             ("x +", "something is missing at the end", 3..3),
             ("x *", "something is missing at the end", 3..3),
             ("2x", "an operator is missing before `x`", 1..2),

@@ -21,7 +21,7 @@ const DEEPEST: usize = 100;
 pub(super) fn steps(text: &str) -> Result<Vec<Step>, FormulaError> {
     let mut parser = Parser { text, at: 0, depth: 0, steps: Vec::new() };
     if parser.peek().is_none() {
-        return Err(parser.error(parser.at, 0, "the formula is empty"));
+        return Err(parser.error(parser.at, 0, "nothing is given"));
     }
     parser.sum()?;
     match parser.peek() {
@@ -62,7 +62,8 @@ impl Parser<'_> {
     fn signed(&mut self) -> Result<(), FormulaError> {
         self.depth += 1;
         if self.depth > DEEPEST {
-            return Err(self.error(self.at, 0, format!("the formula is nested more than {DEEPEST} times")));
+            let message = format!("brackets, signs and powers are nested more than {DEEPEST} times");
+            return Err(self.error(self.at, 0, message));
         }
         match self.take(&['+', '-']) {
             None => self.power()?,
