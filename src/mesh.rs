@@ -6,6 +6,8 @@ mod check;
 #[cfg(feature = "meshes")]
 mod gmsh;
 mod half_plane;
+#[cfg(feature = "meshes")]
+mod sides;
 mod simplices;
 
 pub use block::{block, graded_block, progression};

@@ -40,7 +40,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 pub use error::{Located, SceneError};
-pub use formula::Formula;
+pub use formula::{Formula, FormulaError};
 pub use mesh::{CellShape, Element, HalfPlane, Mesh, Segment};
 pub use obstacle::{GapDirection, Obstacle, Rotation, Shape};
 pub use overrides::{Override, OverrideSyntax};
@@ -170,7 +170,7 @@ pub struct Load {
     pub traction: Vec<f64>,
     /// Where the scene says it.
     pub traction_span: Range<usize>,
-    /// Points `[time (s), factor]` with increasing times; linear between, constant outside.
+    /// Points `[time (s), factor]` with increasing times from 0 to the end of the scene; linear between, constant outside.
     pub history: Vec<[f64; 2]>,
 }
 

@@ -151,6 +151,33 @@ fn meshes_that_are_not_sound_are_refused_with_their_elements() {
             "nodes coincide in pairs: 15 and 16",
             "Coherence",
         ),
+        (
+            more(QUADS, "16\n17\n18\n", "50 20 0\n50 30 0\n40 30 0\n", "19 15 16 17 18\n"),
+            "in 2 pieces that share no whole side, an element of each: 11, 19; two of them only touch at node 15",
+            "whole edges",
+        ),
+        (more(QUADS, "", "", "19 1 2 7 6\n"), "elements lie on one another, in pairs: 11 and 19", "twice"),
+        (
+            more(QUADS, "", "", "19 3 8 7 2\n20 4 5 10 9\n"),
+            "elements lie on one another, in pairs: 12 and 19, 14 and 20",
+            "twice",
+        ),
+        (
+            (HEXAHEDRA.replace("4 20 1 20", "4 21 1 21").replace("3 1 5 8\n", "3 1 5 9\n"))
+                .replace("$EndElements", "21 14 17 16 13 23 26 25 22\n$EndElements"),
+            "elements lie on one another, in pairs: 19 and 21",
+            "twice",
+        ),
+        (
+            QUADS.replace("\n4 4 5\n", "\n4 4 3\n"),
+            "the elements 3 and 4 of the boundary `bottom` are the same facet",
+            "twice",
+        ),
+        (
+            HEXAHEDRA.replace("8 23 24 27 26", "8 22 23 20 19"),
+            "the elements 5 and 8 of the boundary `top` are the same facet",
+            "twice",
+        ),
         (QUADS.replace("\n2 2 3\n", "\n2 2 7\n"), "element 2 of the boundary `bottom` lies inside the body", "outline"),
         (QUADS.replace("\n2 2 3\n", "\n2 2 4\n"), "element 2 of the boundary `bottom` is no side", "outline"),
         (HEXAHEDRA.replace("13 1 2 5 4 10 11 14 13", "13 10 11 14 13 1 2 5 4"), "element 13 is inverted", "reverse"),
@@ -193,4 +220,40 @@ fn groups_without_names() {
     let rest = &QUADS[QUADS.find(end).unwrap() + end.len()..];
     let mesh = from_gmsh("numbers.msh", format!("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n{rest}").as_bytes(), 1.0);
     assert_eq!(mesh.unwrap().boundary_names(), ["1", "2", "3"]);
+}
+
+/// Cubes that meet in a corner or along an edge would turn about it.
+#[test]
+fn joints_are_refused() {
+    let cubes = |second: &str, count: usize, more: &str| {
+        let nodes = (1..=count).map(|k| k.to_string()).collect::<Vec<_>>().join("\n");
+        format!(
+            "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 1 1 1 0 0\n$EndEntities\n\
+             $Nodes\n1 {count} 1 {count}\n3 1 0 {count}\n{nodes}\n\
+             0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n{more}$EndNodes\n\
+             $Elements\n1 2 10 11\n3 1 5 2\n10 1 2 3 4 5 6 7 8\n11 {second}\n$EndElements\n"
+        )
+    };
+    let touching = "an element of each: 10, 11; two of them only touch at node";
+    let corner = "2 1 1\n2 2 1\n1 2 1\n1 1 2\n2 1 2\n2 2 2\n1 2 2\n";
+    let (said, advice) = refused(&cubes("7 9 10 11 12 13 14 15", 15, corner));
+    assert!(said.contains(&format!("{touching} 7")) && advice.contains("faces"), "{said}: {advice}");
+    let hinge = "2 0 1\n2 1 1\n1 0 2\n2 0 2\n2 1 2\n1 1 2\n";
+    let (said, _) = refused(&cubes("6 9 10 7 11 12 13 14", 14, hinge));
+    assert!(said.contains(&format!("{touching} 6")), "{said}");
+    let joined = "2 0 0\n2 1 0\n2 1 1\n2 0 1\n";
+    assert!(from_gmsh("joined.msh", cubes("2 9 10 3 6 12 11 7", 12, joined).as_bytes(), 1.0).is_ok());
+}
+
+/// What is in two physical groups of one name belongs to it once.
+#[test]
+fn two_groups_of_one_name_are_one() {
+    let text = HEXAHEDRA.replace("$PhysicalNames\n4\n", "$PhysicalNames\n5\n2 9 \"top\"\n");
+    let twice = |line: &str| match line {
+        "2 0 0 0 1 1 1 1 2 0" => "2 0 0 0 1 1 1 2 2 9 0".to_string(),
+        _ => line.to_string(),
+    };
+    let text = text.lines().map(twice).collect::<Vec<_>>().join("\n");
+    let mesh = from_gmsh("twice.msh", text.as_bytes(), 1.0).unwrap();
+    assert_eq!((mesh.boundary("top").unwrap().facets.len(), area(&mesh, "top")), (4, [0.0, 0.0, 1.0]));
 }

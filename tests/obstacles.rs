@@ -7,6 +7,7 @@ mod common;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use common::Keep;
+use miette::Diagnostic;
 use stickslip::contact::{Facing, Obstacle, ObstacleError, ObstacleMotion};
 use stickslip::history::Status;
 use stickslip::mesh::{Mesh, block};
@@ -303,4 +304,54 @@ fn bad_obstacles_get_one_message() {
         };
         assert!(said.starts_with("bad.toml:") && said.contains(message), "`{message}`: {said}");
     }
+}
+
+/// The label is on what is wrong within the formula, also on a line of its own.
+#[test]
+fn a_bad_formula_is_marked_where_it_is_wrong() {
+    let kind = "kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
+    let marked = |formula: &str| {
+        let text = BELT.replace(kind, &format!("kind = \"formula\", formula = {formula}"));
+        let error = Scene::parse("bad.toml", &text, &[]).unwrap_err();
+        let label = error.labels().unwrap().next().unwrap();
+        text[label.offset()..label.offset() + label.len()].to_string()
+    };
+    assert_eq!(marked("\"0.5 * (x - r)^2\""), "r");
+    assert_eq!(marked("'2 + 3x'"), "x");
+    assert_eq!(marked("\"\"\"\n0.5 * x^2\n+ foo(y)\"\"\""), "foo");
+    assert_eq!(marked("\"x +\""), "");
+    // Escapes are longer in the file than in the formula.
+    assert_eq!(marked("\"x\\t+ r\""), "\"x\\t+ r\"");
+}
+
+/// What an obstacle or a load would do after the end is neither a contradiction nor a measure of anything.
+#[test]
+fn what_lies_beyond_the_end_does_not_count() {
+    let scene = |obstacle: &str, history: &str| {
+        let obstacle =
+            format!("contact.obstacle={{ kind = \"cylinder\", radius = 5.0, apex = [0.5, -1e-3], {obstacle} }}");
+        common::block(&[&obstacle, &format!("load[1].history={history}")])
+    };
+    let within = scene(
+        "approach = [[0, 0], [1, 5e-4], [2, 8e-4]], motion.translation = [[0, 0, 0], [2, 0.2, 0]], \
+         motion.rotation = { through = [0.5, -5.0], history = [[0, 0], [2, 0.1]] }",
+        "[[0, 0], [2, 0.5]]",
+    );
+    let beyond = scene(
+        "approach = [[0, 0], [1, 5e-4], [2, 8e-4], [100, 0.5]], motion.translation = [[0, 0, 0], [4, 0.4, 0]], \
+         motion.rotation = { through = [0.5, -5.0], history = [[-1, 0], [0, 0], [2, 0.1], [3, 9.0]] }",
+        "[[0, 0], [4, 1]]",
+    );
+    let [within, beyond] = [within, beyond].map(|scene| Model::new(&scene).unwrap());
+    assert_eq!(within.loading, beyond.loading);
+    assert_eq!(within.obstacles[0].1, beyond.obstacles[0].1);
+    let deepest = beyond.loading.largest_interference();
+    assert!(0.0 < deepest && deepest < 1e-2, "{deepest}");
+    // Supports hold the left end of the bottom, which the obstacle would come to only later.
+    let reaches = |end: &str| {
+        let late = ["contact.obstacle.approach=[[0, 0], [2, 5e-6], [100, 0.5]]", end];
+        Model::new(&common::block(&late)).err().map(|error| error.to_string())
+    };
+    assert_eq!(reaches("time.end=2"), None);
+    assert!(reaches("time.end=3").unwrap().contains("supports hold the body"));
 }

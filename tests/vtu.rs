@@ -12,7 +12,7 @@ use stickslip::nonlinear::Flow;
 use stickslip::report::{Grid, ResultFolder, fields};
 use stickslip::scene::{LinearBackend, Scene};
 use vtkio::Vtk;
-use vtkio::model::{Attribute, DataSet, Piece, UnstructuredGridPiece, VertexNumbers};
+use vtkio::model::{Attribute, CellType, DataSet, Piece, UnstructuredGridPiece, VertexNumbers};
 
 /// The fields of every increment.
 struct Fields<'a>(&'a Model, Vec<Grid>);
@@ -53,6 +53,13 @@ fn values(attributes: &[Attribute], name: &str) -> (usize, Vec<f64>) {
     (array.num_comp(), array.data.cast_into().unwrap())
 }
 
+/// The von Mises stress of a tensor.
+fn equivalent(s: &[f64]) -> f64 {
+    let mean = (s[0] + s[4] + s[8]) / 3.0;
+    let deviator: f64 = s.iter().enumerate().map(|(k, s)| (s - if k % 4 == 0 { mean } else { 0.0 }).powi(2)).sum();
+    (1.5 * deviator).sqrt()
+}
+
 #[test]
 fn the_block_reads_back_as_it_was_computed() {
     let scene = common::block(&["mesh.elements=[4,3]", "time.increments=2", "contact.obstacle.gap=0"]);
@@ -63,7 +70,7 @@ fn the_block_reads_back_as_it_was_computed() {
     let VertexNumbers::XML { connectivity, offsets } = read.cells.cell_verts else { panic!() };
     assert_eq!(offsets, (1..=12).map(|k| 4 * k).collect::<Vec<u64>>());
     assert_eq!(connectivity[..4], [0, 1, 6, 5]);
-    assert!(read.cells.types.iter().all(|&kind| kind == vtkio::model::CellType::Quad));
+    assert!(read.cells.types.iter().all(|&kind| kind == CellType::Quad));
 
     let (components, displacement) = values(&read.data.point, "displacement");
     let (_, gap) = values(&read.data.point, "gap");
@@ -89,9 +96,7 @@ fn the_block_reads_back_as_it_was_computed() {
         assert!(s[1] == s[3] && s[2] == 0.0 && s[5] == 0.0);
         // Plane strain.
         assert!((s[8] - 0.3 * (s[0] + s[4])).abs() < 1e-6 * mises);
-        let mean = (s[0] + s[4] + s[8]) / 3.0;
-        let deviator: f64 = s.iter().enumerate().map(|(k, s)| (s - if k % 4 == 0 { mean } else { 0.0 }).powi(2)).sum();
-        assert!((mises - (1.5 * deviator).sqrt()).abs() < 1e-9 * mises);
+        assert!((mises - equivalent(s)).abs() < 1e-9 * mises);
     }
 }
 
@@ -133,6 +138,101 @@ fn a_pressed_column_of_triangles() {
     assert!(pressure.iter().filter(|p| !p.is_nan()).all(|p| (p / 1e6 - 1.0).abs() < 1e-6));
     let (_, material) = values(&read.data.cell, "material");
     assert_eq!((material[0], material[31]), (0.0, 1.0));
+}
+
+/// A cube of 2 × 3 × 2 elements on a plane, pressed and pushed, with cells of the given kind.
+fn cube(cells: &str) -> Scene {
+    let text = format!(
+        r#"
+        [mesh]
+        kind = "block"
+        size = [2.0, 3.0, 1.0]
+        elements = [2, 3, 2]
+        cells = "{cells}"
+        [material]
+        young = 1e9
+        poisson = 0.3
+        [[support]]
+        boundary = "front"
+        fix = ["x", "y", "z"]
+        [[contact]]
+        boundary = "bottom"
+        friction = 0.4
+        obstacle = {{ kind = "plane" }}
+        [[load]]
+        boundary = "top"
+        traction = [1e5, 0.0, -1e6]
+        [time]
+        end = 1.0
+        increments = 2
+        "#
+    );
+    Scene::parse("cube.toml", &text, &[]).unwrap()
+}
+
+/// Six times the volume that the edges from the first corner to the others of `corners` span.
+fn spanned(corners: [[f64; 3]; 4]) -> f64 {
+    let [a, b, c] = [1, 2, 3].map(|k| [0, 1, 2].map(|i| corners[k][i] - corners[0][i]));
+    a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+}
+
+#[test]
+fn bodies_in_space_read_back_as_they_were_computed() {
+    for (cells, kind, count, corners) in
+        [("hexahedron", CellType::Hexahedron, 12, 8), ("tetrahedron", CellType::Tetra, 72, 4)]
+    {
+        let (model, grids) = solve(&cube(cells));
+        let read = piece(Vtk::parse_xml(grids[1].to_vtu().as_bytes()).unwrap());
+        let points: Vec<f64> = read.points.cast_into().unwrap();
+        let points = points.as_chunks::<3>().0;
+        assert_eq!(points.len(), 3 * 4 * 3);
+        assert_eq!(points, model.mesh.nodes);
+        assert!(read.cells.types.len() == count && read.cells.types.iter().all(|&read| read == kind), "{cells}");
+        let VertexNumbers::XML { connectivity, offsets } = read.cells.cell_verts else { panic!() };
+        assert_eq!(offsets, (1..=count as u64).map(|k| corners as u64 * k).collect::<Vec<_>>());
+        let mut volume = 0.0;
+        for cell in connectivity.chunks_exact(corners) {
+            let at = |k: usize| points[cell[k] as usize];
+            if corners == 4 {
+                // VTK: the first three corners are counterclockwise seen from the fourth.
+                volume += spanned([0, 1, 2, 3].map(at)) / 6.0;
+                continue;
+            }
+            // VTK: the lower face counterclockwise seen from above, then the upper one in the same order.
+            let [x, y, z] = at(0);
+            let lower = [[x, y, z], [x + 1.0, y, z], [x + 1.0, y + 1.0, z], [x, y + 1.0, z]];
+            assert_eq!([0, 1, 2, 3].map(at), lower);
+            assert_eq!([4, 5, 6, 7].map(at), lower.map(|[x, y, _]| [x, y, z + 0.5]));
+            volume += spanned([0, 1, 3, 4].map(at));
+        }
+        assert!((volume - 6.0).abs() < 1e-12, "{cells}: {volume} m³");
+
+        let (components, displacement) = values(&read.data.point, "displacement");
+        assert_eq!((components, displacement.len()), (3, 3 * points.len()));
+        let (nine, stress) = values(&read.data.cell, "stress");
+        assert_eq!((nine, stress.len()), (9, 9 * count));
+        let (_, mises) = values(&read.data.cell, "von_mises");
+        assert_eq!(mises.len(), count);
+        for (s, mises) in stress.chunks_exact(9).zip(mises) {
+            assert!(s[1] == s[3] && s[2] == s[6] && s[5] == s[7]);
+            assert!((mises - equivalent(s)).abs() < 1e-9 * mises);
+        }
+
+        // The same contact forces, by the condensed system.
+        let mut keep = common::Keep::default();
+        common::run_default(&cube(cells), &model, &mut keep);
+        let (_, pressure) = values(&read.data.point, "contact_pressure");
+        assert_eq!(pressure.iter().filter(|p| !p.is_nan()).count(), model.contacts.len());
+        // The facets are alike, and each gives its corners the same share of its area.
+        let facets = &model.mesh.boundary("bottom").unwrap().facets;
+        let share = 6.0 / facets.iter().flatten().count() as f64;
+        let mut area = vec![0.0; points.len()];
+        facets.iter().flatten().for_each(|&node| area[node] += share);
+        let contact = (0..points.len()).filter(|&node| !pressure[node].is_nan());
+        let integral: f64 = contact.map(|node| area[node] * pressure[node]).sum();
+        let sum: f64 = keep.states[1].p_n.iter().sum();
+        assert!(sum > 1e6 && (integral / sum - 1.0).abs() < 1e-9, "{cells}: {integral} N, not {sum} N");
+    }
 }
 
 /// Every file the series names is there at any time, and is whole.

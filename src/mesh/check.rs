@@ -1,7 +1,8 @@
-//! Is a mesh sound? Inverted, degenerate and unconnected cells, unused and coincident nodes.
+//! Is a mesh sound? Inverted, degenerate, overlapping and unconnected cells, unused and coincident nodes.
 
 use std::fmt::Write;
 
+use super::sides::Pieces;
 use super::{Cell, CellKind, Mesh};
 use crate::vector::{cross, dot, minus};
 
@@ -32,11 +33,25 @@ pub enum MeshFault {
     #[error("nodes belong to no element of the body: {}", list(.0))]
     UnusedNodes(Vec<usize>),
     /// Two nodes in one place.
-    #[error("nodes coincide in pairs: {}", list(&.0.iter().map(|(a, b)| format!("{a} and {b}")).collect::<Vec<_>>()))]
+    #[error("nodes coincide in pairs: {}", pairs(.0))]
     CoincidentNodes(Vec<(usize, usize)>),
+    /// Two cells on the same side of a facet of both.
+    #[error("elements lie on one another, in pairs: {}", pairs(.0))]
+    Overlapping(Vec<(usize, usize)>),
     /// Parts of the body that share no node; an element of each.
     #[error("the body is in {} pieces that share no node; an element of each: {}", .0.len(), list(.0))]
     Pieces(Vec<usize>),
+    /// Parts of the body that share nodes, but no whole side.
+    #[error(
+        "the body is in {} pieces that share no whole side, an element of each: {}; two of them only touch at node {node}",
+        .elements.len(), list(.elements)
+    )]
+    Jointed {
+        /// An element of each.
+        elements: Vec<usize>,
+        /// A node of two of them.
+        node: usize,
+    },
     /// A facet of a boundary between two cells.
     #[error("element {element} of the boundary `{boundary}` lies inside the body, between two elements")]
     InnerFacet {
@@ -44,6 +59,14 @@ pub enum MeshFault {
         boundary: String,
         /// The element of the facet.
         element: usize,
+    },
+    /// A facet that a boundary has twice.
+    #[error("the elements {} and {} of the boundary `{boundary}` are the same facet", .elements.0, .elements.1)]
+    RepeatedFacet {
+        /// The boundary.
+        boundary: String,
+        /// The elements of the facet.
+        elements: (usize, usize),
     },
     /// A facet of a boundary that is no side of a cell.
     #[error("element {element} of the boundary `{boundary}` is no side of any element of the body")]
@@ -58,6 +81,10 @@ pub enum MeshFault {
 fn elements(numbers: &[usize]) -> String {
     let (s, are) = if numbers.len() == 1 { ("", "is") } else { ("s", "are") };
     format!("element{s} {} {are}", list(numbers))
+}
+
+fn pairs(pairs: &[(usize, usize)]) -> String {
+    list(&pairs.iter().map(|(a, b)| format!("{a} and {b}")).collect::<Vec<_>>())
 }
 
 /// The first few of a list, in words.
@@ -79,6 +106,12 @@ impl MeshFault {
             MeshFault::Degenerate(_) => "mesh again; look for slivers, and for edges or angles of zero size",
             MeshFault::UnusedNodes(_) => "put only lines, surfaces and volumes of the body into physical groups",
             MeshFault::CoincidentNodes(_) => "join the parts in Gmsh (Coherence, or Coherence Mesh) and mesh again",
+            MeshFault::Overlapping(_) | MeshFault::RepeatedFacet { .. } => {
+                "look for parts that are there twice, join them in Gmsh (Coherence, or Coherence Mesh) and mesh again"
+            }
+            MeshFault::Jointed { .. } => {
+                "join the parts along whole edges (in space, faces) in Gmsh: at a node or an edge alone they could turn"
+            }
             MeshFault::Pieces(_) => "one body is wanted: join the parts in Gmsh (Coherence), or leave some out",
             MeshFault::InnerFacet { .. } | MeshFault::LooseFacet { .. } => {
                 "name a physical group of the outer surface (in two dimensions, of the outline)"
@@ -111,13 +144,20 @@ impl Mesh {
         if !unused.is_empty() {
             return Err(MeshFault::UnusedNodes(unused));
         }
+        let numbered =
+            |all: &[usize], pairs: Vec<(usize, usize)>| pairs.iter().map(|&(a, b)| (all[a], all[b])).collect();
         let coincident = self.coincident_nodes();
         if !coincident.is_empty() {
-            let named = |(a, b): (usize, usize)| (numbers.nodes[a], numbers.nodes[b]);
-            return Err(MeshFault::CoincidentNodes(coincident.into_iter().map(named).collect()));
+            return Err(MeshFault::CoincidentNodes(numbered(numbers.nodes, coincident)));
         }
-        let pieces = named(&mut self.pieces().into_iter());
-        if pieces.len() > 1 { Err(MeshFault::Pieces(pieces)) } else { Ok(()) }
+        let sides = self.sides().map_err(|pairs| MeshFault::Overlapping(numbered(numbers.cells, pairs)))?;
+        let Pieces { cells, joint } = self.pieces(&sides);
+        let elements = named(&mut cells.into_iter());
+        match joint {
+            Some(node) => Err(MeshFault::Jointed { elements, node: numbers.nodes[node] }),
+            None if elements.len() > 1 => Err(MeshFault::Pieces(elements)),
+            None => Ok(()),
+        }
     }
 
     /// For each corner of `cell`, the area (m²) or volume (m³) that its edges span, with its sign, and the
@@ -170,44 +210,5 @@ impl Mesh {
             }
         }
         pairs
-    }
-
-    /// A cell of each connected part.
-    fn pieces(&self) -> Vec<usize> {
-        let mut parent: Vec<usize> = (0..self.nodes.len()).collect();
-        for cell in &self.cells {
-            let first = root(&mut parent, cell.nodes[0]);
-            for &node in &cell.nodes[1..] {
-                let other = root(&mut parent, node);
-                parent[other] = first;
-            }
-        }
-        let mut seen = std::collections::HashSet::new();
-        (0..self.cells.len()).filter(|&e| seen.insert(root(&mut parent, self.cells[e].nodes[0]))).collect()
-    }
-}
-
-/// The representative of the part that `k` belongs to.
-fn root(parent: &mut [usize], mut k: usize) -> usize {
-    while parent[k] != k {
-        parent[k] = parent[parent[k]];
-        k = parent[k];
-    }
-    k
-}
-
-impl Cell {
-    /// Its sides, each with its outside as [`Facet`](super::Facet) wants it.
-    pub(super) fn facets(&self) -> Vec<Vec<usize>> {
-        let n = self.nodes.len();
-        let sides: Vec<Vec<usize>> = match self.kind {
-            CellKind::Triangle | CellKind::Quadrilateral => (0..n).map(|k| vec![k, (k + 1) % n]).collect(),
-            CellKind::Tetrahedron => vec![vec![0, 2, 1], vec![0, 1, 3], vec![1, 2, 3], vec![0, 3, 2]],
-            CellKind::Hexahedron => {
-                let around = |k: usize| vec![k, (k + 1) % 4, (k + 1) % 4 + 4, k + 4];
-                [vec![0, 3, 2, 1], vec![4, 5, 6, 7]].into_iter().chain((0..4).map(around)).collect()
-            }
-        };
-        sides.iter().map(|side| side.iter().map(|&k| self.nodes[k]).collect()).collect()
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     let element = check.element(&document.mesh, &material)?;
     let element_span = document.mesh.element.as_ref().map(Spanned::span);
     let supports = document.support.into_iter().map(|support| check.support(support)).collect::<Result<_, _>>()?;
-    let contacts = check.contacts(document.contact)?;
+    let contacts = check.contacts(document.contact, &time)?;
     let loads = document.load.into_iter().map(|load| check.load(load, &time)).collect::<Result<_, _>>()?;
     let solver = check.solver(&document.solver, !contacts.is_empty())?;
     let one_tangent_span = solver::one_tangent_span(&document.solver, solver.method);
@@ -125,7 +125,7 @@ impl Check<'_> {
         Ok(Support { boundary: name(support.boundary), fix, span: support.fix.span() })
     }
 
-    fn contacts(&self, contacts: Vec<document::Contact>) -> Result<Vec<Contact>, SceneError> {
+    fn contacts(&self, contacts: Vec<document::Contact>, time: &Time) -> Result<Vec<Contact>, SceneError> {
         let mut checked: Vec<Contact> = Vec::with_capacity(contacts.len());
         for contact in contacts {
             let boundary = name(contact.boundary);
@@ -136,7 +136,7 @@ impl Check<'_> {
             let friction = self.finite("friction", &contact.friction)?;
             let help = "give Coulomb's coefficient, 0 for a frictionless contact";
             self.demand(friction >= 0.0, "friction", &contact.friction, "0 or more", help)?;
-            let obstacle = self.obstacle(&contact.obstacle)?;
+            let obstacle = self.obstacle(&contact.obstacle, time)?;
             checked.push(Contact { boundary, friction, obstacle });
         }
         Ok(checked)
@@ -145,14 +145,20 @@ impl Check<'_> {
     fn load(&self, load: document::Load, time: &Time) -> Result<Load, SceneError> {
         let traction = self.components("traction", &load.traction)?;
         let history = match load.history {
-            Some(history) => self.history("history", "factor", &history)?,
+            Some(history) => self.history("history", "factor", &history, time)?,
             None => vec![[0.0, 0.0], [time.end, 1.0]],
         };
         Ok(Load { boundary: name(load.boundary), traction, traction_span: load.traction.span(), history })
     }
 
-    /// The points `[time, value]` of a history.
-    fn history(&self, name: &str, value: &str, given: &Spanned<Vec<Tuple<f64>>>) -> Result<Vec<[f64; 2]>, SceneError> {
+    /// The points `[time, value]` of a history, as far as it is within `time`.
+    fn history(
+        &self,
+        name: &str,
+        value: &str,
+        given: &Spanned<Vec<Tuple<f64>>>,
+        time: &Time,
+    ) -> Result<Vec<[f64; 2]>, SceneError> {
         let span = given.span();
         let points: Vec<[f64; 2]> = given.get_ref().iter().map(|&Tuple(point)| point).collect();
         if points.is_empty() {
@@ -167,7 +173,7 @@ impl Check<'_> {
             let help = format!("order the points [time, {value}] by time, each time once");
             return self.fail(span, message, &help);
         }
-        Ok(points)
+        Ok(within(time, &points))
     }
 
     fn output(&self, output: document::Output, time: &Time) -> Result<Output, SceneError> {
@@ -181,6 +187,43 @@ impl Check<'_> {
     }
 }
 
+/// The part from 0 to the end of `time` of a history whose points begin with their times, linear between them and constant
+/// outside. What is never reached must not count as the largest of anything.
+fn within<const N: usize>(time: &Time, points: &[[f64; N]]) -> Vec<[f64; N]> {
+    let mut times: Vec<f64> = points.iter().map(|point| point[0].clamp(0.0, time.end)).collect();
+    times.dedup();
+    let at = |t: f64| {
+        let after = points.partition_point(|point| point[0] <= t);
+        let mut point = points[after.saturating_sub(1)];
+        if let (1.., Some(next)) = (after, points.get(after)) {
+            let share = (t - point[0]) / (next[0] - point[0]);
+            point = std::array::from_fn(|k| point[k] + share * (next[k] - point[k]));
+        }
+        point[0] = t;
+        point
+    };
+    times.into_iter().map(at).collect()
+}
+
 fn name(text: Spanned<String>) -> Name {
     Name { span: text.span(), text: text.into_inner() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn histories_are_cut_where_the_time_ends() {
+        let time = Time { end: 2.0, increments: 1 };
+        let whole = [[0.0, 1.0], [0.5, -3.0], [2.0, 4.0]];
+        assert_eq!(within(&time, &whole), whole);
+        assert_eq!(within(&time, &[[-1.0, 2.0], [1.0, 4.0], [5.0, 8.0]]), [[0.0, 3.0], [1.0, 4.0], [2.0, 5.0]]);
+        assert_eq!(within(&time, &[[-3.0, 9.0], [-1.0, 2.0], [3.0, 6.0], [4.0, 9.0]]), [[0.0, 3.0], [2.0, 5.0]]);
+        // Constant outside.
+        assert_eq!(within(&time, &[[1.0, 7.0]]), [[1.0, 7.0]]);
+        assert_eq!(within(&time, &[[3.0, 7.0], [4.0, 9.0]]), [[2.0, 7.0]]);
+        assert_eq!(within(&time, &[[-3.0, 9.0], [-2.0, 7.0]]), [[0.0, 7.0]]);
+        assert_eq!(within(&time, &[[0.0, 0.0, 1.0], [4.0, 2.0, -1.0]]), [[0.0, 0.0, 1.0], [2.0, 1.0, 0.0]]);
+    }
 }

@@ -1,45 +1,39 @@
 //! Formulas of the position, such as `0.5 * x^2 / 0.1`.
 
-use exmex::{Express, FlatEx, FloatOpsFactory, MatchLiteral};
+mod functions;
+mod grammar;
 
-/// The names of the coordinates, m.
-const COORDINATES: [&str; 3] = ["x", "y", "z"];
-
-/// Numbers as Rust writes them, `1e-3` among them, which exmex would read as a product with e.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-struct Number;
-
-impl MatchLiteral for Number {
-    fn is_literal(text: &str) -> Option<&str> {
-        let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
-        let whole = digits(text);
-        let mut length = whole;
-        if text[length..].starts_with('.') {
-            length += 1 + digits(&text[length + 1..]);
-        }
-        if length == 0 || &text[..length] == "." {
-            return None;
-        }
-        if let Some(power) = text[length..].strip_prefix(['e', 'E']) {
-            let sign = usize::from(power.starts_with(['+', '-']));
-            let digits = digits(&power[sign..]);
-            if digits > 0 {
-                length += 1 + sign + digits;
-            }
-        }
-        Some(&text[..length])
-    }
-}
-
-type Expression = FlatEx<f64, FloatOpsFactory<f64>, Number>;
+use std::ops::Range;
 
 /// A formula of `x`, `y` and `z` (m).
 #[derive(Debug, Clone)]
 pub struct Formula {
     text: String,
-    expression: Box<Expression>,
-    /// Which coordinate each variable of the expression is.
-    variables: Vec<usize>,
+    /// In postfix order: operands before what is done with them.
+    steps: Vec<Step>,
+}
+
+/// A step of the evaluation, on a stack of values.
+#[derive(Debug, Clone, Copy)]
+enum Step {
+    Number(f64),
+    Coordinate(usize),
+    /// Of the last value.
+    One(fn(f64) -> f64),
+    /// Of the last two.
+    Two(fn(f64, f64) -> f64),
+}
+
+/// What is wrong with a formula.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message}, at character {character}")]
+pub struct FormulaError {
+    /// In words.
+    pub message: String,
+    /// The character it begins at, from 1.
+    pub character: usize,
+    /// The bytes of the formula that are wrong.
+    pub span: Range<usize>,
 }
 
 impl PartialEq for Formula {
@@ -49,19 +43,24 @@ impl PartialEq for Formula {
 }
 
 impl Formula {
-    /// Reads a formula: numbers, `x`, `y`, `z`, `+ - * / ^`, brackets, functions such as `sqrt`, `sin`, `abs`,
-    /// and `PI`.
+    /// Reads a formula: numbers, `x`, `y`, `z`, `+ - * / ^`, brackets, functions and constants, as doc/scene.md lists them.
+    ///
+    /// `^` binds most and from the right, then come signs, then `*` and `/`, then `+` and `-`: `-x^2` is `-(x^2)`, and
+    /// `2^x^2` is `2^(x^2)`.
     ///
     /// # Errors
-    /// What is wrong, in words.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        let expression = Expression::parse(text).map_err(|error| error.to_string())?;
-        let variable = |name: &String| {
-            let unknown = || format!("`{name}` is neither x, y nor z nor a known function");
-            COORDINATES.iter().position(|c| c == name).ok_or_else(unknown)
-        };
-        let variables = expression.var_names().iter().map(variable).collect::<Result<_, _>>()?;
-        Ok(Formula { text: text.to_string(), expression: Box::new(expression), variables })
+    /// What is wrong, and where.
+    ///
+    /// ```
+    /// use stickslip::scene::Formula;
+    ///
+    /// let formula = Formula::parse("1 - x^2 / 2")?;
+    /// assert_eq!(formula.at([2.0, 0.0, 0.0]), -1.0);
+    /// assert_eq!(Formula::parse("2x").unwrap_err().to_string(), "an operator is missing before `x`, at character 2");
+    /// # Ok::<(), stickslip::scene::FormulaError>(())
+    /// ```
+    pub fn parse(text: &str) -> Result<Self, FormulaError> {
+        Ok(Formula { text: text.to_string(), steps: grammar::steps(text)? })
     }
 
     /// The formula as it was given.
@@ -71,7 +70,24 @@ impl Formula {
 
     /// Its value at `x` (m); NaN where it has none.
     pub fn at(&self, x: [f64; 3]) -> f64 {
-        self.expression.eval_iter(self.variables.iter().map(|&k| x[k])).unwrap_or(f64::NAN)
+        self.evaluate(x).unwrap_or(f64::NAN)
+    }
+
+    fn evaluate(&self, x: [f64; 3]) -> Option<f64> {
+        let mut stack = Vec::new();
+        for step in &self.steps {
+            let value = match *step {
+                Step::Number(value) => value,
+                Step::Coordinate(k) => x[k],
+                Step::One(f) => f(stack.pop()?),
+                Step::Two(f) => {
+                    let last = stack.pop()?;
+                    f(stack.pop()?, last)
+                }
+            };
+            stack.push(value);
+        }
+        stack.pop()
     }
 }
 
@@ -79,17 +95,95 @@ impl Formula {
 mod tests {
     use super::Formula;
 
+    fn at(text: &str) -> f64 {
+        Formula::parse(text).unwrap().at([2.0, 3.0, 5.0])
+    }
+
     #[test]
     fn formulas_of_the_position() {
-        let at = |text: &str| Formula::parse(text).unwrap().at([2.0, 3.0, 5.0]);
         assert_eq!(at("0.5 * x^2 / 4"), 0.5);
         assert_eq!(at("z - y"), 2.0);
-        assert_eq!((at("1e-3"), at("2.5E2*x"), at(".5"), at("1.+x")), (1e-3, 500.0, 0.5, 3.0));
+        assert_eq!((at("1e-3"), at("2.5E2*x"), at(".5"), at("1.+x"), at("1.e1")), (1e-3, 500.0, 0.5, 3.0, 10.0));
         assert_eq!(at("-sqrt(y + 6)"), -3.0);
         assert_eq!(at("max(x, z) + abs(0 - y)"), 8.0);
-        for (text, said) in [("x +", ""), ("r^2", "`r` is neither"), ("(x", ""), ("", "")] {
+        assert_eq!(at(" ( ( x+y )*( z ) ) "), 25.0);
+        assert_eq!(at("cos(π) + ln(e) + log(E^2)"), 2.0);
+    }
+
+    #[test]
+    fn the_usual_precedence() {
+        for (text, value) in [
+            ("-x^2 + 2", -2.0),
+            ("1 + -x^2 * 0.5", -1.0),
+            ("5 - 2*-x^2", 13.0),
+            ("2^x^y", 256.0),
+            ("(2^x)^y", 64.0),
+            ("2^-x", 0.25),
+            ("x^-1^2", 0.5),
+            ("(-x)^2", 4.0),
+            ("2*x^2", 8.0),
+            ("8/2*x", 8.0),
+            ("8/2/x", 2.0),
+            ("9 - y - x", 4.0),
+            ("9 - y + x", 8.0),
+            ("--x", 2.0),
+            ("+x - -y", 5.0),
+            ("sqrt(x + 2)^3", 8.0),
+            ("-sqrt(4)^2", -4.0),
+        ] {
+            assert_eq!(at(text), value, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_value_that_is_not_defined_stays_so() {
+        for text in ["sqrt(0 - x)", "max(ln(-x), 1)", "min(1, ln(-x))", "0/0", "sign(0/0)"] {
+            assert!(at(text).is_nan(), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_and_where() {
+        for (text, said, span) in [
+            ("", "nothing is given", 0..0),
+            ("  ", "nothing is given", 2..2),
+            ("x +", "something is missing at the end", 3..3),
+            ("x *", "something is missing at the end", 3..3),
+            ("2x", "an operator is missing before `x`", 1..2),
+            ("π (x)", "an operator is missing before `(`", 3..4),
+            ("1.2.3", "an operator is missing before `.`", 3..4),
+            ("r^2", "`r` is neither x, y nor z", 0..1),
+            ("1 + foo(x)", "`foo` is not a function that is known", 4..7),
+            ("sin x", "`sin` needs its arguments in brackets", 0..3),
+            ("atan2(y)", "`atan2` takes 2 arguments, not 1", 0..5),
+            ("abs(x, y)", "`abs` takes 1 argument, not 2", 0..3),
+            ("max(x)", "`max` takes 2 arguments or more, not 1", 0..3),
+            ("1 + (x", "this bracket is not closed", 4..5),
+            ("sin(x", "this bracket is not closed", 3..4),
+            ("x)", "this bracket closes none", 1..2),
+            ("()", "`)` stands where a number", 1..2),
+            ("0,5", "`,` stands outside the brackets of a function", 1..2),
+            ("x**2", "`*` stands where a number", 2..3),
+            ("x > 1", "`>` means nothing in a formula", 2..3),
+            ("{x}", "`{` means nothing in a formula", 0..1),
+            (".", "`.` is not a number", 0..1),
+            ("1e999", "1e999 is too large", 0..5),
+        ] {
             let error = Formula::parse(text).unwrap_err();
-            assert!(error.contains(said), "{text}: {error}");
+            assert!(error.message.contains(said), "{text}: {error}");
+            assert_eq!(error.span, span, "{text}: {error}");
+        }
+        assert_eq!(Formula::parse("π + r").unwrap_err().character, 5);
+    }
+
+    /// Neither length nor depth takes up the stack.
+    #[test]
+    fn long_and_deep_formulas() {
+        assert_eq!(at(&vec!["x"; 100_000].join("-")), -199_996.0);
+        assert_eq!(at(&format!("{}x{}", "(".repeat(90), ")".repeat(90))), 2.0);
+        for text in ["(".repeat(100_000), "-".repeat(100_000), "2^".repeat(100_000), "sin(".repeat(100_000)] {
+            let error = Formula::parse(&text).unwrap_err();
+            assert!(error.message.contains("nested"), "{error}");
         }
     }
 }

@@ -19,7 +19,7 @@ pub struct Obstacle {
     /// Along which normals gaps are measured.
     pub direction: GapDirection,
     /// How far it has moved towards the body, against the normal: points `[time (s), distance (m)]`
-    /// with increasing times; linear between, constant outside. Empty if it does not move.
+    /// with increasing times from 0 to the end of the scene; linear between, constant outside. Empty if it does not move.
     pub approach: Vec<[f64; 2]>,
     /// How far it has moved: points `[time (s), x, y, z (m)]`, as above.
     pub translation: Vec<[f64; 4]>,
@@ -38,7 +38,8 @@ pub struct Rotation {
     pub axis: [f64; 3],
     /// A point of the axis, m.
     pub through: [f64; 3],
-    /// Points `[time (s), angle (rad)]` with increasing times; linear between, constant outside.
+    /// Points `[time (s), angle (rad)]` with increasing times from 0 to the end of the scene; linear between, constant
+    /// outside.
     pub history: Vec<[f64; 2]>,
 }
 

@@ -82,6 +82,8 @@ pub(super) fn boundaries(mesh: &mut Mesh, file: &File) -> Result<(), MeshFault> 
         }
     }
     let mut boundaries: Vec<Boundary> = Vec::new();
+    // The element of each facet of each boundary.
+    let mut taken = HashMap::new();
     for block in file.blocks.iter().filter(|block| block.kind.dimension() + 1 == mesh.dimension) {
         for name in &block.groups {
             let k = boundaries.iter().position(|boundary| boundary.name == *name).unwrap_or_else(|| {
@@ -89,6 +91,9 @@ pub(super) fn boundaries(mesh: &mut Mesh, file: &File) -> Result<(), MeshFault> 
                 boundaries.len() - 1
             });
             for (number, nodes) in &block.elements {
+                if let Some(first) = taken.insert((k, key(nodes)), *number) {
+                    return Err(MeshFault::RepeatedFacet { boundary: name.clone(), elements: (first, *number) });
+                }
                 match outer.get(&key(nodes)) {
                     Some(Some(facet)) => boundaries[k].facets.push(facet.clone()),
                     Some(None) => return Err(MeshFault::InnerFacet { boundary: name.clone(), element: *number }),

@@ -147,7 +147,13 @@ fn entities(lines: &mut Lines<'_>, names: &HashMap<Entity, String>) -> Result<Ha
                 let number = number.abs();
                 names.get(&(dimension, number)).cloned().unwrap_or_else(|| number.to_string())
             };
-            groups.insert((dimension, tag), physical.iter().map(name).collect());
+            let held: &mut Vec<String> = groups.entry((dimension, tag)).or_default();
+            for name in physical.iter().map(name) {
+                // Two groups of the same name are one.
+                if !held.contains(&name) {
+                    held.push(name);
+                }
+            }
         }
     }
     Ok(groups)

@@ -2,12 +2,12 @@
 
 use toml::Spanned;
 
-use super::Check;
+use super::{Check, within};
 use crate::scene::document::{self, ObstacleKind, Vector};
-use crate::scene::{Formula, GapDirection, Obstacle, Rotation, SceneError, Shape};
+use crate::scene::{Formula, GapDirection, Obstacle, Rotation, SceneError, Shape, Time};
 
 impl Check<'_> {
-    pub(super) fn obstacle(&self, given: &Spanned<document::Obstacle>) -> Result<Obstacle, SceneError> {
+    pub(super) fn obstacle(&self, given: &Spanned<document::Obstacle>, time: &Time) -> Result<Obstacle, SceneError> {
         let obstacle = given.get_ref();
         let shape = self.shape(obstacle)?;
         let normal = obstacle.normal.as_ref().map(|normal| self.direction("normal", normal)).transpose()?;
@@ -24,16 +24,16 @@ impl Check<'_> {
             return self.fail(given.span(), "only a cylinder, a sphere or a wedge has the direction \"nearest\"", help);
         }
         let approach = match &obstacle.approach {
-            Some(given) => self.history("approach", "distance", given)?,
+            Some(given) => self.history("approach", "distance", given, time)?,
             None => Vec::new(),
         };
         let motion = obstacle.motion.as_ref();
         let translation = match motion.and_then(|motion| motion.translation.as_ref()) {
-            Some(given) => self.translation(given)?,
+            Some(given) => self.translation(given, time)?,
             None => Vec::new(),
         };
         let rotation =
-            motion.and_then(|motion| motion.rotation.as_ref()).map(|given| self.rotation(given)).transpose()?;
+            motion.and_then(|motion| motion.rotation.as_ref()).map(|given| self.rotation(given, time)).transpose()?;
         let plane_vector = plane_vector(obstacle);
         let span = given.span();
         Ok(Obstacle { shape, normal, tangent, direction, approach, translation, rotation, plane_vector, span })
@@ -88,8 +88,13 @@ impl Check<'_> {
             ObstacleKind::Formula => {
                 let given = self.needed("formula", formula.as_ref(), &kind.span(), whose)?;
                 let help = "give the gap in m as a formula of x, y and z in m, such as \"0.5 * x^2 / 0.1\"";
-                let formula = Formula::parse(given.get_ref());
-                formula.map(Shape::Formula).or_else(|why| self.fail(given.span(), format!("the formula: {why}"), help))
+                let text = given.get_ref();
+                Formula::parse(text).map(Shape::Formula).or_else(|why| {
+                    // A text with escapes does not stand in the file as it is read.
+                    let start = self.source.text[given.span()].find(text).map(|quote| given.span().start + quote);
+                    let span = start.map_or(given.span(), |start| start + why.span.start..start + why.span.end);
+                    self.fail(span, format!("the formula: {why}"), help)
+                })
             }
             ObstacleKind::Table => {
                 let given = self.needed("file", file.as_ref(), &kind.span(), whose)?;
@@ -98,7 +103,7 @@ impl Check<'_> {
         }
     }
 
-    fn translation(&self, given: &Spanned<Vec<Vec<f64>>>) -> Result<Vec<[f64; 4]>, SceneError> {
+    fn translation(&self, given: &Spanned<Vec<Vec<f64>>>, time: &Time) -> Result<Vec<[f64; 4]>, SceneError> {
         let help = "give points [time, x, y] or [time, x, y, z], s and m, ordered by time";
         let point = |point: &Vec<f64>| match point[..] {
             [t, x, y] => Some([t, x, y, 0.0]),
@@ -112,18 +117,18 @@ impl Check<'_> {
                 && points.windows(2).all(|pair| pair[0][0] < pair[1][0])
         };
         match points.filter(sound) {
-            Some(points) => Ok(points),
+            Some(points) => Ok(within(time, &points)),
             None => self.fail(given.span(), "translation is not a list of points with increasing times", help),
         }
     }
 
-    fn rotation(&self, given: &document::Rotation) -> Result<Rotation, SceneError> {
+    fn rotation(&self, given: &document::Rotation, time: &Time) -> Result<Rotation, SceneError> {
         let axis = match &given.axis {
             Some(axis) => self.direction("axis", axis)?,
             None => [0.0, 0.0, 1.0],
         };
         let through = self.vector("through", &given.through)?;
-        Ok(Rotation { axis, through, history: self.history("history", "angle", &given.history)? })
+        Ok(Rotation { axis, through, history: self.history("history", "angle", &given.history, time)? })
     }
 
     fn vector(&self, name: &str, value: &Spanned<Vector>) -> Result<[f64; 3], SceneError> {

@@ -1,0 +1,143 @@
+//! The sides of cells, and which cells hang together by them.
+
+use std::collections::HashMap;
+
+use super::{Cell, CellKind, Facet, Mesh};
+
+/// The pieces that a mesh falls into.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Pieces {
+    /// A cell of each.
+    pub cells: Vec<usize>,
+    /// A node of two of them, if they touch.
+    pub joint: Option<usize>,
+}
+
+impl Cell {
+    /// Its sides, each with its outside as [`Facet`] wants it.
+    pub(super) fn facets(&self) -> Vec<Facet> {
+        let n = self.nodes.len();
+        let sides: Vec<Vec<usize>> = match self.kind {
+            CellKind::Triangle | CellKind::Quadrilateral => (0..n).map(|k| vec![k, (k + 1) % n]).collect(),
+            CellKind::Tetrahedron => vec![vec![0, 2, 1], vec![0, 1, 3], vec![1, 2, 3], vec![0, 3, 2]],
+            CellKind::Hexahedron => {
+                let around = |k: usize| vec![k, (k + 1) % 4, (k + 1) % 4 + 4, k + 4];
+                [vec![0, 3, 2, 1], vec![4, 5, 6, 7]].into_iter().chain((0..4).map(around)).collect()
+            }
+        };
+        sides.iter().map(|side| side.iter().map(|&k| self.nodes[k]).collect()).collect()
+    }
+}
+
+impl Mesh {
+    /// The cell on the inner side of each facet, which is written from its least node on; or the pairs of cells, of
+    /// positive volume, that lie on the same side of a facet and so on one another.
+    pub(super) fn sides(&self) -> Result<HashMap<Facet, usize>, Vec<(usize, usize)>> {
+        let (mut sides, mut overlapping) = (HashMap::new(), Vec::new());
+        for (e, cell) in self.cells.iter().enumerate() {
+            for facet in cell.facets() {
+                if let Some(other) = sides.insert(from_least(facet), e) {
+                    overlapping.push((other, e));
+                }
+            }
+        }
+        overlapping.sort_unstable();
+        overlapping.dedup();
+        if overlapping.is_empty() { Ok(sides) } else { Err(overlapping) }
+    }
+
+    /// The parts of the mesh whose cells are joined by whole sides.
+    pub(super) fn pieces(&self, sides: &HashMap<Facet, usize>) -> Pieces {
+        let mut parent: Vec<usize> = (0..self.cells.len()).collect();
+        for (facet, &cell) in sides {
+            let from_outside = from_least(facet.iter().rev().copied().collect());
+            if let Some(&neighbour) = sides.get(&from_outside) {
+                let (a, b) = (root(&mut parent, cell), root(&mut parent, neighbour));
+                // The first cell stands for its piece.
+                parent[a.max(b)] = a.min(b);
+            }
+        }
+        let cells: Vec<usize> = (0..parent.len()).filter(|&e| parent[e] == e).collect();
+        let mut piece_at: Vec<Option<usize>> = vec![None; self.nodes.len()];
+        let mut joint = None;
+        for (e, cell) in self.cells.iter().enumerate() {
+            let piece = root(&mut parent, e);
+            let joined = |&node: &usize| *piece_at[node].get_or_insert(piece) != piece;
+            joint = joint.or(cell.nodes.iter().copied().find(joined));
+        }
+        Pieces { cells, joint }
+    }
+}
+
+/// The same facet, with the same outside, from its least node on. An edge has one way only to be written.
+fn from_least(mut facet: Facet) -> Facet {
+    if facet.len() > 2 {
+        let least = (0..facet.len()).min_by_key(|&k| facet[k]).unwrap_or(0);
+        facet.rotate_left(least);
+    }
+    facet
+}
+
+/// The representative of the part that `k` belongs to.
+fn root(parent: &mut [usize], mut k: usize) -> usize {
+    while parent[k] != k {
+        parent[k] = parent[parent[k]];
+        k = parent[k];
+    }
+    k
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{block, half_plane};
+
+    #[test]
+    fn what_is_made_here_is_one_piece() {
+        let plane = block(&[2.0, 1.0], &[3, 2]);
+        let space = block(&[2.0, 1.0, 1.0], &[3, 2, 2]);
+        let half = half_plane([10.0, 10.0], 1.0, 4, 4, 4);
+        for mesh in [plane.clone().into_simplices(), space.clone().into_simplices(), plane, space, half] {
+            assert_eq!(mesh.pieces(&mesh.sides().unwrap()), Pieces { cells: vec![0], joint: None });
+        }
+    }
+
+    /// The block without all cells but `kept`.
+    fn part(size: &[f64], elements: &[usize], kept: &[usize]) -> Mesh {
+        let whole = block(size, elements);
+        Mesh { cells: kept.iter().map(|&e| whole.cells[e].clone()).collect(), ..whole }
+    }
+
+    #[test]
+    fn what_meets_in_a_node_or_an_edge_is_in_pieces() {
+        let pieces = |mesh: &Mesh| mesh.pieces(&mesh.sides().unwrap());
+        let corner = part(&[2.0, 2.0], &[2, 2], &[0, 3]);
+        assert_eq!(pieces(&corner), Pieces { cells: vec![0, 1], joint: Some(4) });
+        assert_eq!(pieces(&part(&[2.0, 2.0], &[2, 2], &[0, 3, 1])).cells, [0]);
+        assert_eq!(pieces(&part(&[3.0, 1.0], &[3, 1], &[0, 2])), Pieces { cells: vec![0, 1], joint: None });
+        let cube: [(&[usize], &[usize], Option<usize>); 4] = [
+            (&[0, 7], &[0, 1], Some(13)),
+            (&[0, 3], &[0, 1], Some(4)),
+            (&[0, 3, 7], &[0, 1], Some(4)),
+            (&[0, 1, 3], &[0], None),
+        ];
+        for (kept, cells, joint) in cube {
+            assert_eq!(pieces(&part(&[1.0; 3], &[2; 3], kept)), Pieces { cells: cells.to_vec(), joint }, "{kept:?}");
+        }
+    }
+
+    #[test]
+    fn cells_on_one_another_are_found() {
+        let mut mesh = block(&[2.0, 1.0], &[2, 1]);
+        // The second cell again, from another corner on; and half of the first.
+        let mut again = mesh.cells[1].clone();
+        again.nodes.rotate_left(1);
+        let half = Cell { kind: CellKind::Triangle, nodes: mesh.cells[0].nodes[..3].to_vec(), group: 0 };
+        mesh.cells.extend([again, half]);
+        assert_eq!(mesh.sides().unwrap_err(), [(0, 3), (1, 2)]);
+        let mut mesh = block(&[1.0; 3], &[1; 3]).into_simplices();
+        let [a, b, c, d] = mesh.cells[2].nodes[..] else { panic!() };
+        mesh.cells.push(Cell { nodes: vec![b, c, a, d], ..mesh.cells[2].clone() });
+        assert_eq!(mesh.sides().unwrap_err(), [(2, 6)]);
+    }
+}
