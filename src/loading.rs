@@ -25,6 +25,17 @@ pub struct Motion {
     pub history: Vec<[f64; 2]>,
 }
 
+/// What the rates of a [`Motion`] leave out of the gaps, as an obstacle that is round passes or one that is oblique turns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bend {
+    /// The contact nodes in front of the obstacle.
+    pub nodes: Range<usize>,
+    /// Times, s, increasing.
+    pub times: Vec<f64>,
+    /// What to add to the gap of each node at each of them, m; linear between, constant outside.
+    pub gap: Vec<Vec<f64>>,
+}
+
 /// The external forces and gaps of a history.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Loading {
@@ -34,6 +45,8 @@ pub struct Loading {
     pub gap: Vec<f64>,
     /// The motions of obstacles, which add up.
     pub motions: Vec<Motion>,
+    /// What goes beyond their rates.
+    pub bends: Vec<Bend>,
 }
 
 /// The value at time `t` of a history: linear between its points, constant outside.
@@ -60,6 +73,23 @@ impl Motion {
     }
 }
 
+impl Bend {
+    /// Adds what belongs to time `t` to the `gap` of its nodes.
+    fn add(&self, t: f64, gap: &mut [f64]) {
+        let Some(last) = self.times.len().checked_sub(1) else { return };
+        let after = self.times.partition_point(|time| *time <= t);
+        let (k, share) = match (after.checked_sub(1), self.times.get(after)) {
+            (Some(k), Some(next)) => (k, (t - self.times[k]) / (next - self.times[k])),
+            (Some(_), None) => (last, 0.0),
+            (None, _) => (0, 0.0),
+        };
+        for (i, g) in gap.iter_mut().enumerate() {
+            let here = self.gap[k][i];
+            *g += if share > 0.0 { here + share * (self.gap[k + 1][i] - here) } else { here };
+        }
+    }
+}
+
 impl Loading {
     /// The external forces (n_u, N) at time `t`.
     pub fn force(&self, t: f64, force: &mut [f64]) {
@@ -80,6 +110,9 @@ impl Loading {
             let nodes = gap[motion.nodes.clone()].iter_mut();
             nodes.zip(&motion.gap).for_each(|(g, rate)| *g += distance * rate);
         }
+        for bend in &self.bends {
+            bend.add(t, &mut gap[bend.nodes.clone()]);
+        }
     }
 
     /// How far the surfaces of the obstacles have moved past the contact nodes along their first (`k` = 0)
@@ -96,8 +129,9 @@ impl Loading {
 
     /// The largest interference over all time, m: how deep an obstacle goes into the undeformed body.
     pub fn largest_interference(&self) -> f64 {
-        // Gaps are linear between the points of all histories together.
+        // Gaps are linear between all these together.
         let mut times = vec![0.0];
+        times.extend(self.bends.iter().flat_map(|bend| bend.times.iter().copied()));
         times.extend(self.motions.iter().flat_map(|motion| motion.history.iter().map(|point| point[0])));
         times.sort_by(f64::total_cmp);
         times.dedup();
@@ -154,5 +188,21 @@ mod tests {
         assert_eq!([0, 1].map(|k| loading.drift_at(1.0, k)), [[0.0, 0.0, 2.0], [0.0, 4.0, 0.0]]);
         assert_eq!(loading.drift_at(5.0, 0), [0.0; 3]);
         assert_eq!(loading.largest_interference(), 2.0);
+
+        let bend = Bend {
+            nodes: 0..2,
+            times: vec![1.0, 1.5, 3.5],
+            gap: vec![vec![0.0, 0.5], vec![1.0, 4.0], vec![-3.0, 0.0]],
+        };
+        let loading = Loading { bends: vec![bend], ..loading };
+        for (t, expected) in
+            [(0.5, [1.0, 1.5, 2.5]), (1.25, [1.5, 1.75, 1.75]), (1.5, [2.0, 3.0, 1.5]), (2.0, [1.0, 1.0, 1.0])]
+        {
+            loading.gap_at(t, &mut gap);
+            assert_eq!(gap, expected, "{t}");
+        }
+        assert_eq!(loading.largest_interference(), 2.0);
+        loading.gap_at(9.0, &mut gap);
+        assert_eq!(gap[0], -2.0);
     }
 }

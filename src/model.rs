@@ -8,7 +8,7 @@ mod stress;
 use crate::contact::{ContactBoundary, ContactNode, Facing, Obstacle, ObstacleMotion, share_edges};
 use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, facet_load, rigid_motions};
 use crate::linear::{Direct, built_in};
-use crate::loading::{LoadCase, Loading, Motion};
+use crate::loading::{Bend, LoadCase, Loading, Motion};
 #[cfg(feature = "meshes")]
 use crate::mesh::MeshFileError;
 use crate::mesh::{Boundary, Mesh};
@@ -92,14 +92,18 @@ impl Model {
             obstacles.push((obstacle, motion));
         }
         share_edges(&mut contacts, &mu, &dofs);
-        let mut motions = Vec::new();
-        for (ContactBoundary { nodes, .. }, (_, motion)) in contact_boundaries.iter().zip(&obstacles) {
+        let (mut motions, mut bends) = (Vec::new(), Vec::new());
+        let times: Vec<f64> = [0.0].into_iter().chain(scene.time.all()).collect();
+        for (ContactBoundary { nodes, .. }, (obstacle, motion)) in contact_boundaries.iter().zip(&obstacles) {
             let contacts = &contacts[nodes.clone()];
             let positions: Vec<[f64; 3]> = contacts.iter().map(|contact| contact.position).collect();
             let facings: Vec<Facing> = contacts.iter().map(|contact| contact.facing).collect();
             for (rates, history) in motion.rates(&positions, &facings) {
                 let (gap, drift) = rates.iter().map(|rates| (rates.gap, rates.drift)).unzip();
                 motions.push(Motion { nodes: nodes.clone(), gap, drift, history });
+            }
+            if let Some(gap) = motion.bends(obstacle, &positions, &facings, &times) {
+                bends.push(Bend { nodes: nodes.clone(), times: times.clone(), gap });
             }
         }
         let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(dofs.free()));
@@ -109,7 +113,8 @@ impl Model {
             c_o.push_row(contact.tangents[1].iter().copied());
         }
 
-        let mut loading = Loading { cases: Vec::new(), gap: contacts.iter().map(|c| c.facing.gap).collect(), motions };
+        let mut loading =
+            Loading { cases: Vec::new(), gap: contacts.iter().map(|c| c.facing.gap).collect(), motions, bends };
         for load in &scene.loads {
             let boundary = find(scene, &mesh, &load.boundary)?;
             let force = facet_load(&mesh, &dofs, boundary, body::traction(scene, &mesh, load)?);

@@ -136,7 +136,7 @@ fn tangents(dofs: &[Option<usize>], facing: &Facing) -> Vec<[f64; 3]> {
     }
 }
 
-/// The first node of `boundary` that the obstacle reaches somewhere in its motion while supports hold it
+/// The first node of `boundary` that the obstacle reaches somewhere in its motion, as seen at `times` (s), while supports hold it
 /// there: no displacement can bring it out.
 pub fn unreachable(
     mesh: &Mesh,
@@ -144,11 +144,12 @@ pub fn unreachable(
     boundary: &Boundary,
     obstacle: &Obstacle,
     motion: &ObstacleMotion,
+    times: &[f64],
 ) -> Option<usize> {
     boundary.nodes().into_iter().find(|&node| {
         let facing = obstacle.at(mesh.nodes[node]);
         let held = dofs.node(node).iter().zip(facing.normal).all(|(dof, n)| dof.is_none() || n == 0.0);
-        held && motion.smallest_gap(mesh.nodes[node], &facing) < 0.0
+        held && motion.smallest_gap(obstacle, mesh.nodes[node], &facing, times) < 0.0
     })
 }
 
@@ -172,7 +173,7 @@ mod tests {
         assert_eq!((&contacts[0].normal, &contacts[0].tangents), (&vec![(y, -1.0)], &[vec![(x, 1.0)], vec![]]));
         let reached = |given: &scene::Obstacle| {
             let plane = Obstacle::new(&mesh, bottom, given).unwrap();
-            unreachable(&mesh, &dofs, bottom, &plane, &ObstacleMotion::new(given, plane.normal))
+            unreachable(&mesh, &dofs, bottom, &plane, &ObstacleMotion::new(given, plane.normal), &[])
         };
         assert_eq!(reached(&given), None);
         assert_eq!(

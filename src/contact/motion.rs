@@ -1,6 +1,6 @@
 //! The rigid motion of an obstacle: what it does to gaps and slip, and where it takes the obstacle.
 
-use super::obstacle::Facing;
+use super::obstacle::{Facing, Obstacle};
 use super::surface::{across, plus};
 use crate::loading::piecewise_linear;
 use crate::scene;
@@ -71,13 +71,51 @@ impl ObstacleMotion {
         added.fold(facing.gap, |gap, added| gap + added)
     }
 
-    /// The smallest gap (m) of a node over all time.
-    pub fn smallest_gap(&self, x: [f64; 3], facing: &Facing) -> f64 {
+    /// The smallest gap (m) of a node at the points of all histories and at `times` (s).
+    pub fn smallest_gap(&self, obstacle: &Obstacle, x: [f64; 3], facing: &Facing, times: &[f64]) -> f64 {
         let histories = self.translations.iter().map(|(_, history)| history);
         let histories = histories.chain(self.rotation.iter().map(|rotation| &rotation.history));
-        // Gaps are linear in between.
-        let times = histories.flatten().map(|point| point[0]).chain([0.0]);
-        times.map(|t| self.gap(t, x, facing)).fold(f64::INFINITY, f64::min)
+        let times = histories.flatten().map(|point| point[0]).chain([0.0]).chain(times.iter().copied());
+        times.map(|t| self.gap(t, x, facing) + self.bend(obstacle, t, x, facing)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// What [`ObstacleMotion::gap`] leaves out (m) at time `t`: the exact distance of a node at `x` (m) from the moved obstacle, along
+    /// the node's normal, less that. An obstacle that is no longer in front of the node is taken to be as far as its
+    /// boundary is long.
+    fn bend(&self, obstacle: &Obstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
+        if self.keeps_shape(obstacle, facing.normal) {
+            return 0.0;
+        }
+        let (back, n) = self.back(t, x, facing.normal);
+        let exact = obstacle.distance(back, n, x);
+        let exact = if exact.is_nan() { obstacle.extent() } else { exact };
+        let bend = exact - self.gap(t, x, facing);
+        // What is below is rounding, as where a plane turns about its normal.
+        if bend.abs() <= 1e-12 * obstacle.extent() { 0.0 } else { bend }
+    }
+
+    /// Whether the gap along `normal` is linear in all motions: a plane that does not turn, or motion along the normal.
+    fn keeps_shape(&self, obstacle: &Obstacle, normal: [f64; 3]) -> bool {
+        let along = |direction: &[f64; 3]| cross(*direction, normal) == [0.0; 3];
+        self.rotation.is_none()
+            && (obstacle.is_plane() || self.translations.iter().all(|(direction, _)| along(direction)))
+    }
+
+    /// The bends (m) of nodes at `positions` (m), which see the obstacle at rest as `facings` says, at each of `times`
+    /// (s); nothing if there are none.
+    pub fn bends(
+        &self,
+        obstacle: &Obstacle,
+        positions: &[[f64; 3]],
+        facings: &[Facing],
+        times: &[f64],
+    ) -> Option<Vec<Vec<f64>>> {
+        if facings.iter().all(|facing| self.keeps_shape(obstacle, facing.normal)) {
+            return None;
+        }
+        let at = |t: f64| positions.iter().zip(facings).map(|(x, facing)| self.bend(obstacle, t, *x, facing)).collect();
+        let bends: Vec<Vec<f64>> = times.iter().map(|t| at(*t)).collect();
+        bends.iter().flatten().any(|bend| *bend != 0.0).then_some(bends)
     }
 
     /// Where `x` (m) was in the obstacle before it moved until time `t`, and what the direction `n` was.

@@ -153,6 +153,16 @@ impl Obstacle {
         self.surface.along(self.normal, x, n, reference)
     }
 
+    /// The size of its boundary, m.
+    pub fn extent(&self) -> f64 {
+        self.extent
+    }
+
+    /// Whether its surface is a plane.
+    pub fn is_plane(&self) -> bool {
+        matches!(self.surface, Surface::Plane { .. })
+    }
+
     /// Whether the normals point out of the body on the whole of `boundary`.
     pub fn faces(&self, mesh: &Mesh, boundary: &Boundary) -> bool {
         boundary.facets.iter().all(|facet| {

@@ -47,7 +47,7 @@ pub(super) fn boundary(
         );
         return Err(at_obstacle(message, "move the obstacle out, or the part of the motion before time 0"));
     }
-    if let Some(node) = unreachable(mesh, dofs, boundary, &obstacle, &motion) {
+    if let Some(node) = unreachable(mesh, dofs, boundary, &obstacle, &motion, &scene.time.all()) {
         let place = mesh.place(mesh.nodes[node]);
         let message = format!("supports hold the body where the obstacle is or comes to be, at {place} m");
         let help = "use a gap of at least 0, a shorter approach or fewer supports";
