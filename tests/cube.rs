@@ -142,6 +142,36 @@ fn a_rescue() {
     assert!(outcome.records.iter().any(|r| r.rescued && r.parts == 1), "the test has lost its case");
 }
 
+/// A block that only an oblique plane can hold comes to stand on one node. BN finds nothing that holds it on its way; the
+/// rescue starts as the interior point method itself does.
+#[test]
+fn a_rescue_of_a_body_held_by_contact() {
+    let text = r#"
+        [mesh]
+        kind = "block"
+        size = [1, 1, 1]
+        elements = [1, 4, 4]
+        [material]
+        young = 210e9
+        poisson = -0.5
+        [[support]]
+        boundary = "top"
+        fix = ["x", "y"]
+        [[contact]]
+        boundary = "bottom"
+        friction = 1
+        obstacle = { kind = "plane", gap = 1e-6, normal = [0.0996921, 0.186155, -1] }
+        [[load]]
+        boundary = "top"
+        traction = [0, 0, -1e6]
+        [time]
+        end = 1
+        increments = 4
+    "#;
+    let (_, outcome, _) = solve(&Scene::parse("corner.toml", text, &[]).unwrap());
+    assert!(outcome.records[0].rescued && outcome.records[0].parts == 1, "the test has lost its case");
+}
+
 /// A slab of the plane x, z, one element thick and held across, does what the block in plane strain does, increment
 /// by increment, iteration by iteration.
 #[test]

@@ -77,7 +77,8 @@ impl IncrementSolver for BnMethod<'_> {
     ) -> Result<Outcome, LinearError> {
         let BnMethod { problem, formulation, bn, start, rescue, z, rest } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
-        let last = layout.unpack(z, &scaling);
+        // Before the first increment there is no solution to go on from, only a guess.
+        let last = if task.first { State::zero(problem) } else { layout.unpack(z, &scaling) };
         formulation.begin(task.increment);
         task.response.add_to(z);
         if task.first && *start == FirstGuess::Held {
