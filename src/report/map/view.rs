@@ -58,10 +58,10 @@ impl View {
         let most_traction = most(|node| node.traction[0].hypot(node.traction[1]));
         // A little of what is around it, with room for arrows.
         let margin = 0.08 * (high[0] - low[0]).max(high[1] - low[1]);
-        let reach = |node: &SurfaceNode| {
-            node.traction.map(|t| if t == 0.0 { 0.0 } else { ARROW * spacing * t / most_traction })
-        };
-        let tips = surface.nodes.iter().map(|node| [0, 1].map(|c| node.place[c] + reach(node)[c]));
+        let rubbed = surface.nodes.iter().filter(|node| node.pressure > 0.0 && most_traction > 0.0);
+        let tip =
+            |node: &SurfaceNode| [0, 1].map(|c| node.place[c] + ARROW * spacing * node.traction[c] / most_traction);
+        let tips = rubbed.map(tip);
         let [lowest, highest] = bounds(&mut tips.chain([low, high]));
         let low = [0, 1].map(|c| (low[c] - margin).min(lowest[c] - 0.25 * margin));
         let high = [0, 1].map(|c| (high[c] + margin).max(highest[c] + 0.25 * margin));
