@@ -50,7 +50,7 @@ impl ResultFolder {
         }
         increments.write_all(increments::header().as_bytes())?;
         let mut forces = table("forces.csv")?;
-        forces.write_all(ForceRecord::header(dimension).as_bytes())?;
+        forces.write_all(increments::forces_header(dimension).as_bytes())?;
         Ok(ResultFolder { path: path.to_path_buf(), increments, forces, fields: Vec::new() })
     }
 
@@ -72,7 +72,7 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_forces(&mut self, forces: &[ForceRecord]) -> io::Result<()> {
-        append(&mut self.forces, &forces.iter().map(ForceRecord::line).collect::<String>())
+        append(&mut self.forces, &forces.iter().map(increments::forces_line).collect::<String>())
     }
 
     /// Writes a contact line as CSV and, in two dimensions, as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`; with

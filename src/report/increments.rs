@@ -1,6 +1,7 @@
-//! The table of increments: comma-separated, a line for each.
+//! The tables that grow with the increments, comma-separated: a line for each, and one for the forces on each obstacle.
 
-use super::csv::number;
+use super::csv::{self, number};
+use super::resultant::{ForceRecord, Resultant};
 use crate::history::IncrementRecord;
 
 /// What the table of every version begins with: by that a run knows the folder of an earlier one.
@@ -36,4 +37,21 @@ pub(super) fn line(record: &IncrementRecord) -> String {
     fields.extend([s.assembly, s.factorization, s.solve, s.rest].map(|seconds| format!("{seconds:.6}")));
     fields.extend([r.parts.to_string(), r.rescued.to_string(), number(r.friction_work)]);
     fields.join(",") + "\n"
+}
+
+/// The header of the table of forces, for so many dimensions.
+pub(super) fn forces_header(dimension: usize) -> String {
+    let columns: &[&str] = match dimension {
+        2 => &["f_x", "f_y", "m_z", "sum_p_n", "sum_p_t"],
+        _ => &["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "sum_p_n", "sum_p_t", "sum_p_o"],
+    };
+    csv::table(&[&["index", "time", "boundary"], columns].concat(), std::iter::empty())
+}
+
+/// The line of the forces on an obstacle.
+pub(super) fn forces_line(record: &ForceRecord) -> String {
+    let Resultant { boundary, force, moment, sums } = &record.resultant;
+    let numbers = force.iter().chain(moment).chain([&sums.sum_p_n, &sums.sum_p_t]).chain(&sums.sum_p_o);
+    let fields = [record.index.to_string(), number(record.time), boundary.clone()];
+    fields.into_iter().chain(numbers.map(|x| number(*x))).collect::<Vec<_>>().join(",") + "\n"
 }

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::csv;
 use crate::contact::ContactBoundary;
 use crate::history::Step;
 use crate::model::Model;
@@ -100,22 +99,5 @@ impl ForceRecord {
     pub fn all(model: &Model, step: &Step<'_>) -> Vec<Self> {
         let (index, time) = (step.record.index, step.record.time);
         Resultant::all(model, step.state).into_iter().map(|resultant| ForceRecord { index, time, resultant }).collect()
-    }
-
-    /// The header of their table, comma-separated, for so many dimensions.
-    pub(super) fn header(dimension: usize) -> String {
-        let columns: &[&str] = match dimension {
-            2 => &["f_x", "f_y", "m_z", "sum_p_n", "sum_p_t"],
-            _ => &["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "sum_p_n", "sum_p_t", "sum_p_o"],
-        };
-        csv::table(&[&["index", "time", "boundary"], columns].concat(), std::iter::empty())
-    }
-
-    /// Its line in the table.
-    pub(super) fn line(&self) -> String {
-        let Resultant { boundary, force, moment, sums } = &self.resultant;
-        let numbers = force.iter().chain(moment).chain([&sums.sum_p_n, &sums.sum_p_t]).chain(&sums.sum_p_o);
-        let fields = [self.index.to_string(), csv::number(self.time), boundary.clone()];
-        fields.into_iter().chain(numbers.map(|x| csv::number(*x))).collect::<Vec<_>>().join(",") + "\n"
     }
 }
