@@ -82,11 +82,11 @@ fn body(scene: &Scene, model: &Model) {
         }
         Mesh::Gmsh { file, scale } => {
             // A forgotten scale is seen here. Six digits hide the rounding of a difference.
-            let length = |(lo, hi): (f64, f64)| {
-                let rounded: f64 = format!("{:.5e}", hi - lo).parse().unwrap_or(hi - lo);
+            let length = |length: &f64| {
+                let rounded: f64 = format!("{length:.5e}").parse().unwrap_or(*length);
                 format!("{rounded} m")
             };
-            let lengths = model.mesh.bounds()[..model.mesh.dimension].iter().copied().map(length).collect::<Vec<_>>();
+            let lengths = model.mesh.extent()[..model.mesh.dimension].iter().map(length).collect::<Vec<_>>();
             format!("{}, unit {scale} m, {} over all,", file.display(), lengths.join(" x "))
         }
     };

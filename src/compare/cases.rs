@@ -40,7 +40,9 @@ struct Solved {
 impl Study {
     /// `scene` with `mesh` elements in the first direction, and its reference of so many increments.
     pub(super) fn new(scene: &Scene, mesh: usize, reference: usize) -> Result<Self, CompareError> {
-        let scene = scene.with(&scene.mesh.refined(mesh))?;
+        // The gaps of obstacles that move are exact at the ends of the reference's increments, and so for all histories
+        // whose increments those divide.
+        let scene = scene.with(&scene.mesh.refined(mesh))?.with(&[increments_of(reference)])?;
         let (wall, cpu) = (Instant::now(), cpu_seconds());
         let model = Model::new(&scene)?;
         let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
@@ -88,6 +90,10 @@ impl Study {
     }
 }
 
+fn increments_of(number: usize) -> Override {
+    Override::value("time.increments", number as i64)
+}
+
 fn solve(
     scene: &Scene,
     model: &Model,
@@ -95,7 +101,7 @@ fn solve(
     path: SolverPath,
     increments: usize,
 ) -> Result<Solved, CompareError> {
-    let scene = scene.with(&[Override::value("time.increments", increments as i64)])?;
+    let scene = scene.with(&[increments_of(increments)])?;
     let (wall, cpu) = (Instant::now(), cpu_seconds());
     let settings = path.settings(&scene, model);
     let mut linear = model.linear(path.linear);
@@ -208,6 +214,18 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+
+    /// However many increments the scene itself has.
+    #[test]
+    fn moving_obstacles_are_where_the_reference_sees_them() {
+        let text = include_str!("../../data/scenes/hertz_line.toml");
+        let overrides = ["mesh.contact_elements=4", "mesh.outer_elements=4", "mesh.layers=4", "time.increments=1"];
+        let moving = "contact.obstacle.motion.translation=[[0,0,0],[1,0.02,0]]";
+        let overrides = overrides.into_iter().chain([moving]).map(|text| text.parse().unwrap()).collect::<Vec<_>>();
+        let study = Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), 4, 8).unwrap();
+        let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
+        assert_eq!(study.model.loading.bends[0].times, ends);
+    }
 
     #[test]
     fn all_directions_are_refined_in_proportion() {

@@ -72,6 +72,7 @@ impl PredictorCorrector {
         // The face ahead, and the last one that a step to it has been tried on.
         let (mut ahead, mut tried): (Option<Face>, Option<Face>) = (None, None);
         let mut settled = false;
+        // Equations that are not linear on their faces have none ahead, wherever they are asked.
         let curved = formulation.face_ahead(z, z).is_none();
 
         for iteration in 1..=settings.max_iterations {

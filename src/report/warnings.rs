@@ -58,13 +58,13 @@ fn locking(scene: &Scene, model: &Model) -> Option<String> {
         return None;
     }
     let poisson = model.materials.iter().map(|law| 0.5 * law.lambda / (law.lambda + law.mu)).fold(0.0, f64::max);
-    // What is computed back from Lamé's constants may miss the ratio by rounding.
     let simplices = |kind| matches!(kind, CellKind::Triangle | CellKind::Tetrahedron);
     let cells = match (model.mesh.cells.iter().any(|cell| simplices(cell.kind)), model.mesh.dimension) {
         (false, _) => "",
         (true, 2) => " with quadrilaterals",
         (true, _) => " with hexahedra",
     };
+    // What is computed back from Lamé's constants may miss the ratio by rounding.
     (poisson > LOCKING + ROUNDING).then(|| {
         format!(
             "elements lock near nu = 0.5, and nu is {poisson:.6}: the body may be far too stiff; \

@@ -51,6 +51,32 @@ pub fn run_default(scene: &Scene, model: &Model, observer: &mut dyn Observer) ->
     history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, observer).unwrap()
 }
 
+/// A block on a plane that pulls it along.
+pub const BELT: &str = r#"
+    title = "A block on a belt"
+    [mesh]
+    kind = "block"
+    size = [1.0, 0.5]
+    elements = [8, 4]
+    [material]
+    young = 1e9
+    poisson = 0.3
+    [[support]]
+    boundary = "top"
+    fix = ["x"]
+    [[contact]]
+    boundary = "bottom"
+    friction = 0.3
+    obstacle = { kind = "plane", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] } }
+    [[load]]
+    boundary = "top"
+    traction = [0.0, -1e5]
+    history = [[0, 0], [1, 1], [2, 1]]
+    [time]
+    end = 2.0
+    increments = 4
+"#;
+
 /// Keeps the state and the data of every increment.
 #[derive(Default)]
 pub struct Keep {
