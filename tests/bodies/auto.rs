@@ -1,0 +1,108 @@
+//! The linear algebra that is chosen where a scene leaves it open.
+#![allow(clippy::unwrap_used)]
+
+use crate::common::{Keep, block};
+use stickslip::auto::Choice;
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::model::Model;
+use stickslip::problem::State;
+use stickslip::scene::{LinearBackend, Scene};
+
+const STRIP: [&str; 2] = ["mesh.size=[1000,4]", "mesh.elements=[1000,4]"];
+
+fn scene(overrides: &[&str]) -> (Scene, Model) {
+    let scene = block(&[overrides, &["solver.linear=\"auto\""]].concat());
+    let model = Model::new(&scene).unwrap();
+    (scene, model)
+}
+
+fn choice(overrides: &[&str], available: Option<u64>) -> Choice {
+    let (scene, model) = scene(overrides);
+    Choice::new(&scene, &model, available).unwrap()
+}
+
+#[test]
+fn squares_are_condensed_and_strips_are_not() {
+    for increments in ["time.increments=2", "time.increments=40"] {
+        let square = choice(&["mesh.elements=[60,60]", increments], None);
+        assert_eq!(square.backend, LinearBackend::Condensed, "{:?}", square.reason());
+        let strip = choice(&[&STRIP[..], &[increments]].concat(), None);
+        assert_eq!(strip.backend, LinearBackend::default(), "{:?}", strip.reason());
+    }
+}
+
+#[test]
+fn cubes_are_condensed_and_the_thinnest_plate_is_not() {
+    let text = include_str!("../../data/scenes/cube.toml");
+    for (elements, size, expected) in [
+        ("[8,8,8]", "[1,1,1]", LinearBackend::Condensed),
+        ("[16,16,4]", "[1,1,0.25]", LinearBackend::Condensed),
+        ("[32,32,2]", "[1,1,0.0625]", LinearBackend::default()),
+    ] {
+        let overrides = [format!("mesh.elements={elements}"), format!("mesh.size={size}")];
+        let overrides = overrides.iter().map(String::as_str).chain(["solver.linear=\"auto\""]);
+        let overrides: Vec<_> = overrides.map(|text| text.parse().unwrap()).collect();
+        let scene = Scene::parse("cube.toml", text, &overrides).unwrap();
+        let choice = Choice::new(&scene, &Model::new(&scene).unwrap(), None).unwrap();
+        assert_eq!(choice.backend, expected, "{elements}: {:?}", choice.reason());
+    }
+}
+
+#[test]
+fn the_reason_is_told() {
+    let reason = choice(&["mesh.elements=[40,40]"], None).reason().unwrap();
+    let other = format!("for {}", LinearBackend::default());
+    for part in ["condensed (estimated ", " s against ", &other, " flops an iteration against "] {
+        assert!(reason.contains(part), "{part}: {reason}");
+    }
+    let named = block(&["mesh.elements=[5,5]", "solver.linear=\"condensed\""]);
+    let choice = Choice::new(&named, &Model::new(&named).unwrap(), None).unwrap();
+    assert_eq!((choice.backend, choice.reason()), (LinearBackend::Condensed, None));
+}
+
+#[test]
+fn what_memory_does_not_hold_is_not_chosen() {
+    let short = choice(&["mesh.elements=[40,40]"], Some(1000));
+    assert_eq!(short.backend, LinearBackend::default());
+    assert!(short.reason().unwrap().contains("GB of memory"), "{:?}", short.reason());
+}
+
+#[test]
+fn without_contact_any_choice_solves() {
+    let text = include_str!("../../data/scenes/block.toml");
+    let (contact, load) = (text.find("[[contact]]").unwrap(), text.find("[[load]]").unwrap());
+    let overrides = ["mesh.elements=[4,4]", "solver.linear=\"auto\""].map(|text| text.parse().unwrap());
+    let scene = Scene::parse("block.toml", &[&text[..contact], &text[load..]].concat(), &overrides).unwrap();
+    let model = Model::new(&scene).unwrap();
+    let choice = Choice::new(&scene, &model, None).unwrap();
+    assert_eq!(run(&scene, &model, choice.backend).0.status, Status::Converged);
+}
+
+fn run(scene: &Scene, model: &Model, backend: LinearBackend) -> (HistoryOutcome, Vec<State>) {
+    let settings = HistorySettings::bn(&model.problem, model.scaling(), 100, 1e-10);
+    let (mut linear, mut keep) = (model.linear(backend), Keep::default());
+    let times = scene.time.all();
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut keep).unwrap();
+    (outcome, keep.states)
+}
+
+/// Whatever is chosen, the other way has the same solution.
+#[test]
+fn both_ways_have_the_same_result() {
+    for (overrides, expected) in [
+        (&["mesh.elements=[30,30]"][..], LinearBackend::Condensed),
+        (&["mesh.elements=[300,2]", "mesh.size=[300,2]"], LinearBackend::default()),
+    ] {
+        let (scene, model) = scene(&[overrides, &["time.increments=2"]].concat());
+        let chosen = Choice::new(&scene, &model, None).unwrap().backend;
+        assert_eq!(chosen, expected);
+        let [(whole, whole_states), (condensed, condensed_states)] =
+            [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&scene, &model, backend));
+        assert_eq!((whole.status, condensed.status), (Status::Converged, Status::Converged));
+        for (a, b) in whole_states.iter().zip(&condensed_states) {
+            let largest = a.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+            let worst = a.p_n.iter().zip(&b.p_n).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+            assert!(worst <= 1e-9 * largest, "{overrides:?}: {worst:e} against {largest:e}");
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! Gmsh files are read whole, or refused with the line, the reason and the remedy.
+
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+
+use miette::Diagnostic;
+use stickslip::mesh::{CellKind, Mesh, MeshFileError, from_gmsh, gmsh};
+
+fn read(name: &str, scale: f64) -> Mesh {
+    gmsh(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes").join(name), scale).unwrap()
+}
+
+/// The outward area vectors of a boundary, summed.
+fn area(mesh: &Mesh, boundary: &str) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for facet in &mesh.boundary(boundary).unwrap().facets {
+        sum.iter_mut().zip(mesh.area_vector(facet)).for_each(|(sum, c)| *sum += c);
+    }
+    sum.map(|c| (c * 1e9).round() / 1e9 + 0.0)
+}
+
+#[test]
+fn triangles_with_two_materials() {
+    let mesh = read("square_triangles.msh", 1.0);
+    assert_eq!((mesh.dimension, mesh.nodes.len(), mesh.cells.len()), (2, 25, 32));
+    assert!(mesh.nodes.iter().all(|x| x[2] == 0.0) && mesh.cells.iter().all(|c| c.kind == CellKind::Triangle));
+    assert_eq!(mesh.groups, ["soft", "hard layer"]);
+    let hard = (0..32).filter(|&e| mesh.cells[e].group == 1);
+    assert!(hard.clone().count() == 16 && hard.into_iter().all(|e| mesh.centre(e)[1] > 0.5));
+    assert_eq!(mesh.boundary_names(), ["bottom", "right", "top", "left"]);
+    // However an edge is drawn in the file, the outside is on its right.
+    for (name, outwards) in [("bottom", [0.0, -1.0]), ("right", [1.0, 0.0]), ("top", [0.0, 1.0]), ("left", [-1.0, 0.0])]
+    {
+        assert_eq!(area(&mesh, name), [outwards[0], outwards[1], 0.0], "{name}");
+        let facets = &mesh.boundary(name).unwrap().facets;
+        assert!(facets.windows(2).all(|pair| pair[0][1] == pair[1][0]), "{name} in a row");
+    }
+}
+
+#[test]
+fn quadrilaterals_in_millimetres() {
+    let mesh = read("plate_quads_mm.msh", 1e-3);
+    assert_eq!((mesh.dimension, mesh.cells.len()), (2, 8));
+    assert_eq!(area(&mesh, "bottom"), [0.0, -0.04, 0.0]);
+    assert_eq!(mesh.nodes[14], [0.04, 0.02, 0.0]);
+}
+
+#[test]
+fn hexahedra_and_tetrahedra() {
+    for (name, kind, cells, facets) in
+        [("cube_hexahedra.msh", CellKind::Hexahedron, 8, 4), ("cube_tetrahedra.msh", CellKind::Tetrahedron, 48, 8)]
+    {
+        let mesh = read(name, 1.0);
+        assert_eq!((mesh.dimension, mesh.nodes.len(), mesh.cells.len()), (3, 27, cells));
+        assert!(mesh.cells.iter().all(|cell| cell.kind == kind));
+        assert_eq!(mesh.boundary("top").unwrap().facets.len(), facets);
+        assert_eq!(area(&mesh, "bottom"), [0.0, 0.0, -1.0]);
+        assert_eq!(area(&mesh, "top"), [0.0, 0.0, 1.0]);
+        assert_eq!(area(&mesh, "left"), [-1.0, 0.0, 0.0]);
+    }
+}
+
+const TRIANGLES: &str = include_str!("../../data/meshes/square_triangles.msh");
+const QUADS: &str = include_str!("../../data/meshes/plate_quads_mm.msh");
+const HEXAHEDRA: &str = include_str!("../../data/meshes/cube_hexahedra.msh");
+
+fn refused(text: &str) -> (String, String) {
+    let error: MeshFileError = from_gmsh("bad.msh", text.as_bytes(), 1.0).unwrap_err();
+    (error.to_string(), error.help().unwrap().to_string())
+}
+
+/// The line of `text`, from 1, that begins with `start`.
+fn line(text: &str, start: &str) -> usize {
+    1 + text.lines().position(|line| line.starts_with(start)).unwrap()
+}
+
+#[test]
+fn what_is_no_such_file_is_refused_with_its_line() {
+    let cut = |section: &str| TRIANGLES[..TRIANGLES.find(section).unwrap()].to_string();
+    let without = |section: &str| {
+        let end = format!("$End{section}\n");
+        cut(&format!("${section}")) + &TRIANGLES[TRIANGLES.find(&end).unwrap() + end.len()..]
+    };
+    let faults: Vec<(String, &str, &str)> = vec![
+        (String::new(), "bad.msh:1: the file does not begin with $MeshFormat", "-format msh41"),
+        ("solid cube\n".into(), "bad.msh:1: a section was expected, but there is `solid cube`", "-format msh41"),
+        (TRIANGLES.replace("4.1 0 8", "2.2 0 8"), "bad.msh:2: the file has the format MSH 2.2", "-format msh41"),
+        (TRIANGLES.replace("4.1 0 8", "4 0 8"), "bad.msh:2: the file has the format MSH 4,", "-format msh41"),
+        (TRIANGLES.replace("4.1 0 8", "4.1 1 8"), "bad.msh:2: the file is binary", "Mesh.Binary = 0"),
+        (without("Entities"), "the file has no section $Entities", "whole mesh"),
+        (without("Elements"), "the file has no section $Elements", "whole mesh"),
+        (without("Nodes"), "$Elements comes before $Nodes", "export"),
+        (cut("$EndNodes"), "the file ends within $Nodes", "copy"),
+        (cut("$EndElements"), "the file ends within $Elements", "copy"),
+        (
+            TRIANGLES.replace("1 1 1 4\n", "1 1 8 4\n"),
+            "the type 8 (second order), which is not supported",
+            "first-order",
+        ),
+        (
+            TRIANGLES.replace("2 1 2 16\n", "2 1 9 16\n"),
+            "the type 9 (second order), which is not supported",
+            "first-order",
+        ),
+        (TRIANGLES.replace("2 1 2 16\n", "2 1 3 16\n"), "has 3 nodes, but a quadrilateral has 4", "export"),
+        (TRIANGLES.replace("1 25 10 34", "1 26 10 34"), "$Nodes announces 26 nodes, but has 25", "export"),
+        (TRIANGLES.replace("6 48 1 48", "6 49 1 48"), "$Elements announces 49 elements, but has 48", "export"),
+        (
+            TRIANGLES.replace("1 11 10\n", "1 11 99\n"),
+            "element 1 names the node 99, which $Nodes does not have",
+            "export",
+        ),
+        (TRIANGLES.replace("1 25 10 34", "one 25 10 34"), "$Nodes: 4 whole numbers expected", "export"),
+        (TRIANGLES.replacen("\n11\n", "\n10\n", 1), "the node 10 is there twice", "export"),
+        (TRIANGLES.replacen("0 0 0.25\n", "0 nan 0.25\n", 1), "three finite coordinates", "export"),
+    ];
+    for (text, message, help) in faults {
+        let (said, advice) = refused(&text);
+        assert!(said.contains(message) && said.starts_with("bad.msh:"), "`{message}`: {said}");
+        assert!(advice.contains(help), "`{help}`: {advice}");
+    }
+    let place = line(TRIANGLES, "1 11 10");
+    assert!(refused(&TRIANGLES.replace("1 11 10\n", "1 11 99\n")).0.starts_with(&format!("bad.msh:{place}:")));
+}
+
+#[test]
+fn meshes_that_are_not_sound_are_refused_with_their_elements() {
+    let more = |quads: &str, nodes: &str, coordinates: &str, elements: &str| {
+        let (n, e) = (15 + nodes.lines().count(), elements.lines().count());
+        (quads.replace("1 15 1 15\n2 1 0 15\n", &format!("1 {n} 1 {n}\n2 1 0 {n}\n")))
+            .replace("\n15\n", &format!("\n15\n{nodes}"))
+            .replace("$EndNodes", &format!("{coordinates}$EndNodes"))
+            .replace("4 18 1 18", &format!("4 {} 1 18", 18 + e))
+            .replace("2 1 3 8\n", &format!("2 1 3 {}\n", 8 + e))
+            .replace("$EndElements", &format!("{elements}$EndElements"))
+    };
+    let (far, square) = ("50 50 0\n60 50 0\n60 60 0\n50 60 0\n", "19 16 17 18 19\n");
+    let faults = [
+        (QUADS.replace("11 1 2 7 6", "11 1 6 7 2"), "element 11 is inverted", "reverse"),
+        (QUADS.replace("11 1 2 7 6", "11 1 2 6 7"), "element 11 is inverted", "reverse"),
+        (QUADS.replace("\n10 10 0\n", "\n10 0 0\n"), "the elements 11, 12 are degenerate", "slivers"),
+        (more(QUADS, "16\n", "70 70 0\n", ""), "nodes belong to no element of the body: 16", "physical groups"),
+        (
+            more(QUADS, "16\n17\n18\n19\n", far, square),
+            "in 2 pieces that share no node; an element of each: 11, 19",
+            "Coherence",
+        ),
+        (
+            more(QUADS, "16\n17\n18\n19\n", &far.replace("50 50 0", "40 20 0"), square),
+            "nodes coincide in pairs: 15 and 16",
+            "Coherence",
+        ),
+        (
+            more(QUADS, "16\n17\n18\n", "50 20 0\n50 30 0\n40 30 0\n", "19 15 16 17 18\n"),
+            "in 2 pieces that share no whole side, an element of each: 11, 19; two of them only touch at node 15",
+            "whole edges",
+        ),
+        (more(QUADS, "", "", "19 1 2 7 6\n"), "elements lie on one another, in pairs: 11 and 19", "twice"),
+        (
+            more(QUADS, "", "", "19 3 8 7 2\n20 4 5 10 9\n"),
+            "elements lie on one another, in pairs: 12 and 19, 14 and 20",
+            "twice",
+        ),
+        (
+            (HEXAHEDRA.replace("4 20 1 20", "4 21 1 21").replace("3 1 5 8\n", "3 1 5 9\n"))
+                .replace("$EndElements", "21 14 17 16 13 23 26 25 22\n$EndElements"),
+            "elements lie on one another, in pairs: 19 and 21",
+            "twice",
+        ),
+        (
+            QUADS.replace("\n4 4 5\n", "\n4 4 3\n"),
+            "the elements 3 and 4 of the boundary `bottom` are the same facet",
+            "twice",
+        ),
+        (
+            HEXAHEDRA.replace("8 23 24 27 26", "8 22 23 20 19"),
+            "the elements 5 and 8 of the boundary `top` are the same facet",
+            "twice",
+        ),
+        (QUADS.replace("\n2 2 3\n", "\n2 2 7\n"), "element 2 of the boundary `bottom` lies inside the body", "outline"),
+        (QUADS.replace("\n2 2 3\n", "\n2 2 4\n"), "element 2 of the boundary `bottom` is no side", "outline"),
+        (HEXAHEDRA.replace("13 1 2 5 4 10 11 14 13", "13 10 11 14 13 1 2 5 4"), "element 13 is inverted", "reverse"),
+        (
+            HEXAHEDRA.replace("13 1 2 5 4 10 11 14 13", "13 1 2 5 4 1 2 5 4"),
+            "element 13 is degenerate: without volume at a corner",
+            "slivers",
+        ),
+        (HEXAHEDRA.replacen("\n1 0 0\n", "\n0.5 0 0\n", 1), "degenerate", "slivers"),
+        (
+            TRIANGLES.replacen("1 1 0.25\n", "1 1 0.5\n", 1),
+            "the mesh is a surface that is not plane: node 34",
+            "gmsh -3",
+        ),
+    ];
+    for (text, message, help) in faults {
+        let (said, advice) = refused(&text);
+        assert!(said.contains(message) && said.starts_with("bad.msh:"), "`{message}`: {said}");
+        assert!(advice.contains(help), "`{help}`: {advice}");
+    }
+}
+
+/// A plane mesh that is drawn clockwise throughout is turned over.
+#[test]
+fn a_clockwise_mesh_is_turned_over() {
+    let turned = |line: &str| match line.split_whitespace().collect::<Vec<_>>()[..] {
+        [e, a, b, c, d] if e.parse::<usize>().is_ok_and(|e| e > 10) => [e, d, c, b, a].join(" "),
+        _ => line.to_string(),
+    };
+    let text = QUADS.lines().map(turned).collect::<Vec<_>>().join("\n");
+    assert_ne!(text, QUADS);
+    let mesh = from_gmsh("clockwise.msh", text.as_bytes(), 1.0).unwrap();
+    assert_eq!(area(&mesh, "top"), [0.0, 40.0, 0.0]);
+}
+
+/// Groups without names are called by their numbers.
+#[test]
+fn groups_without_names() {
+    let end = "$EndPhysicalNames\n";
+    let rest = &QUADS[QUADS.find(end).unwrap() + end.len()..];
+    let mesh = from_gmsh("numbers.msh", format!("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n{rest}").as_bytes(), 1.0);
+    assert_eq!(mesh.unwrap().boundary_names(), ["1", "2", "3"]);
+}
+
+/// Cubes that meet in a corner or along an edge would turn about it.
+#[test]
+fn joints_are_refused() {
+    let cubes = |second: &str, count: usize, more: &str| {
+        let nodes = (1..=count).map(|k| k.to_string()).collect::<Vec<_>>().join("\n");
+        format!(
+            "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 1 1 1 0 0\n$EndEntities\n\
+             $Nodes\n1 {count} 1 {count}\n3 1 0 {count}\n{nodes}\n\
+             0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n{more}$EndNodes\n\
+             $Elements\n1 2 10 11\n3 1 5 2\n10 1 2 3 4 5 6 7 8\n11 {second}\n$EndElements\n"
+        )
+    };
+    let touching = "an element of each: 10, 11; two of them only touch at node";
+    let corner = "2 1 1\n2 2 1\n1 2 1\n1 1 2\n2 1 2\n2 2 2\n1 2 2\n";
+    let (said, advice) = refused(&cubes("7 9 10 11 12 13 14 15", 15, corner));
+    assert!(said.contains(&format!("{touching} 7")) && advice.contains("faces"), "{said}: {advice}");
+    let hinge = "2 0 1\n2 1 1\n1 0 2\n2 0 2\n2 1 2\n1 1 2\n";
+    let (said, _) = refused(&cubes("6 9 10 7 11 12 13 14", 14, hinge));
+    assert!(said.contains(&format!("{touching} 6")), "{said}");
+    let joined = "2 0 0\n2 1 0\n2 1 1\n2 0 1\n";
+    assert!(from_gmsh("joined.msh", cubes("2 9 10 3 6 12 11 7", 12, joined).as_bytes(), 1.0).is_ok());
+}
+
+/// What is in two physical groups of one name belongs to it once.
+#[test]
+fn two_groups_of_one_name_are_one() {
+    let text = HEXAHEDRA.replace("$PhysicalNames\n4\n", "$PhysicalNames\n5\n2 9 \"top\"\n");
+    let twice = |line: &str| match line {
+        "2 0 0 0 1 1 1 1 2 0" => "2 0 0 0 1 1 1 2 2 9 0".to_string(),
+        _ => line.to_string(),
+    };
+    let text = text.lines().map(twice).collect::<Vec<_>>().join("\n");
+    let mesh = from_gmsh("twice.msh", text.as_bytes(), 1.0).unwrap();
+    assert_eq!((mesh.boundary("top").unwrap().facets.len(), area(&mesh, "top")), (4, [0.0, 0.0, 1.0]));
+}

@@ -1,0 +1,22 @@
+//! From a scene to matrices and back: meshes, elements, obstacles, closed forms, result files.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod auto;
+mod closed_forms;
+mod contact_surface;
+mod cube;
+mod gmsh;
+mod layers;
+mod locking;
+mod moving_obstacles;
+mod obstacles;
+mod patch_hex8;
+mod patch_quad4;
+mod scene_against_mesh;
+mod scene_errors;
+mod scene_overrides;
+mod scene_values;
+mod verification;
+mod vtu;

@@ -1,0 +1,139 @@
+//! Obstacles that move: friction along a belt, and gaps that are exact wherever the obstacle has gone.
+#![allow(clippy::unwrap_used)]
+
+use crate::common;
+use crate::common::{BELT, Keep};
+use stickslip::history::Status;
+use stickslip::model::Model;
+use stickslip::scene::{LinearBackend, Scene};
+
+fn solve(text: &str) -> (Model, Vec<[f64; 2]>) {
+    let scene = Scene::parse("belt.toml", text, &[]).unwrap();
+    let model = Model::new(&scene).unwrap();
+    let mut keep = Keep::default();
+    let settings = stickslip::history::HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
+    let mut linear = model.linear(LinearBackend::default());
+    let outcome =
+        stickslip::history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut keep)
+            .unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    let sums = keep.states.iter().map(|state| [state.p_n.iter().sum(), state.p_t.iter().sum()]).collect();
+    (model, sums)
+}
+
+/// While the belt stands still the block sticks or spreads symmetrically; when it runs, every node slides, and the
+/// whole friction μ N pulls along the belt.
+#[test]
+fn a_running_belt_pulls_with_the_whole_friction() {
+    let (_, sums) = solve(BELT);
+    assert!((sums[1][0] - 1e5).abs() < 1e-3 && sums[1][1].abs() < 1e-3, "{sums:?}");
+    // p_t is the force of the body on the obstacle, against the motion of the belt.
+    for k in [2, 3] {
+        assert!((sums[k][0] - 1e5).abs() < 1e-3 && (sums[k][1] + 0.3e5).abs() < 1e-3, "{sums:?}");
+    }
+    let (_, sums) = solve(&BELT.replace("0.5, 0]", "-0.5, 0]"));
+    assert!((sums[3][1] - 0.3e5).abs() < 1e-3, "{sums:?}");
+}
+
+/// An obstacle that carries the whole body along is as if the body were pushed back: only the relative motion counts.
+#[test]
+fn approach_and_translation_along_the_normal_are_the_same() {
+    let pressed = BELT
+        .replace("traction = [0.0, -1e5]", "traction = [1e4, 0.0]")
+        .replace("fix = [\"x\"]", "fix = [\"x\", \"y\"]");
+    let translation = "motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
+    let (_, by_translation) =
+        solve(&pressed.replace(translation, "motion = { translation = [[0, 0, 0], [2, 0, 1e-4]] }"));
+    let (_, by_approach) = solve(&pressed.replace(translation, "approach = [[0, 0], [2, 1e-4]]"));
+    assert_eq!(by_translation, by_approach);
+    assert!(by_approach[3][0] > 1e4);
+}
+
+/// The belt with a cylinder of this radius in place of the plane.
+fn roller(radius: f64, motion: &str) -> String {
+    let kind = format!("kind = \"cylinder\", radius = {radius}, apex = [0.5, 0.0], motion = {{ {motion} }}");
+    BELT.replace("kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }", &kind)
+}
+
+/// However far an obstacle moves and turns, the gaps in front of it are exact. What the body does is linearised: on a
+/// wedge it leaves that range.
+#[test]
+fn only_the_body_leaves_the_range() {
+    let share = |text: &str| left(&Scene::parse("belt.toml", text, &[]).unwrap());
+    assert!(share(BELT).is_none());
+    assert!(share(&roller(10.0, "rotation = { through = [0.5, -10.0], history = [[0, 0], [2, 6.0]] }")).is_none());
+    for distance in ["0.02", "0.2", "-0.3"] {
+        let translation = format!("translation = [[0, 0, 0], [1, 0, 0], [2, {distance}, 0]]");
+        assert!(share(&roller(10.0, &translation)).is_none(), "{distance}");
+    }
+    // The block is pushed to the wall over the ridge of a wedge.
+    let wedge = "contact.obstacle={ kind = \"wedge\", angle = 0.2, apex = [0.75, -1e-5] }";
+    assert!(
+        left(&common::block(&["mesh.elements=[4,4]", "time.end=1", "time.increments=2", "output.times=[1]", wedge]))
+            .unwrap()
+            > 0.2
+    );
+}
+
+/// A roller that passes under a body that is the same everywhere: moved by whole elements, and turned over, the contact
+/// forces move and turn over, too. By the rates alone the gaps would be wrong by as much as they are.
+#[test]
+fn a_roller_passes() {
+    let last = |text: &str| {
+        let scene = Scene::parse("roller.toml", text, &[]).unwrap();
+        let (model, mut keep) = (Model::new(&scene).unwrap(), Keep::default());
+        assert_eq!(common::run_default(&scene, &model, &mut keep).status, Status::Converged);
+        (model, keep.states.last().unwrap().p_n.clone())
+    };
+    let held = |motion: &str| {
+        let text = roller(10.0, motion).replace("friction = 0.3", "friction = 0").replace("[8, 4]", "[16, 8]");
+        text.replace("fix = [\"x\"]", "fix = [\"x\", \"y\"]")
+    };
+    let moved = |distance: f64| held(&format!("translation = [[0, 0, 0], [1, 0, 4e-3], [2, {distance}, 4e-3]]"));
+    let (model, right) = last(&moved(0.25));
+    let (_, left) = last(&moved(-0.25));
+    let put = held("translation = [[0, 0, 0], [1, 0, 4e-3]]").replace("apex = [0.5, 0.0]", "apex = [0.75, 0.0]");
+    let (_, put) = last(&put);
+    assert!(right.iter().filter(|p| **p > 0.0).count() > 2 && right[0] == 0.0, "{right:?}");
+    for (i, contact) in model.contacts.iter().enumerate() {
+        let mirror = |x: f64| model.contacts.iter().position(|c| (c.position[0] + x - 1.0).abs() < 1e-9).unwrap();
+        let other = left[mirror(contact.position[0])];
+        assert!((right[i] - other).abs() < 1e-4 && (right[i] - put[i]).abs() < 1e-4, "{right:?} {left:?} {put:?}");
+    }
+}
+
+/// A plane that tips over by a large angle is where it is, at the node's normal.
+#[test]
+fn a_plane_that_tips() {
+    let tips =
+        "kind = \"plane\", gap = 0.0, motion = { rotation = { through = [1, 0], history = [[0, 0], [2, 0.4]] } }";
+    let text = BELT.replace("kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }", tips);
+    let model = Model::new(&Scene::parse("tips.toml", &text, &[]).unwrap()).unwrap();
+    let mut gap = vec![0.0; model.contacts.len()];
+    for (t, angle) in [(0.5, 0.1_f64), (2.0, 0.4)] {
+        model.loading.gap_at(t, &mut gap);
+        for (contact, gap) in model.contacts.iter().zip(&gap) {
+            let expected = (1.0 - contact.position[0]) * angle.tan();
+            assert!((gap - expected).abs() < 1e-12, "{t} {:?}: {gap} {expected}", contact.position);
+        }
+    }
+}
+
+/// Keeps by how much the last state leaves the range.
+struct Last<'a>(&'a Model, Option<f64>);
+
+impl stickslip::history::Observer for Last<'_> {
+    fn increment(&mut self, step: &stickslip::history::Step<'_>) -> stickslip::nonlinear::Flow {
+        let left = self.0.range_left(step.record.time, &step.state.u, step.increment.gap, step.statuses);
+        self.1 = left.map(|left| left.share);
+        stickslip::nonlinear::Flow::Continue
+    }
+}
+
+/// By how much the last state leaves the range.
+fn left(scene: &Scene) -> Option<f64> {
+    let model = Model::new(scene).unwrap();
+    let mut last = Last(&model, None);
+    assert_eq!(common::run_default(scene, &model, &mut last).status, Status::Converged);
+    last.1
+}

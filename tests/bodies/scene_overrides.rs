@@ -1,0 +1,213 @@
+//! `--set` changes what it names and nothing else, and what it cannot change it refuses.
+
+// Values that were given are read back exactly.
+#![allow(clippy::unwrap_used, clippy::float_cmp)]
+
+use miette::Diagnostic;
+use stickslip::scene::{CellShape, Mesh, Obstacle, Override, Plane, Scene, SceneError, Segment, Shape};
+
+const BLOCK: &str = include_str!("../../data/scenes/block.toml");
+
+/// A second contact, with its obstacle as a table of its own.
+const SECOND: &str =
+    "\n[[contact]]\nboundary = \"top\"\nfriction = 0.2\n[contact.obstacle]\nkind = \"plane\"\ngap = 2e-5\n";
+
+fn parse(text: &str, sets: &[&str]) -> Result<Scene, SceneError> {
+    let overrides: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
+    Scene::parse("block.toml", text, &overrides)
+}
+
+fn scene(sets: &[&str]) -> Scene {
+    parse(BLOCK, sets).unwrap()
+}
+
+fn two_contacts(sets: &[&str]) -> Scene {
+    parse(&[BLOCK, SECOND].concat(), sets).unwrap()
+}
+
+/// The scene without the tables from `from` to `to`, or to its end.
+fn without(from: &str, to: Option<&str>) -> String {
+    let rest = to.map_or("", |to| &BLOCK[BLOCK.find(to).unwrap()..]);
+    [&BLOCK[..BLOCK.find(from).unwrap()], rest].concat()
+}
+
+fn line_of(marker: &str) -> usize {
+    1 + BLOCK[..BLOCK.find(marker).unwrap()].matches('\n').count()
+}
+
+fn gap(obstacle: &Obstacle) -> f64 {
+    let Shape::Plane { gap } = obstacle.shape else { panic!("not a plane") };
+    gap
+}
+
+#[test]
+fn what_is_not_key_equals_value_is_refused() {
+    let faulty = [
+        "",
+        "mesh.elements",
+        "=3",
+        "mesh..elements=3",
+        ".mesh=3",
+        "mesh.=3",
+        "mesh elements=3",
+        "contact[].friction=1",
+        "contact[x].friction=1",
+        "contact[-1].friction=1",
+        "contact[0.friction=1",
+        "contact0].friction=1",
+        "contact[0][1].friction=1",
+        "[0].friction=1",
+    ];
+    for text in faulty {
+        let error = text.parse::<Override>().err().unwrap_or_else(|| panic!("accepted: {text}"));
+        let message = error.to_string();
+        assert!(message.starts_with(&format!("`{text}` is not of the form key=value, such as ")), "{message}");
+    }
+}
+
+#[test]
+fn a_value_is_replaced() {
+    assert_eq!(
+        scene(&["mesh.elements=[7, 8]"]).mesh,
+        Mesh::Block {
+            axes: [7, 8].map(|elements| vec![Segment { length: 1.0, elements, grading: 1.0 }]).to_vec(),
+            cells: CellShape::Quadrilateral
+        }
+    );
+    assert_eq!(scene(&[" material.poisson = 0.25 "]).material.poisson, 0.25);
+    assert_eq!(scene(&["time.end=3", "time.end=4"]).time.end, 4.0);
+    let changed = scene(&["time.increments=3"]);
+    assert_eq!((changed.time.increments, changed.material), (3, scene(&[]).material));
+}
+
+#[test]
+fn bare_words_are_strings() {
+    assert_eq!(scene(&["material.plane=stress"]).material.plane, Plane::Stress);
+    assert_eq!(scene(&["material.plane=\"stress\""]).material.plane, Plane::Stress);
+    assert_eq!(scene(&["title=A = b, \"c\""]).title, "A = b, \"c\"");
+}
+
+#[test]
+fn one_contact_or_all() {
+    let frictions = |sets: &[&str]| two_contacts(sets).contacts.iter().map(|c| c.friction).collect::<Vec<_>>();
+    assert_eq!(frictions(&[]), [0.4, 0.2]);
+    assert_eq!(frictions(&["contact.friction=0.7"]), [0.7, 0.7]);
+    assert_eq!(frictions(&["contact[0].friction=0.7"]), [0.7, 0.2]);
+    assert_eq!(frictions(&["contact[1].friction=0.7"]), [0.4, 0.7]);
+    let gaps = |sets: &[&str]| two_contacts(sets).contacts.iter().map(|c| gap(&c.obstacle)).collect::<Vec<_>>();
+    assert_eq!(gaps(&["contact.obstacle.gap=3e-5"]), [3e-5, 3e-5]);
+    assert_eq!(gaps(&["contact[0].obstacle.gap=3e-5"]), [3e-5, 2e-5]);
+    let loads = scene(&["load[1].traction=[1, 2]"]).loads;
+    assert_eq!([&loads[0].traction[..], &loads[1].traction], [[0.0, -10e6], [1.0, 2.0]]);
+}
+
+#[test]
+fn contacts_in_one_line_are_a_list_too() {
+    let inline = "contact = [{ boundary = \"bottom\", friction = 0.4, obstacle = { kind = \"plane\" } }]\n";
+    let text = [inline, &without("[[contact]]", Some("[[load]]"))].concat();
+    for set in ["contact.friction=0.7", "contact[0].friction=0.7"] {
+        assert_eq!(parse(&text, &[set]).unwrap().contacts[0].friction, 0.7);
+    }
+    let error = parse(&text, &["contact[1].friction=0.7"]).unwrap_err().to_string();
+    assert!(error.contains("has 1 [[contact]]"), "{error}");
+}
+
+#[test]
+fn what_the_scene_leaves_out_is_added() {
+    let bare = without("[solver]", None);
+    assert_eq!(parse(&bare, &["output.times=[1.0]"]).unwrap().output.times, [1.0]);
+    let solver = parse(&bare, &["solver.max_iterations=7", "solver.tolerance=1e-6"]).unwrap().solver;
+    assert_eq!((solver.max_iterations, solver.tolerance), (7, 1e-6));
+    let changed = scene(&["contact.obstacle.normal=[0, -2]"]);
+    let obstacle = &changed.contacts[0].obstacle;
+    assert_eq!((gap(obstacle), obstacle.normal), (1e-5, Some([0.0, -1.0, 0.0])));
+    // An added table is checked as any other.
+    let error = parse(&bare, &["output.times=[5]"]).unwrap_err().to_string();
+    assert!(error.contains("output.times holds 5"), "{error}");
+}
+
+#[test]
+fn an_unknown_key_is_reported_as_such() {
+    for (set, key) in [
+        ("material.youngs=1", "youngs"),
+        ("mat.young=1", "mat"),
+        ("contact.obstacle.hole=1", "hole"),
+        ("contact[0].mu=1", "mu"),
+        ("output.time=[1.0]", "time"),
+        ("colour=red", "colour"),
+    ] {
+        let error = parse(BLOCK, &[set]).unwrap_err();
+        let message = error.to_string();
+        assert!(message.contains(&format!("unknown field `{key}`, expected ")), "{set}: {message}");
+        assert!(error.help().unwrap().to_string().contains("spelling"));
+    }
+}
+
+#[test]
+fn what_cannot_be_set_is_refused() {
+    let no_contact = without("[[contact]]", Some("[[load]]"));
+    for (text, set, says, remedy) in [
+        (BLOCK, "contact[1].friction=1", "has 1 [[contact]], so there is no contact[1]", "from 0"),
+        (BLOCK, "load[2].history=[]", "has 2 [[load]], so there is no load[2]", "from 0"),
+        (&no_contact, "contact.friction=1", "no [[contact]]", "add one"),
+        (&no_contact, "contact[0].friction=1", "no [[contact]]", "add one"),
+        (BLOCK, "material=3", "`material` is a table", "one of its keys"),
+        (BLOCK, "contact=3", "`contact` is a table", "one of its keys"),
+        (BLOCK, "contact[0]=3", "whole table", "one of its keys"),
+        (BLOCK, "time[0].end=1", "`time` is not a list of tables", "leave the [index] out"),
+        (BLOCK, "mesh.elements[0]=1", "`elements` is not a list of tables", "leave the [index] out"),
+        (BLOCK, "time.end.x=1", "`end` is not a table", "look the key up"),
+    ] {
+        let error = parse(text, &[set]).err().unwrap_or_else(|| panic!("accepted: {set}"));
+        let message = error.to_string();
+        assert!(message.starts_with(&format!("--set {set}: ")), "{message}");
+        assert!(message.contains(says), "`{says}` is not in: {message}");
+        let help = error.help().unwrap().to_string();
+        assert!(help.contains(remedy), "`{remedy}` is not in: {help}");
+    }
+}
+
+#[test]
+fn values_are_checked_where_they_stand() {
+    for (set, marker, says) in [
+        ("mesh.elements=[5,5", "elements =", "string \"[5,5\", expected a list"),
+        ("mesh.elements=[5, 5, 5]", "elements =", "mesh.elements is [5, 5, 5]"),
+        ("material.poisson=0.7", "poisson =", "material.poisson is 0.7"),
+        ("material.plane=sress", "plane =", "unknown variant `sress`"),
+        ("contact.friction=-1", "friction =", "friction is -1.0"),
+        ("contact.obstacle.gap=nan", "gap =", "gap is NaN"),
+        ("load[1].history=[]", "[2, 0]]", "history is empty"),
+        ("solver.method=newton", "method =", "unknown variant `newton`"),
+        ("output.times=[9.0]", "times =", "output.times holds 9"),
+    ] {
+        let message = parse(BLOCK, &[set]).unwrap_err().to_string();
+        let place = format!("block.toml (with --set):{}: ", line_of(marker));
+        assert!(message.starts_with(&place), "{set}: not {place}: {message}");
+        assert!(message.contains(says), "`{says}` is not in: {message}");
+    }
+}
+
+#[test]
+fn comments_and_lines_stay() {
+    let faulty = BLOCK.replace("times = [1.0, 2.0]", "times = [9.0]");
+    let sets = ["mesh.elements=[4, 4]", "contact.friction=0.1", "contact.obstacle.gap=2e-5", "time.end=2.5"];
+    let error = parse(&faulty, &sets).unwrap_err();
+    let message = error.to_string();
+    assert!(message.starts_with(&format!("block.toml (with --set):{}: ", line_of("times ="))), "{message}");
+    // The text that the message quotes is the scene with only these values changed.
+    let expected = faulty
+        .replace("[100, 100]", "[4, 4]")
+        .replace("friction = 0.4", "friction = 0.1")
+        .replace("gap = 1e-5", "gap = 2e-5")
+        .replace("end = 2.0", "end = 2.5");
+    let quoted = error.source_code().unwrap().read_span(&(0, expected.len()).into(), 0, 0).unwrap();
+    assert_eq!(std::str::from_utf8(quoted.data()).unwrap(), expected);
+}
+
+#[test]
+fn a_syntax_error_is_found_in_the_file_itself() {
+    let faulty = BLOCK.replace("young = 210e9", "young = ");
+    let error = parse(&faulty, &["mesh.elements=[4, 4]"]).unwrap_err();
+    assert!(error.to_string().starts_with(&format!("block.toml:{}: ", line_of("young ="))), "{error}");
+    assert_eq!(error.help().unwrap().to_string(), "mend the TOML here");
+}

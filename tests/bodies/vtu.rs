@@ -1,0 +1,258 @@
+//! VTU files, opened by a reader that is not ours.
+
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+
+use crate::common;
+use stickslip::history::{self, HistorySettings, Observer, Step};
+use stickslip::model::Model;
+use stickslip::nonlinear::Flow;
+use stickslip::report::{Grid, ResultFolder, fields};
+use stickslip::scene::{LinearBackend, Scene};
+use vtkio::Vtk;
+use vtkio::model::{Attribute, CellType, DataSet, Piece, UnstructuredGridPiece, VertexNumbers};
+
+/// The fields of every increment.
+struct Fields<'a>(&'a Model, Vec<Grid>);
+
+impl Observer for Fields<'_> {
+    fn increment(&mut self, step: &Step<'_>) -> Flow {
+        self.1.push(fields(self.0, step));
+        Flow::Continue
+    }
+}
+
+fn solve(scene: &Scene) -> (Model, Vec<Grid>) {
+    let model = Model::new(scene).unwrap();
+    let settings = HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
+    let mut linear = model.linear(LinearBackend::default());
+    let mut observer = Fields(&model, Vec::new());
+    history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut observer).unwrap();
+    let grids = observer.1;
+    (model, grids)
+}
+
+fn piece(vtk: Vtk) -> UnstructuredGridPiece {
+    match vtk.data {
+        DataSet::UnstructuredGrid { mut pieces, .. } => match pieces.pop().unwrap() {
+            Piece::Inline(piece) => *piece,
+            other => panic!("{other:?}"),
+        },
+        other => panic!("{other:?}"),
+    }
+}
+
+fn values(attributes: &[Attribute], name: &str) -> (usize, Vec<f64>) {
+    let array = attributes.iter().find_map(|attribute| match attribute {
+        Attribute::DataArray(array) if array.name == name => Some(array),
+        _ => None,
+    });
+    let array = array.unwrap_or_else(|| panic!("{name} is missing"));
+    (array.num_comp(), array.data.cast_into().unwrap())
+}
+
+/// The von Mises stress of a tensor.
+fn equivalent(s: &[f64]) -> f64 {
+    let mean = (s[0] + s[4] + s[8]) / 3.0;
+    let deviator: f64 = s.iter().enumerate().map(|(k, s)| (s - if k % 4 == 0 { mean } else { 0.0 }).powi(2)).sum();
+    (1.5 * deviator).sqrt()
+}
+
+#[test]
+fn the_block_reads_back_as_it_was_computed() {
+    let scene = common::block(&["mesh.elements=[4,3]", "time.increments=2", "contact.obstacle.gap=0"]);
+    let (model, grids) = solve(&scene);
+    let read = piece(Vtk::parse_xml(grids[1].to_vtu().as_bytes()).unwrap());
+    let points: Vec<f64> = read.points.cast_into().unwrap();
+    assert_eq!(points, model.mesh.nodes.as_flattened());
+    let VertexNumbers::XML { connectivity, offsets } = read.cells.cell_verts else { panic!() };
+    assert_eq!(offsets, (1..=12).map(|k| 4 * k).collect::<Vec<u64>>());
+    assert_eq!(connectivity[..4], [0, 1, 6, 5]);
+    assert!(read.cells.types.iter().all(|&kind| kind == CellType::Quad));
+
+    let (components, displacement) = values(&read.data.point, "displacement");
+    let (_, gap) = values(&read.data.point, "gap");
+    let (_, pressure) = values(&read.data.point, "contact_pressure");
+    let (vector, traction) = values(&read.data.point, "tangential_traction");
+    let (_, status) = values(&read.data.point, "status");
+    assert_eq!((components, vector, displacement.len()), (3, 3, 60));
+    for (node, x) in model.mesh.nodes.iter().enumerate() {
+        let contact = model.contacts.iter().position(|contact| contact.node == node);
+        assert_eq!(contact.is_none(), gap[node].is_nan() && pressure[node].is_nan() && traction[3 * node].is_nan());
+        assert_eq!(contact.is_none(), status[node] == -1.0, "{x:?}");
+        if contact.is_some() {
+            assert!(pressure[node] >= -1e-3 && gap[node] > -1e-14);
+            assert!((gap[node] - displacement[3 * node + 1]).abs() < 1e-15, "the foundation is below");
+            assert!(traction[3 * node].abs() <= 0.4 * pressure[node] + 1e-3 && traction[3 * node + 1] == 0.0);
+        }
+    }
+    let (nine, stress) = values(&read.data.cell, "stress");
+    let (_, mises) = values(&read.data.cell, "von_mises");
+    let (_, material) = values(&read.data.cell, "material");
+    assert_eq!((nine, stress.len(), material), (9, 108, vec![0.0; 12]));
+    for (s, mises) in stress.chunks_exact(9).zip(mises) {
+        assert!(s[1] == s[3] && s[2] == 0.0 && s[5] == 0.0);
+        // Plane strain.
+        assert!((s[8] - 0.3 * (s[0] + s[4])).abs() < 1e-6 * mises);
+        assert!((mises - equivalent(s)).abs() < 1e-9 * mises);
+    }
+}
+
+/// A column under uniform pressure: the stress is known.
+#[test]
+fn a_pressed_column_of_triangles() {
+    let text = r#"
+        [mesh]
+        kind = "gmsh"
+        file = "../meshes/square_triangles.msh"
+        [material]
+        young = 1e9
+        poisson = 0.3
+        plane = "stress"
+        [[support]]
+        boundary = "left"
+        fix = ["x"]
+        [[contact]]
+        boundary = "bottom"
+        friction = 0.0
+        obstacle = { kind = "plane" }
+        [[load]]
+        boundary = "top"
+        traction = [0.0, -1e6]
+        [time]
+        end = 1.0
+        increments = 1
+    "#;
+    let name = concat!(env!("CARGO_MANIFEST_DIR"), "/data/scenes/column.toml");
+    let scene = Scene::parse(name, text, &[]).unwrap();
+    let (_, grids) = solve(&scene);
+    let read = piece(Vtk::parse_xml(grids[0].to_vtu().as_bytes()).unwrap());
+    let (_, stress) = values(&read.data.cell, "stress");
+    for s in stress.chunks_exact(9) {
+        let expected = [0.0, 0.0, 0.0, 0.0, -1e6, 0.0, 0.0, 0.0, 0.0];
+        assert!(s.iter().zip(expected).all(|(s, e)| (s - e).abs() < 1.0), "{s:?}");
+    }
+    let (_, pressure) = values(&read.data.point, "contact_pressure");
+    assert!(pressure.iter().filter(|p| !p.is_nan()).all(|p| (p / 1e6 - 1.0).abs() < 1e-6));
+    let (_, material) = values(&read.data.cell, "material");
+    assert_eq!((material[0], material[31]), (0.0, 1.0));
+}
+
+/// A cube of 2 × 3 × 2 elements on a plane, pressed and pushed, with cells of the given kind.
+fn cube(cells: &str) -> Scene {
+    let text = format!(
+        r#"
+        [mesh]
+        kind = "block"
+        size = [2.0, 3.0, 1.0]
+        elements = [2, 3, 2]
+        cells = "{cells}"
+        [material]
+        young = 1e9
+        poisson = 0.3
+        [[support]]
+        boundary = "front"
+        fix = ["x", "y", "z"]
+        [[contact]]
+        boundary = "bottom"
+        friction = 0.4
+        obstacle = {{ kind = "plane" }}
+        [[load]]
+        boundary = "top"
+        traction = [1e5, 0.0, -1e6]
+        [time]
+        end = 1.0
+        increments = 2
+        "#
+    );
+    Scene::parse("cube.toml", &text, &[]).unwrap()
+}
+
+/// Six times the volume that the edges from the first corner to the others of `corners` span.
+fn spanned(corners: [[f64; 3]; 4]) -> f64 {
+    let [a, b, c] = [1, 2, 3].map(|k| [0, 1, 2].map(|i| corners[k][i] - corners[0][i]));
+    a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+}
+
+#[test]
+fn bodies_in_space_read_back_as_they_were_computed() {
+    for (cells, kind, count, corners) in
+        [("hexahedron", CellType::Hexahedron, 12, 8), ("tetrahedron", CellType::Tetra, 72, 4)]
+    {
+        let (model, grids) = solve(&cube(cells));
+        let read = piece(Vtk::parse_xml(grids[1].to_vtu().as_bytes()).unwrap());
+        let points: Vec<f64> = read.points.cast_into().unwrap();
+        let points = points.as_chunks::<3>().0;
+        assert_eq!(points.len(), 3 * 4 * 3);
+        assert_eq!(points, model.mesh.nodes);
+        assert!(read.cells.types.len() == count && read.cells.types.iter().all(|&read| read == kind), "{cells}");
+        let VertexNumbers::XML { connectivity, offsets } = read.cells.cell_verts else { panic!() };
+        assert_eq!(offsets, (1..=count as u64).map(|k| corners as u64 * k).collect::<Vec<_>>());
+        let mut volume = 0.0;
+        for cell in connectivity.chunks_exact(corners) {
+            let at = |k: usize| points[cell[k] as usize];
+            if corners == 4 {
+                // VTK: the first three corners are counterclockwise seen from the fourth.
+                volume += spanned([0, 1, 2, 3].map(at)) / 6.0;
+                continue;
+            }
+            // VTK: the lower face counterclockwise seen from above, then the upper one in the same order.
+            let [x, y, z] = at(0);
+            let lower = [[x, y, z], [x + 1.0, y, z], [x + 1.0, y + 1.0, z], [x, y + 1.0, z]];
+            assert_eq!([0, 1, 2, 3].map(at), lower);
+            assert_eq!([4, 5, 6, 7].map(at), lower.map(|[x, y, _]| [x, y, z + 0.5]));
+            volume += spanned([0, 1, 3, 4].map(at));
+        }
+        assert!((volume - 6.0).abs() < 1e-12, "{cells}: {volume} m³");
+
+        let (components, displacement) = values(&read.data.point, "displacement");
+        assert_eq!((components, displacement.len()), (3, 3 * points.len()));
+        let (nine, stress) = values(&read.data.cell, "stress");
+        assert_eq!((nine, stress.len()), (9, 9 * count));
+        let (_, mises) = values(&read.data.cell, "von_mises");
+        assert_eq!(mises.len(), count);
+        for (s, mises) in stress.chunks_exact(9).zip(mises) {
+            assert!(s[1] == s[3] && s[2] == s[6] && s[5] == s[7]);
+            assert!((mises - equivalent(s)).abs() < 1e-9 * mises);
+        }
+
+        // The same contact forces, by the condensed system.
+        let mut keep = common::Keep::default();
+        common::run_default(&cube(cells), &model, &mut keep);
+        let (_, pressure) = values(&read.data.point, "contact_pressure");
+        assert_eq!(pressure.iter().filter(|p| !p.is_nan()).count(), model.contacts.len());
+        // The facets are alike, and each gives its corners the same share of its area.
+        let facets = &model.mesh.boundary("bottom").unwrap().facets;
+        let share = 6.0 / facets.iter().flatten().count() as f64;
+        let mut area = vec![0.0; points.len()];
+        facets.iter().flatten().for_each(|&node| area[node] += share);
+        let contact = (0..points.len()).filter(|&node| !pressure[node].is_nan());
+        let integral: f64 = contact.map(|node| area[node] * pressure[node]).sum();
+        let sum: f64 = keep.states[1].p_n.iter().sum();
+        assert!(sum > 1e6 && (integral / sum - 1.0).abs() < 1e-9, "{cells}: {integral} N, not {sum} N");
+    }
+}
+
+/// Every file the series names is there at any time, and is whole.
+#[test]
+fn the_series_names_whole_files() {
+    let scene = common::block(&["mesh.elements=[4,3]", "time.increments=2"]);
+    let (_, grids) = solve(&scene);
+    let path = std::env::temp_dir().join(format!("stickslip_series_{}", std::process::id()));
+    let mut folder = ResultFolder::create(&path, 2).unwrap();
+    for (k, grid) in grids.iter().enumerate() {
+        folder.add_fields(k + 1, 0.5 * (k + 1) as f64, grid).unwrap();
+        let series = fs::read_to_string(path.join("fields.pvd")).unwrap();
+        let files: Vec<&str> = series.split("file=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+        assert_eq!(files.len(), k + 1);
+        for file in files {
+            piece(Vtk::import(path.join(file)).unwrap());
+        }
+        assert!(series.contains(&format!("timestep=\"{}\"", 0.5 * (k + 1) as f64)));
+    }
+    // A new run removes them.
+    ResultFolder::create(&path, 2).unwrap();
+    assert!(!path.join("fields.pvd").exists() && !path.join("fields_0001.vtu").exists());
+    fs::remove_dir_all(path).unwrap();
+}

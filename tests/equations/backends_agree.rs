@@ -1,0 +1,79 @@
+//! Whole histories, condensed and not: the same statuses, the same counts, the same states.
+#![allow(clippy::unwrap_used)]
+
+use crate::common;
+use crate::common::{Keep, difference};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::model::Model;
+use stickslip::scene::{LinearBackend, Scene};
+
+const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
+
+struct History {
+    name: String,
+    model: Model,
+    times: Vec<f64>,
+}
+
+fn history(name: &str, scene: &Scene) -> History {
+    History { name: name.to_string(), model: Model::new(scene).unwrap(), times: scene.time.all() }
+}
+
+fn histories() -> Vec<History> {
+    let block = |mu: f64| {
+        let scene = common::block(&["mesh.elements=[20,20]", "time.increments=20", &format!("contact.friction={mu}")]);
+        history(&format!("block, mu = {mu}"), &scene)
+    };
+    let punch = Scene::parse("punch.toml", PUNCH, &["time.increments=5".parse().unwrap()]).unwrap();
+    // Slender: held at one end, so the load is small and the gap large.
+    let strip = common::block(&[
+        "mesh.size=[10.0,0.2]",
+        "mesh.elements=[200,4]",
+        "time.increments=10",
+        "contact.obstacle.gap=1e-4",
+        "load[0].traction=[0.0,-1e6]",
+        "load[1].traction=[-1e6,0.0]",
+    ]);
+    [0.0, 0.4, 0.8].map(block).into_iter().chain([history("punch", &punch), history("strip", &strip)]).collect()
+}
+
+fn run(history: &History, settings: &HistorySettings, backend: LinearBackend) -> (HistoryOutcome, Keep) {
+    let History { model, times, .. } = history;
+    let (mut linear, mut keep) = (model.linear(backend), Keep::default());
+    let outcome = history::run(&model.problem, &model.loading, times, settings, &mut linear, &mut keep).unwrap();
+    (outcome, keep)
+}
+
+fn backends_agree(settings: fn(&Model) -> HistorySettings) {
+    for history in histories() {
+        let [whole, condensed] = [LinearBackend::default(), LinearBackend::Condensed]
+            .map(|backend| run(&history, &settings(&history.model), backend));
+        // Which nodes stick is not compared: in the strip some have next to no friction force and next
+        // to no slip, and rounding tells which of the two is the larger.
+        let counts = |outcome: &HistoryOutcome| {
+            outcome.records.iter().map(|r| (r.status, r.iterations, r.backtracks, r.contact.open)).collect::<Vec<_>>()
+        };
+        let name = &history.name;
+        assert_eq!(whole.0.status, Status::Converged, "{name}");
+        assert_eq!((whole.0.status, counts(&whole.0)), (condensed.0.status, counts(&condensed.0)), "{name}");
+        let found = difference(&whole.1.states, &condensed.1.states);
+        assert!(found <= 1e-10, "{name}: {found:e}");
+        let error = condensed.0.linear.worst_backward_error;
+        assert!(error <= 1e-14, "{name}: {error:e}");
+    }
+}
+
+#[test]
+fn with_bn_as_in_the_paper() {
+    backends_agree(|model| HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-8));
+}
+
+#[test]
+fn with_bn() {
+    backends_agree(|model| HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10));
+}
+
+#[test]
+fn with_ip() {
+    backends_agree(|model| HistorySettings::ip(&model.problem, model.scaling(), 200, 1e-10));
+}

@@ -1,0 +1,123 @@
+//! Static condensation: the smaller problem, the way back, and whole runs on it that have their own
+//! difficulties. That histories agree with the uncondensed ones is tests/backends_agree.rs.
+#![allow(clippy::unwrap_used)]
+
+use crate::common::Keep;
+use stickslip::condense::Condensed;
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::linear::LinearError;
+use stickslip::model::Model;
+use stickslip::problem::State;
+use stickslip::scene::{LinearBackend, Scene};
+
+const BLOCK: &str = include_str!("../../data/scenes/block.toml");
+const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
+
+fn model(text: &str, overrides: &[&str]) -> Model {
+    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
+    Model::new(&Scene::parse("scene.toml", text, &overrides).unwrap()).unwrap()
+}
+
+fn run(model: &Model, times: &[f64], backend: LinearBackend) -> (HistoryOutcome, Keep) {
+    let settings = HistorySettings::bn(&model.problem, model.scaling(), 100, 1e-10);
+    let (mut linear, mut keep) = (model.linear(backend), Keep::default());
+    let outcome = history::run(&model.problem, &model.loading, times, &settings, &mut linear, &mut keep).unwrap();
+    (outcome, keep)
+}
+
+/// Any contact forces and displacements: the interior is in equilibrium, and what the contact nodes lack is
+/// what the condensed problem says.
+#[test]
+fn the_way_back_keeps_equilibrium() {
+    for (name, text, friction) in [
+        ("held", BLOCK.to_string(), 0.4),
+        ("free", BLOCK.replace(SUPPORT, ""), 0.4),
+        ("smooth", BLOCK.to_string(), 0.0),
+    ] {
+        let model = model(&text, &["mesh.elements=[9,7]", &format!("contact.friction={friction}")]);
+        let condensed = Condensed::new(&model.problem, &model.loading).unwrap();
+        let border = model.problem.contact_displacements();
+        assert_eq!(condensed.problem.displacements(), border.len());
+        let n_c = model.problem.contacts();
+        let some = |n: usize, size: f64| (0..n).map(|i| size * (1.0 + 2.7 * i as f64).sin()).collect::<Vec<_>>();
+        let p_t = if friction > 0.0 { some(n_c, 3e5) } else { vec![0.0; n_c] };
+        let contact =
+            State { u: some(border.len(), 1e-5), u_rest: Vec::new(), p_t, p_o: vec![0.0; n_c], p_n: some(n_c, 1e6) };
+        let (time, mut small_force) = (0.7, vec![0.0; border.len()]);
+        let mut force = vec![0.0; model.problem.displacements()];
+        model.loading.force(time, &mut force);
+        condensed.loading.force(time, &mut small_force);
+        let state = condensed.state(time, &contact).unwrap();
+        let imbalance = model.problem.imbalance(&force, &state);
+        let expected = condensed.problem.imbalance(&small_force, &contact);
+        let scale = expected.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        let mut whole = vec![0.0; imbalance.len()];
+        border.iter().zip(&expected).for_each(|(&dof, f)| whole[dof] = *f);
+        let worst = imbalance.iter().zip(&whole).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+        assert!(worst <= 1e-12 * scale, "{name}: {worst:e} against {scale:e}");
+        assert!(border.iter().zip(&contact.u).all(|(&dof, u)| state.u[dof] == *u), "{name}");
+    }
+}
+
+#[test]
+fn a_body_that_only_contact_holds() {
+    let text = include_str!("../../data/scenes/held_by_contact.toml");
+    let scene = Scene::parse("held_by_contact.toml", text, &[]).unwrap();
+    let model = Model::new(&scene).unwrap();
+    assert!(!model.problem.free_motions.is_empty());
+    let [whole, condensed] =
+        [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&model, &scene.time.all(), backend));
+    assert_eq!((whole.0.status, condensed.0.status), (Status::Converged, Status::Converged));
+    let largest = whole.0.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+    let pairs = whole.1.states.iter().zip(&condensed.1.states);
+    let worst = pairs.flat_map(|(a, b)| a.p_n.iter().zip(&b.p_n)).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+    assert!(worst <= 1e-9 * largest, "{worst:e} against {largest:e}");
+}
+
+/// Nothing holds the body, not even contact: the motion is named, and nothing crashes.
+#[test]
+fn a_body_that_nothing_holds() {
+    let contact = BLOCK.find("[[contact]]").unwrap();
+    let load = BLOCK.find("[[load]]").unwrap();
+    let without = [&BLOCK[..contact], &BLOCK[load..]].concat();
+    let free = model(&without.replace(SUPPORT, ""), &["mesh.elements=[4,4]"]);
+    assert!(matches!(Condensed::new(&free.problem, &free.loading), Err(LinearError::Singular { .. })));
+    for backend in [LinearBackend::default(), LinearBackend::Condensed] {
+        let outcome = run(&free, &[1.0], backend).0;
+        assert_eq!(outcome.status, Status::Singular, "{backend:?}");
+        assert!(outcome.free_motion.is_some(), "{backend:?}");
+    }
+    // Without contact there is nothing to condense to, and nothing to iterate.
+    let held = model(&without, &["mesh.elements=[4,4]"]);
+    let [whole, condensed] =
+        [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&held, &[0.5, 1.0], backend).0);
+    assert_eq!((whole.status, condensed.status), (Status::Converged, Status::Converged));
+    let largest = whole.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+    assert!(whole.state.u.iter().zip(&condensed.state.u).all(|(a, b)| (a - b).abs() <= 1e-12 * largest));
+}
+
+/// In a slender body the forces follow from small differences of displacements: the whole system is refined,
+/// with a second word for u.
+#[test]
+fn slender_bodies_are_refined() {
+    let strip = model(
+        BLOCK,
+        &[
+            "mesh.size=[10.0,0.1]",
+            "mesh.elements=[400,4]",
+            "contact.obstacle.gap=0.1",
+            "load[0].traction=[0.0,-1e4]",
+            "load[1].traction=[-1e3,0.0]",
+        ],
+    );
+    let times = [0.5, 1.0, 1.5, 2.0];
+    let [whole, condensed] =
+        [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&strip, &times, backend));
+    assert_eq!((whole.0.status, condensed.0.status), (Status::Converged, Status::Converged));
+    assert!(condensed.0.rounding > 1e-10, "not slender enough to show anything: {:e}", condensed.0.rounding);
+    assert!(condensed.1.states.iter().any(|state| !state.u_rest.is_empty()));
+    assert!(condensed.0.linear.worst_backward_error <= 1e-14);
+    let sum = |state: &State| state.p_n.iter().sum::<f64>();
+    let (a, b) = (sum(&whole.0.state), sum(&condensed.0.state));
+    assert!((a - b).abs() <= 1e-8 * a.abs(), "{a} {b}");
+}

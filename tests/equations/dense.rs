@@ -1,0 +1,253 @@
+//! The dense solver against a sparse LU, matrix by matrix.
+#![allow(clippy::unwrap_used)]
+
+use std::sync::Arc;
+
+use stickslip::condense::Condensed;
+use stickslip::contact::coulomb::{NormalCase, TangentialCase};
+use stickslip::formulation::{Bdiff, Constrained, Conventions, Formulation, InteriorPoint};
+use stickslip::linear::{Dense, Direct, LinearError, LinearSolver, backward_error};
+use stickslip::model::Model;
+use stickslip::problem::ContactProblem;
+use stickslip::scene::{NewtonSystem, Partition, Scene};
+use stickslip::sparse::{Csc, Pattern};
+
+const BLOCK: &str = include_str!("../../data/scenes/block.toml");
+
+fn model(text: &str, overrides: &[&str]) -> Model {
+    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
+    Model::new(&Scene::parse("block.toml", text, &overrides).unwrap()).unwrap()
+}
+
+/// A matrix with these entries.
+fn matrix(n: usize, entries: &[(usize, usize, f64)]) -> Csc {
+    let mut a = Csc::zeros(Arc::new(Pattern::from_entries(n, n, |take| entries.iter().for_each(|e| take(e.0, e.1)))));
+    for &(row, column, value) in entries {
+        let slot = a.pattern.slot(row, column).unwrap();
+        a.values[slot] = value;
+    }
+    a
+}
+
+/// A chain of `n` springs, held at its beginning if `held`, with a contact force at its end, and
+/// the contact row `by_u du + by_p dp`.
+fn chain(n: usize, held: f64, [by_u, by_p]: [f64; 2]) -> Csc {
+    let mut entries = vec![(n - 1, n, 1.0), (n, n - 1, by_u), (n, n, by_p)];
+    for i in 0..n {
+        let ends = usize::from(i > 0) + usize::from(i + 1 < n);
+        entries.push((i, i, ends as f64 + if i == 0 { held } else { 0.0 }));
+        if i > 0 {
+            entries.extend([(i - 1, i, -1.0), (i, i - 1, -1.0)]);
+        }
+    }
+    matrix(n + 1, &entries)
+}
+
+fn right_hand_side(n: usize) -> Vec<f64> {
+    (0..n).map(|i| (1.0 + 0.7 * i as f64).sin()).collect()
+}
+
+/// Solves with `solver` and with a sparse LU, and returns the order of the dense part.
+fn compare(solver: &mut Dense, displacements: usize, a: &Csc, tolerance: f64) -> usize {
+    let n = a.pattern.columns();
+    let b = right_hand_side(n);
+    // Unrefined, so that stale or wrong factors would show.
+    let mut x = vec![0.0; n];
+    solver.factorize(&a.values).unwrap();
+    solver.solve(&b, &mut x).unwrap();
+    assert!(backward_error(a, &b, &x) < 1e-9, "{:e}", backward_error(a, &b, &x));
+
+    let refined = |mut direct: Direct| {
+        let mut x = vec![0.0; n];
+        direct.analyze(&a.pattern).unwrap();
+        direct.factorize(a).unwrap();
+        let info = direct.solve(a, &b, &mut x).unwrap();
+        assert!(info.backward_error <= 1e-15, "{}: {info:?}", direct.name());
+        x
+    };
+    let (x, y) = (refined(Direct::new(Box::new(Dense::new(displacements)))), refined(Direct::default()));
+    let largest = y.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
+    let difference = x.iter().zip(&y).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()));
+    assert!(difference <= tolerance * largest, "{difference:e} against {largest:e}");
+    // The flops are 2/3 of the order cubed.
+    let info = solver.factorize(&a.values).unwrap();
+    assert!(info.pivot_ratio > 0.0);
+    (1.5 * info.flops).cbrt().round() as usize
+}
+
+fn condensed(model: &Model) -> ContactProblem {
+    Condensed::new(&model.problem, &model.loading).unwrap().problem
+}
+
+fn bdiff(model: &Model, condensed: &ContactProblem) -> Bdiff {
+    Bdiff::new(condensed, model.scaling(), &Conventions::natural(&model.problem))
+}
+
+/// Open, sticking and slipping nodes by thirds, in turn or in a row; then cases that only iterates
+/// show. Returns the orders of the dense parts.
+fn mixed_states(model: &Model, tolerance: f64) -> Vec<usize> {
+    let n_c = model.problem.contacts();
+    let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let slip = |i: usize| TangentialCase::Slip { direction: [sign(i), 0.0], turning: [[0.0; 2]; 2] };
+    let case = |third: usize, i: usize| match third {
+        0 => (NormalCase::Open, TangentialCase::NoPressure),
+        1 => (NormalCase::Closed, TangentialCase::Stick),
+        _ => (NormalCase::Closed, slip(i)),
+    };
+    let odd = |i: usize| match i % 4 {
+        0 => (NormalCase::Closed, TangentialCase::NoPressure),
+        1 => (NormalCase::Open, TangentialCase::Stick),
+        2 => (NormalCase::Open, slip(i)),
+        _ => (NormalCase::Closed, TangentialCase::Stick),
+    };
+    let states: [Vec<_>; 6] = [
+        (0..n_c).map(|i| case(i % 3, i)).collect(),
+        (0..n_c).map(|i| case(3 * i / n_c, i)).collect(),
+        (0..n_c).map(|i| case(1, i)).collect(),
+        (0..n_c).map(|i| case(2, i)).collect(),
+        (0..n_c).map(odd).collect(),
+        (0..n_c).map(|i| case(usize::from(i < 4), i)).collect(),
+    ];
+    let condensed = condensed(model);
+    let mut formulation = bdiff(model, &condensed);
+    let mut solver = Dense::new(condensed.displacements());
+    solver.analyze(&formulation.jacobian().pattern).unwrap();
+    let orders = states.into_iter().map(|state| {
+        formulation.set_cases(state);
+        // Where nothing holds the body there is nothing to compare.
+        let held = formulation.unheld_motion().is_none();
+        held.then(|| compare(&mut solver, condensed.displacements(), formulation.jacobian(), tolerance))
+    });
+    orders.flatten().collect()
+}
+
+#[test]
+fn the_order_is_what_contact_leaves_free() {
+    let model = model(BLOCK, &["mesh.elements=[12,12]"]);
+    assert_eq!(mixed_states(&model, 1e-12), [12, 12, 0, 12, 12, 16]);
+    let smooth = self::model(BLOCK, &["mesh.elements=[12,12]", "contact.friction=0.0"]);
+    // Without friction no contact row names the tangential displacements.
+    assert_eq!(mixed_states(&smooth, 1e-12), [4, 4, 0, 0, 6, 8]);
+}
+
+#[test]
+fn oblique_obstacles() {
+    for normal in ["[-0.3,-1.0]", "[0.8,-0.6]", "[0.001,-1.0]"] {
+        let model = model(BLOCK, &["mesh.elements=[12,9]", &format!("contact.obstacle.normal={normal}")]);
+        assert_eq!(mixed_states(&model, 1e-12), [12, 12, 0, 12, 12, 16]);
+    }
+}
+
+/// Obstacles on two sides share a corner, whose unknowns make one group.
+#[test]
+fn two_obstacles_at_a_node() {
+    let other = "[[contact]]\nboundary = \"right\"\nfriction = 0.3\nobstacle = { kind = \"plane\" }\n\n[[load]]";
+    let model = model(&BLOCK.replacen("[[load]]", other, 1), &["mesh.elements=[6,6]", "contact[0].friction=0.4"]);
+    let orders = mixed_states(&model, 1e-12);
+    assert_eq!(orders[2], 0);
+}
+
+/// What holds a body without supports is contact alone: its K is singular, on the outside only.
+#[test]
+fn a_body_held_by_contact() {
+    let support = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
+    for (text, kind) in [(BLOCK.replace(support, ""), 3), (BLOCK.replace("\"x\", \"y\"", "\"x\""), 1)] {
+        let model = model(&text, &["mesh.elements=[10,10]"]);
+        assert_eq!(model.problem.free_motions.len(), kind);
+        assert!(mixed_states(&model, 1e-11).len() >= 4);
+        // With every node open nothing holds it.
+        let condensed = condensed(&model);
+        let mut formulation = bdiff(&model, &condensed);
+        formulation.set_cases(vec![(NormalCase::Open, TangentialCase::NoPressure); model.problem.contacts()]);
+        let mut solver = Dense::new(condensed.displacements());
+        solver.analyze(&formulation.jacobian().pattern).unwrap();
+        let singular = solver.factorize(&formulation.jacobian().values);
+        assert!(matches!(singular, Err(LinearError::Singular { .. })), "{singular:?}");
+    }
+}
+
+/// Rows that hold displacements and forces, whose sizes differ by many decades.
+#[test]
+fn matrices_of_an_interior_point_method() {
+    let model = model(BLOCK, &["mesh.elements=[10,10]"]);
+    for newton in [NewtonSystem::Reduced, NewtonSystem::Extended] {
+        let conventions = Conventions::paper(&model.problem);
+        let condensed = condensed(&model);
+        let mut formulation = Constrained::new(&condensed, model.scaling(), &conventions, Partition::Products, newton);
+        let mut solver = Dense::new(condensed.displacements());
+        solver.analyze(&formulation.matrix().pattern).unwrap();
+        for spread in [0.0, 1.0, 3.0, 5.0] {
+            let mut z = vec![0.0; formulation.layout().unknowns()];
+            for (k, pair) in formulation.pairs().iter().enumerate() {
+                let tilt = spread * (1.0 + 2.3 * k as f64).sin();
+                (z[pair.force], z[pair.length]) = (1.2 * 10_f64.powf(tilt), 0.8 * 10_f64.powf(-tilt));
+            }
+            formulation.linearize(&z);
+            assert_eq!(compare(&mut solver, condensed.displacements(), formulation.matrix(), 1e-9), 20);
+        }
+    }
+}
+
+/// A stiffness that is not dense has zeros where nothing is stored, and displacements that no contact
+/// row names are groups of their own.
+#[test]
+fn a_chain_of_springs() {
+    let n = 12;
+    let mut solver = Dense::new(n);
+    solver.analyze(&chain(n, 1.0, [1.0, 0.0]).pattern).unwrap();
+    for (rows, order) in [([1.0, 0.0], n - 1), ([0.0, -1.0], n), ([3.0, 0.5], n)] {
+        assert_eq!(compare(&mut solver, n, &chain(n, 1.0, rows), 1e-13), order);
+    }
+}
+
+#[test]
+fn errors() {
+    let n = 4;
+    let a = chain(n, 1.0, [1.0, 0.0]);
+    let mut solver = Dense::new(n);
+    let mut x = vec![0.0; n + 1];
+    assert!(matches!(solver.factorize(&a.values), Err(LinearError::Order { missing: "analyze" })));
+    solver.analyze(&a.pattern).unwrap();
+    assert!(matches!(solver.solve(&[1.0; 5], &mut x), Err(LinearError::Order { missing: "factorize" })));
+    assert!(matches!(solver.factorize(&a.values[1..]), Err(LinearError::Shape { .. })));
+    solver.factorize(&a.values).unwrap();
+    assert!(matches!(solver.solve(&[1.0; 4], &mut x), Err(LinearError::Shape { .. })));
+    assert!(matches!(solver.solve(&[1.0; 5], &mut x[1..]), Err(LinearError::Shape { .. })));
+    assert!(matches!(Dense::new(6).analyze(&a.pattern), Err(LinearError::Shape { .. })));
+    let wide = Arc::new(Pattern::from_entries(2, 3, |take| take(0, 1)));
+    assert!(matches!(Dense::new(1).analyze(&wide), Err(LinearError::Shape { .. })));
+
+    // Neither row holds anything; the chain is held by nothing; an entry is no number.
+    for (a, not_finite) in [
+        (chain(n, 1.0, [0.0, 0.0]), false),
+        (chain(n, 0.0, [0.0, -1.0]), false),
+        (chain(n, 1.0, [f64::NAN, 0.0]), true),
+    ] {
+        let error = solver.factorize(&a.values).unwrap_err();
+        assert!(matches!((error, not_finite), (LinearError::Singular { .. }, false) | (LinearError::NotFinite, true)));
+        // A failed factorisation leaves no stale factors behind.
+        assert!(matches!(solver.solve(&[1.0; 5], &mut x), Err(LinearError::Order { .. })));
+    }
+    // An interior that no contact can hold: a second chain, free and apart.
+    let mut entries: Vec<_> = [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0), (1, 2, -1.0), (2, 1, -1.0)].to_vec();
+    entries.extend([(0, 3, 1.0), (3, 0, 1.0), (3, 3, 0.0)]);
+    let apart = matrix(4, &entries);
+    let mut solver = Dense::new(3);
+    solver.analyze(&apart.pattern).unwrap();
+    assert!(matches!(solver.factorize(&apart.values), Err(LinearError::Singular { .. })));
+}
+
+#[test]
+fn without_contact_and_without_a_body() {
+    let springs = matrix(2, &[(0, 0, 2.0), (1, 1, 3.0), (0, 1, -1.0), (1, 0, -1.0)]);
+    let mut solver = Dense::new(2);
+    solver.analyze(&springs.pattern).unwrap();
+    assert_eq!(compare(&mut solver, 2, &springs, 1e-15), 2);
+    let forces = matrix(2, &[(0, 0, 2.0), (1, 1, 3.0), (0, 1, -1.0)]);
+    let mut solver = Dense::new(0);
+    solver.analyze(&forces.pattern).unwrap();
+    let mut x = [0.0; 2];
+    solver.factorize(&forces.values).unwrap();
+    solver.solve(&[1.0, 6.0], &mut x).unwrap();
+    assert_eq!(x, [1.5, 2.0]);
+}

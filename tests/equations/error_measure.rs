@@ -1,0 +1,139 @@
+//! The error measure: small on every solution of the block, and the truth about wrong states.
+#![allow(clippy::unwrap_used)]
+
+use crate::common;
+use stickslip::contact::ContactStatus::{Open, Slip, Stick};
+use stickslip::contact::{KktErrors, KktScales};
+use stickslip::history::Status;
+use stickslip::model::Model;
+use stickslip::problem::{ContactProblem, Increment, State};
+use stickslip::sparse::{Csr, Symmetric};
+
+/// Every component at most 1e-10 in every increment.
+#[test]
+fn every_law_holds_on_the_block() {
+    for n in [5, 10, 20, 50, 100] {
+        for mu in [0.0, 0.1, 0.4, 0.8] {
+            let scene = common::block(&[
+                &format!("mesh.elements=[{n},{n}]"),
+                &format!("contact.friction={mu}"),
+                "time.increments=10",
+            ]);
+            let model = Model::new(&scene).unwrap();
+            let outcome = common::run(&scene, &model, &mut ());
+            assert_eq!(outcome.status, Status::Converged, "n = {n}, mu = {mu}");
+            assert_eq!(outcome.records.len(), 10);
+            assert_eq!(outcome.linear.analyses, 1);
+            assert!(outcome.linear.worst_backward_error <= 1e-15);
+            for record in &outcome.records {
+                for (law, error) in record.kkt.components() {
+                    assert!(error <= 1e-10, "n = {n}, mu = {mu}, increment {}: {law} {error:e}", record.index);
+                }
+            }
+        }
+    }
+}
+
+/// One spoilt number raises the law it breaks, by what it breaks it.
+#[test]
+fn each_component_sees_its_own_violation() {
+    let scene = common::block(&["mesh.elements=[10,10]", "time.increments=2"]);
+    let model = Model::new(&scene).unwrap();
+    let mut keep = common::Keep::default();
+    common::run(&scene, &model, &mut keep);
+    let problem = &model.problem;
+    // At the end some nodes are open, some stick, some slip.
+    let (increment, state) = (keep.increment(1, &model.loading.gap), &keep.states[1]);
+    let statuses =
+        stickslip::contact::statuses(problem, &increment, state, &KktScales::new(problem, &increment, state));
+    let find = |wanted| statuses.iter().position(|&s| s == wanted).unwrap();
+    let (open, slip, stick) = (find(Open), find(Slip), find(Stick));
+    let force = (state.p_n.iter().chain(increment.force)).fold(0.0_f64, |m, p| m.max(p.abs()));
+    let length = state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+    let measure = |spoil: &dyn Fn(&mut State)| {
+        let mut spoilt = state.clone();
+        spoil(&mut spoilt);
+        KktErrors::measure(problem, &increment, &spoilt, &KktScales::new(problem, &increment, &spoilt))
+    };
+    let size = 1e-3;
+    let near = |error: f64| (0.9 * size..1.1 * size).contains(&error);
+    let dof = |i: usize, c: usize| model.dofs.node(model.contacts[i].node)[c].unwrap();
+
+    let tension = measure(&|s| s.p_n[open] = -size * force);
+    assert!(near(tension.tension) && near(tension.equilibrium), "{tension:?}");
+    let across_a_gap = measure(&|s| s.p_n[open] = size * force);
+    assert!(across_a_gap.complementarity > 0.1 * size && across_a_gap.tension == 0.0, "{across_a_gap:?}");
+    let penetration = measure(&|s| s.u[dof(stick, 1)] -= size * length);
+    assert!(near(penetration.penetration), "{penetration:?}");
+    let cone = measure(&|s| s.p_t[slip] += size * force * s.p_t[slip].signum());
+    assert!(near(cone.cone) && cone.dissipation < 1e-12, "{cone:?}");
+    let wrong_sign = measure(&|s| s.p_t[slip] = -s.p_t[slip]);
+    assert!(wrong_sign.dissipation > 1e-4 && wrong_sign.cone < 1e-12, "{wrong_sign:?}");
+    let creep = measure(&|s| s.u[dof(stick, 0)] += size * length);
+    assert!(near(creep.dissipation), "{creep:?}");
+    let spoilers: [&dyn Fn(&mut State); 3] =
+        [&|s| s.u[0] = f64::NAN, &|s| s.p_n[open] = f64::NAN, &|s| s.p_t[stick] = f64::NAN];
+    for spoil in spoilers {
+        assert!(measure(spoil).worst().1.is_nan(), "{:?}", measure(spoil));
+    }
+    let mut gap = model.loading.gap.clone();
+    gap[stick] = f64::NAN;
+    let nowhere = keep.increment(1, &gap);
+    let errors = KktErrors::measure(problem, &nowhere, state, &KktScales::new(problem, &nowhere, state));
+    assert!(errors.worst().1.is_nan(), "{errors:?}");
+}
+
+/// The measure does not depend on the system of units: all lengths and forces times a factor.
+#[test]
+fn the_measure_is_unit_free() {
+    let scene = common::block(&["mesh.elements=[8,8]", "time.increments=2"]);
+    let model = Model::new(&scene).unwrap();
+    let mut keep = common::Keep::default();
+    common::run(&scene, &model, &mut keep);
+    let (increment, mut state) = (keep.increment(1, &model.loading.gap), keep.states[1].clone());
+    state.u.iter_mut().enumerate().for_each(|(k, u)| *u *= 1.0 + 1e-3 * (k as f64).sin());
+    let si =
+        KktErrors::measure(&model.problem, &increment, &state, &KktScales::new(&model.problem, &increment, &state));
+    // Powers of two, so that equality is exact.
+    let (f, l) = (1024.0, 1.0 / 4096.0);
+    let times = |values: &[f64], factor: f64| values.iter().map(|v| v * factor).collect::<Vec<_>>();
+    let mut problem = model.problem.clone();
+    problem.stiffness.scale(f / l);
+    let (force, gap) = (times(increment.force, f), times(increment.gap, l));
+    let [w_t_last, w_o_last] = [increment.w_t_last, increment.w_o_last].map(|w| times(w, l));
+    let increment = Increment { force: &force, gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last };
+    let state = State {
+        u: times(&state.u, l),
+        u_rest: Vec::new(),
+        p_t: times(&state.p_t, f),
+        p_o: times(&state.p_o, f),
+        p_n: times(&state.p_n, f),
+    };
+    let scales = KktScales::new(&problem, &increment, &state);
+    assert_eq!(KktErrors::measure(&problem, &increment, &state, &scales), si);
+    assert!(si.worst().1 > 1e-4);
+}
+
+/// In a body that sticks throughout the displacements are mere rounding, and so is their slip: it is compared with what
+/// the load would make of the stiffest entry. A slip that large counts.
+#[test]
+fn rounding_of_a_body_that_sticks() {
+    let mut stiffness = Symmetric::from_entries(2, |take| (0..2).for_each(|i| take(i, i)));
+    (0..2).for_each(|i| stiffness.add(i, i, 2.0));
+    let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(2));
+    c_n.push_row([(1, 1.0)]);
+    c_t.push_row([(0, 1.0)]);
+    c_o.push_row([]);
+    let problem =
+        ContactProblem { stiffness, c_n, c_t, c_o, mu: vec![0.5], weight: vec![1.0], free_motions: Vec::new() };
+    let increment = Increment { force: &[0.1, 1.0], gap: &[0.0], w_t_last: &[0.0], w_o_last: &[0.0] };
+    let dissipation = |slip: f64| {
+        let state = State { u: vec![slip, 0.0], u_rest: Vec::new(), p_t: vec![0.1], p_o: vec![0.0], p_n: vec![1.0] };
+        let scales = KktScales::new(&problem, &increment, &state);
+        KktErrors::measure(&problem, &increment, &state, &scales).dissipation
+    };
+    assert!((dissipation(1e-17) / 2e-17 - 1.0).abs() < 1e-12, "{}", dissipation(1e-17));
+    assert!((dissipation(1e-3) / 2e-3 - 1.0).abs() < 1e-12, "{}", dissipation(1e-3));
+    // Beyond, displacements are compared with themselves, and the force that is missing counts.
+    assert!((dissipation(1.0) - 0.4).abs() < 1e-12, "{}", dissipation(1.0));
+}

@@ -1,0 +1,103 @@
+//! An increment that fails is halved: what the failed tries did must leave no trace.
+#![allow(clippy::unwrap_used)]
+
+use crate::common;
+use crate::common::Keep;
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status};
+use stickslip::linear::Direct;
+use stickslip::model::Model;
+
+/// BN that gives up after so many iterations, without help from the interior point method.
+fn hasty(model: &Model, iterations: usize, times: &[f64], keep: &mut Keep) -> HistoryOutcome {
+    let mut settings = HistorySettings::bn(&model.problem, model.scaling(), iterations, 1e-10);
+    if let Method::Bn { rescue, .. } = &mut settings.method {
+        *rescue = None;
+    }
+    let mut linear = Direct::default();
+    history::run(&model.problem, &model.loading, times, &settings, &mut linear, keep).unwrap()
+}
+
+/// Nearly incompressible, which makes BN work for its solution.
+fn model(n: usize, friction: f64) -> Model {
+    let (mesh, friction) = (format!("mesh.elements=[{n},{n}]"), format!("contact.friction={friction}"));
+    Model::new(&common::block(&[&mesh, &friction, "material.poisson=0.49"])).unwrap()
+}
+
+#[test]
+fn halves_are_increments_of_their_own() {
+    let mut halved = 0;
+    // The first path in a few steps, the second in one, which some of the hasty halve once.
+    let choices = [20, 40].into_iter().flat_map(|n| [0.2, 0.4, 0.8].map(|friction| (n, friction)));
+    for ((n, friction), steps) in choices.flat_map(|choice| [1, 2, 4, 8].map(|steps| (choice, steps))) {
+        let model = model(n, friction);
+        let loading: Vec<f64> = (1..=steps).map(|k| f64::from(k) / f64::from(steps)).collect();
+        let mut first = Keep::default();
+        // As many iterations as the first path needs: the second may need more.
+        let needed = hasty(&model, 40, &loading, &mut first).records.iter().map(|r| r.iterations).max().unwrap();
+        let mut keep = Keep::default();
+        let outcome = hasty(&model, needed, &[&loading[..], &[2.0]].concat(), &mut keep);
+        if outcome.status != Status::Converged || outcome.records.last().unwrap().parts != 2 {
+            continue;
+        }
+        let mut whole = Keep::default();
+        let reference = hasty(&model, 40, &[&loading[..], &[1.5, 2.0]].concat(), &mut whole);
+        assert_eq!(reference.status, Status::Converged);
+        let (found, expected) = (keep.states.last().unwrap(), whole.states.last().unwrap());
+        let largest = expected.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+        for (a, b) in found.p_n.iter().chain(&found.p_t).zip(expected.p_n.iter().chain(&expected.p_t)) {
+            assert!((a - b).abs() <= 1e-9 * largest, "n = {n}, mu = {friction}: {a} {b}");
+        }
+        // The slip of the second half is what its observer is told.
+        assert_eq!(keep.w_t_last.last().unwrap().len(), whole.w_t_last.last().unwrap().len());
+        for (a, b) in keep.w_t_last.last().unwrap().iter().zip(whole.w_t_last.last().unwrap()) {
+            assert!((a - b).abs() <= 1e-9 * 1e-4, "{a} {b}");
+        }
+        // The work of both halves counts.
+        let work = |outcome: &HistoryOutcome| outcome.records.iter().map(|r| r.friction_work).sum::<f64>();
+        let (found, expected) = (work(&outcome), work(&reference));
+        assert!(expected > 0.0 && (found - expected).abs() <= 1e-9 * expected, "{found} {expected}");
+        halved += 1;
+    }
+    assert!(halved > 0, "no path was halved once: the test has lost its case");
+}
+
+/// After a part that converges the rest is tried whole: few parts, not 64.
+#[test]
+fn the_size_grows_back() {
+    let model = model(20, 0.4);
+    let outcome = hasty(&model, 5, &[1.0, 2.0], &mut Keep::default());
+    assert_eq!(outcome.status, Status::Converged);
+    let parts: Vec<usize> = outcome.records.iter().map(|record| record.parts).collect();
+    assert!(parts.iter().any(|&parts| parts > 1) && parts.iter().all(|&parts| parts <= 16), "{parts:?}");
+}
+
+/// Without friction the path does not matter: any number of parts leads to the same state.
+#[test]
+fn without_friction_parts_change_nothing() {
+    let model = model(40, 0.0);
+    let whole = hasty(&model, 40, &[1.0, 2.0], &mut Keep::default());
+    let parts = hasty(&model, 4, &[1.0, 2.0], &mut Keep::default());
+    assert_eq!([whole.status, parts.status], [Status::Converged; 2]);
+    assert!(parts.records.iter().any(|record| record.parts > 1), "the test has lost its case");
+    let largest = whole.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+    for (a, b) in whole.state.p_n.iter().zip(&parts.state.p_n) {
+        assert!((a - b).abs() <= 1e-10 * largest);
+    }
+}
+
+/// Where no part is small enough, the history ends with the last good state and says how far it came.
+#[test]
+fn an_increment_that_no_halving_saves() {
+    let model = model(20, 0.4);
+    let mut keep = Keep::default();
+    let outcome = hasty(&model, 1, &[1.0, 2.0], &mut keep);
+    assert_ne!(outcome.status, Status::Converged);
+    assert!(outcome.violation.is_some());
+    let failed = outcome.records.last().unwrap();
+    let before = if failed.index == 1 { 0.0 } else { 1.0 };
+    assert!(outcome.reached >= before && outcome.reached < failed.time);
+    match failed.index {
+        1 => assert!(outcome.state.u.iter().all(|u| *u == 0.0)),
+        k => assert_eq!(&outcome.state, &keep.states[k - 2]),
+    }
+}

@@ -1,0 +1,93 @@
+//! What a scene does not need is not there, and its absence changes no result.
+
+#![allow(clippy::unwrap_used)]
+
+use crate::common;
+use crate::common::Keep;
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::model::Model;
+use stickslip::report::LeftOut;
+use stickslip::scene::{LinearBackend, Scene};
+
+fn solve(scene: &Scene, backend: LinearBackend) -> (HistoryOutcome, Keep) {
+    let model = Model::new(scene).unwrap();
+    let solver = &scene.solver;
+    let settings = HistorySettings::bn(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
+    let (mut linear, mut keep) = (model.linear(backend), Keep::default());
+    let outcome =
+        history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut keep).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    (outcome, keep)
+}
+
+/// Without friction there are fewer unknowns and entries than with next to none, and the same contact forces.
+#[test]
+fn friction() {
+    for (name, mesh) in [("block.toml", "mesh.elements=[20,20]"), ("cube.toml", "mesh.elements=[6,6,6]")] {
+        let scene = |mu: &str| common::scene(name, &[mesh, &format!("contact.friction={mu}")]);
+        for backend in [LinearBackend::default(), LinearBackend::Condensed] {
+            let ((none, smooth), (little, rough)) = (solve(&scene("0"), backend), solve(&scene("1e-9"), backend));
+            assert_eq!(none.layout.tangentials(), 0);
+            assert!(none.layout.unknowns() < little.layout.unknowns());
+            let (fewer, more) = (none.linear.factor.entries, little.linear.factor.entries);
+            // In the plane the few unknowns less do not outweigh what the ordering leaves to chance.
+            let chance = if backend == LinearBackend::Condensed || name == "cube.toml" { 1.0 } else { 1.03 };
+            assert!((fewer as f64) < chance * more as f64, "{name} {backend}: {fewer} {more}");
+            for (a, b) in smooth.states.iter().zip(&rough.states) {
+                let largest = a.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+                assert!(a.p_n.iter().zip(&b.p_n).all(|(a, b)| (a - b).abs() <= 1e-7 * largest), "{name} {backend}");
+                assert!(a.p_t.iter().chain(&a.p_o).all(|p| *p == 0.0));
+            }
+        }
+    }
+}
+
+/// A load that only grows, on an obstacle that is touched from the start: the contact zone stays, and with it the factors.
+#[test]
+fn factors_of_a_proportional_history() {
+    let overrides = ["mesh.elements=[20,20]", "contact.obstacle.gap=0", "time.increments=10"];
+    let (outcome, _) = solve(&common::scene("frictionless.toml", &overrides), LinearBackend::default());
+    let contact: Vec<_> = outcome.records.iter().map(|record| record.contact).collect();
+    assert!(contact.windows(2).all(|pair| pair[0] == pair[1]), "{contact:?}");
+    // That of the held body, which tells where to start, and that of the contact zone.
+    assert_eq!(outcome.linear.factorizations, 2);
+}
+
+/// Without contact an increment is a substitution with the Cholesky factor of `K`.
+#[test]
+fn contact() {
+    let text = include_str!("../../data/scenes/cube.toml");
+    let (start, end) = (text.find("[[contact]]").unwrap(), text.find("[[load]]").unwrap());
+    let text = [&text[..start], &text[end..]].concat();
+    let scene = Scene::parse("loose.toml", &text, &["mesh.elements=[5,5,5]".parse().unwrap()]).unwrap();
+    assert_eq!(scene.solver.linear, Some(LinearBackend::Condensed));
+    let [(whole, states), (cholesky, others)] =
+        [LinearBackend::default(), LinearBackend::Condensed].map(|backend| solve(&scene, backend));
+    assert_eq!((whole.linear.factorizations, cholesky.linear.factorizations), (1, 0));
+    assert!(cholesky.linear.factor.entries < whole.linear.factor.entries);
+    assert!(cholesky.records.iter().all(|record| record.iterations == 0));
+    for (a, b) in states.states.iter().zip(&others.states) {
+        let largest = a.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+        assert!(a.u.iter().zip(&b.u).all(|(a, b)| (a - b).abs() <= 1e-12 * largest));
+    }
+}
+
+/// What the program says before a run.
+#[test]
+fn the_list() {
+    let list = |name: &str, overrides: &[&str], backend| {
+        let scene = common::scene(name, overrides);
+        let all = LeftOut::all(&scene, &Model::new(&scene).unwrap(), backend);
+        all.into_iter().map(|LeftOut { count, unknown, .. }| (count, unknown)).collect::<Vec<_>>()
+    };
+    let whole = LinearBackend::default();
+    let block = ["mesh.elements=[4,4]", "contact.friction=0"];
+    assert_eq!(list("block.toml", &block[..1], whole), [(10, "u"), (1, "p_n")]);
+    assert_eq!(list("block.toml", &block, whole), [(10, "u"), (1, "p_n"), (4, "p_t")]);
+    assert_eq!(
+        list("block.toml", &block, LinearBackend::Condensed),
+        [(10, "u"), (40 - 4, "u"), (1, "p_n"), (4, "p_t")]
+    );
+    let cube = ["mesh.elements=[2,2,2]", "contact.friction=0"];
+    assert_eq!(list("cube.toml", &cube, whole), [(27, "u"), (3, "p_n"), (12, "p_t and p_o")]);
+}

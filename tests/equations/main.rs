@@ -1,0 +1,23 @@
+//! The algebra: laws, equations, solvers, error measure and verdicts, on matrices and on small bodies.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod backends_agree;
+mod bn_vs_ip;
+mod cholesky;
+mod condensed;
+mod coulomb3d;
+mod dense;
+mod error_measure;
+mod faer_agrees;
+mod fewer_tangents;
+mod halving;
+mod ip3d;
+mod ip_step;
+mod jacobian_fd;
+mod left_out;
+mod robust;
+mod uniqueness;
+mod units;
+mod verdicts;

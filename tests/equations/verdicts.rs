@@ -1,0 +1,106 @@
+//! Verdicts where a careless one goes wrong.
+#![allow(clippy::unwrap_used)]
+
+use crate::common;
+use stickslip::history::{HistoryOutcome, Status};
+use stickslip::model::Model;
+use stickslip::scene::Scene;
+
+fn solve(overrides: &[&str]) -> HistoryOutcome {
+    let scene = common::block(&[&["mesh.elements=[10,10]", "time.increments=10"], overrides].concat());
+    common::run(&scene, &Model::new(&scene).unwrap(), &mut ())
+}
+
+/// When all load is gone only rounding is left; it is judged against the history's own forces.
+#[test]
+fn full_unloading_converges() {
+    for mu in ["contact.friction=0", "contact.friction=0.1", "contact.friction=0.4"] {
+        for gap in ["contact.obstacle.gap=0", "contact.obstacle.gap=1e-5"] {
+            let outcome = solve(&["load.history=[[0,0],[1,1],[2,0]]", mu, gap]);
+            assert_eq!(outcome.status, Status::Converged, "{mu}, {gap}: {:?}", outcome.records.last());
+        }
+    }
+}
+
+/// Without load the solution is zero, and its verdict is no matter of luck.
+#[test]
+fn no_load_converges_to_nothing() {
+    for gap in ["contact.obstacle.gap=0", "contact.obstacle.gap=1e-5"] {
+        let outcome = solve(&["load.traction=[0,0]", gap]);
+        assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.records.last());
+        assert!(outcome.state.u.iter().chain(&outcome.state.p_n).chain(&outcome.state.p_t).all(|&x| x == 0.0));
+    }
+}
+
+/// The absolute stop test of the setting `paper` ends far too early under a load of 1 N/m²: then
+/// the verdict says so.
+#[test]
+fn a_stop_test_that_is_met_too_early_is_no_convergence() {
+    let outcome = solve(&["load.traction=[-1, -1]", "contact.obstacle.gap=0"]);
+    assert_eq!(outcome.status, Status::Inaccurate);
+    let record = outcome.records.last().unwrap();
+    assert!(record.theta <= 1e-2 && record.kkt.worst().1 > 1e-10, "{record:?}");
+}
+
+const CORNER: &str = r#"
+    mesh = { kind = "block", size = [1.0, 1.0], elements = [6, 6] }
+    material = { young = 210e9, poisson = 0.3 }
+    contact = [
+        { boundary = "bottom", friction = 0.4, obstacle = { kind = "plane" } },
+        { boundary = "right", friction = 0.2, obstacle = { kind = "plane" } },
+    ]
+    load = [
+        { boundary = "top", traction = [0, -8e6] },
+        { boundary = "left", traction = [6e6, 0] },
+    ]
+    time = { end = 1, increments = 4 }
+"#;
+
+/// A body pressed into a corner, held by contact alone; the corner node meets two obstacles.
+#[test]
+fn a_block_in_a_corner() {
+    let scene = Scene::parse("corner.toml", CORNER, &[]).unwrap();
+    let model = Model::new(&scene).unwrap();
+    assert_eq!((model.rigid_motions.len(), model.contacts.len()), (3, 14));
+    let outcome = common::run(&scene, &model, &mut ());
+    assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.records.last());
+    assert_eq!((outcome.layout.contacts(), outcome.layout.tangentials()), (14, 12));
+    // Global equilibrium: the bottom's tangent is +x, the right side's is +y.
+    let sum = |forces: &[f64], nodes: std::ops::Range<usize>| forces[nodes].iter().sum::<f64>();
+    let (p_n, p_t) = (&outcome.state.p_n, &outcome.state.p_t);
+    let x = 6e6 - sum(p_n, 7..14) - sum(p_t, 0..7);
+    let y = -8e6 + sum(p_n, 0..7) - sum(p_t, 7..14);
+    assert!(x.abs() < 1e-2 && y.abs() < 1e-2, "{x} {y}");
+}
+
+/// A free motion that contact cannot stop ends the run and is named.
+#[test]
+fn sliding_away_is_no_equilibrium() {
+    let scene = Scene::parse("slide.toml", CORNER, &["contact[1].obstacle.gap=1".parse().unwrap()]).unwrap();
+    let model = Model::new(&scene).unwrap();
+    let outcome = common::run(&scene, &model, &mut ());
+    // 6 MN push against at most 0.4 · 8 MN.
+    assert_eq!(outcome.status, Status::Singular, "{:?}", outcome.records.last());
+    let motion = stickslip::fem::RigidMotion::combination(&model.rigid_motions, &outcome.free_motion.unwrap()).unwrap();
+    assert_eq!(motion.to_string().replace('-', ""), "a translation along (1, 0)");
+}
+
+/// No displacement brings a held node out of an obstacle that moves in: refused, not overlooked.
+#[test]
+fn an_obstacle_must_not_move_into_a_held_node() {
+    let approach = "contact.obstacle.approach=[[0, 0], [1, 2e-5]]";
+    let error = Model::new(&common::block(&[approach])).unwrap_err().to_string();
+    assert!(error.contains("supports hold the body where the obstacle"), "{error}");
+    // Just touching the clamped corner is allowed.
+    assert!(Model::new(&common::block(&[&approach.replace("2e-5", "1e-5")])).is_ok());
+}
+
+/// An obstacle on the wrong side of the boundary would never be touched: it is refused.
+#[test]
+fn an_obstacle_must_face_the_boundary() {
+    for normal in ["[0, 1]", "[1, 0]"] {
+        let scene = common::block(&[&format!("contact.obstacle.normal={normal}")]);
+        let error = Model::new(&scene).unwrap_err().to_string();
+        assert!(error.contains("block.toml (with --set):23: the normal of the obstacle"), "{error}");
+    }
+}

@@ -1,0 +1,329 @@
+//! The program as a user meets it: output, and the files it leaves.
+
+#![cfg(feature = "cli")]
+// Values that were given are read back exactly.
+#![allow(clippy::unwrap_used, clippy::float_cmp)]
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::edit;
+use crate::common::program::{
+    Folder, assert_exit, count, csv, json, number, report, small, stderr, stdout, stickslip, without,
+};
+use serde_json::{Value, json as json_value};
+
+#[test]
+fn a_good_run_fills_its_folder() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("new/out");
+    let output = stickslip(&["run", &scene, "--json", "--out", &out]);
+    assert_exit(&output, 0);
+    let lines = ["contact_0002.csv", "contact_0002.svg", "contact_0004.csv", "contact_0004.svg"];
+    assert_eq!(folder.names("new/out"), [&lines[..], &["forces.csv", "increments.csv", "run.json"]].concat());
+
+    let out = Path::new(&out);
+    let (header, rows) = csv(&out.join("increments.csv"));
+    assert!(header.starts_with("index,time,status,iterations,backtracks,theta,equilibrium,penetration,"), "{header}");
+    assert!(header.contains(",backward_error,open,stick,slip,"), "{header}");
+    assert_eq!(rows.len(), 4);
+    for (k, row) in rows.iter().enumerate() {
+        assert_eq!((&row[0], &row[2]), (&(k + 1).to_string(), &"converged".to_string()));
+        assert_eq!(row[1].parse::<f64>().unwrap(), 0.5 * (k + 1) as f64);
+    }
+
+    for name in ["contact_0002", "contact_0004"] {
+        let (header, rows) = csv(&out.join(name).with_extension("csv"));
+        assert_eq!(header, "x,y,p_n,p_t,sigma_n,sigma_t,w_n,w_t,gap,slip_t,f_x,f_y,status");
+        assert_eq!(rows.len(), 4);
+        for row in &rows {
+            assert!(["open", "stick", "slip"].contains(&row[12].as_str()), "{row:?}");
+            assert!(row[..12].iter().all(|field| field.parse::<f64>().unwrap().is_finite()), "{row:?}");
+        }
+        let svg = fs::read_to_string(out.join(name).with_extension("svg")).unwrap();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{name}");
+        assert!(svg.contains("<polyline") || svg.contains("<line") || svg.contains("<path"), "{name} shows no line");
+        assert_eq!(svg.matches("<text").count(), svg.matches("</text>").count());
+        assert!(!svg.contains("NaN"));
+    }
+    let written: Value = serde_json::from_str(&fs::read_to_string(out.join("run.json")).unwrap()).unwrap();
+    assert_eq!(written, json(&output));
+
+    // The forces of each increment, which at the end are those of the contact nodes and balance the loads and the wall.
+    let (header, forces) = csv(&out.join("forces.csv"));
+    assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t");
+    assert_eq!(forces.len(), 4);
+    let (_, nodes) = csv(&out.join("contact_0004.csv"));
+    let value = |row: &[String], k: usize| row[k].parse::<f64>().unwrap();
+    let total = |of: &dyn Fn(&[String]) -> f64| nodes.iter().map(|row| of(row)).sum::<f64>();
+    let moment = |row: &[String]| value(row, 0) * value(row, 11) - value(row, 1) * value(row, 10);
+    for (k, expected) in [(3, total(&|row| value(row, 10))), (4, total(&|row| value(row, 11))), (5, total(&moment))] {
+        assert!((value(&forces[3], k) - expected).abs() < 1e-9 * value(&forces[3], 6), "{k}: {expected}");
+    }
+    let end = &written["boundaries"][0];
+    assert_eq!((number(&end["force"][0]), number(&end["moment"][0])), (value(&forces[3], 3), value(&forces[3], 5)));
+    assert_eq!(written["forces"][3]["force"], end["force"]);
+    assert!(number(&written["increments"][1]["friction_work"]) > 0.0);
+    assert_eq!(written["warnings"], json_value!([]));
+}
+
+/// What may make an answer wrong although every law holds is told beside the verdict and in the report, and costs no exit status.
+#[test]
+fn warnings() {
+    let layers = "poisson = 0.3\nlayers = [[0.3, 70e9, 0.3]]";
+    let leaning = "{ kind = \"wedge\", angle = 0.2, apex = [0.75, -1e-5] }";
+    let idle =
+        "[[support]]\nboundary = \"right\"\nfix = [\"x\"]\n\n[[load]]\nboundary = \"right\"\ntraction = [1e5, 0.0]\n";
+    for (scene, kind, words) in [
+        (edit(&small(), "poisson = 0.3", "poisson = 0.4999"), "locking", "use mesh.element = \"b-bar\""),
+        (edit(&small(), "poisson = 0.3", layers), "layers-through-elements", "y = 0.3 m goes through 4 elements"),
+        (small() + idle, "idle-load", "the load on `right` does nothing"),
+        (edit(&small(), "{ kind = \"plane\", gap = 1e-5 }", leaning), "leaning-obstacle", "leans by 11 degrees"),
+        (edit(&small(), "gap = 1e-5", "gap = 0.01"), "no-contact", "`bottom` never touched its obstacle"),
+        (
+            edit(&edit(&small(), "young = 210e9", "young = 210e5"), "\"paper\"", "\"default\""),
+            "large-displacements",
+            "of the body's size",
+        ),
+    ] {
+        let report = report(&scene, 0);
+        let kinds: Vec<_> = report["warnings"].as_array().unwrap().iter().map(|warning| &warning["kind"]).collect();
+        // A wedge is left sideways, too.
+        let more = if kind == "leaning-obstacle" { 2 } else { 1 };
+        assert_eq!((kinds[0].as_str(), kinds.len()), (Some(kind), more), "{}", report["warnings"]);
+        assert!(report["warnings"][0]["message"].as_str().unwrap().contains(words), "{}", report["warnings"]);
+        let (_folder, scene) = Folder::with_scene(&scene);
+        assert!(stdout(&stickslip(&["run", &scene])).contains(words), "{kind}");
+        let before = ["locking", "layers-through-elements", "idle-load"].contains(&kind);
+        assert_eq!(stdout(&stickslip(&["check", &scene])).contains(words), before, "{kind}");
+    }
+}
+
+#[test]
+fn the_report_has_every_field() {
+    let report = report(&small(), 0);
+    assert!(report["scene"].as_str().unwrap().ends_with("scene.toml"));
+    assert_eq!(report["title"], "Elastic block on a frictional foundation");
+    for (key, value) in [
+        ("method", "bn"),
+        ("setting", "paper"),
+        ("solver", if cfg!(feature = "umfpack") { "umfpack" } else { "faer" }),
+        ("status", "converged"),
+    ] {
+        assert_eq!(report[key], value, "{key}");
+    }
+    assert_eq!(report["reason"], "");
+    let unknowns = &report["unknowns"];
+    assert_eq!([&unknowns["u"], &unknowns["p_t"], &unknowns["p_n"]].map(count), [40, 4, 4]);
+
+    let increments = report["increments"].as_array().unwrap();
+    assert_eq!(increments.len(), 4);
+    for (k, increment) in increments.iter().enumerate() {
+        assert_eq!((count(&increment["index"]), number(&increment["time"])), (k as u64 + 1, 0.5 * (k + 1) as f64));
+        assert_eq!(increment["status"], "converged");
+        assert!(count(&increment["iterations"]) >= 1);
+        count(&increment["backtracks"]);
+        assert!(number(&increment["theta"]) >= 0.0);
+        for law in ["equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation"] {
+            assert!((0.0..=1e-10).contains(&number(&increment["kkt"][law])), "{law}: {increment}");
+        }
+        let contact = &increment["contact"];
+        assert_eq!(count(&contact["open"]) + count(&contact["stick"]) + count(&contact["slip"]), 4);
+        for part in ["assembly", "factorization", "solve", "rest"] {
+            assert!(number(&increment["seconds"][part]).abs() < 600.0, "{part}");
+        }
+    }
+
+    let totals = &report["totals"];
+    let iterations: u64 = increments.iter().map(|increment| count(&increment["iterations"])).sum();
+    assert_eq!(count(&totals["iterations"]), iterations);
+    // One for the interior's answer to the loads, and one an iteration unless the last still serves;
+    // one pattern serves the whole run.
+    assert!((2..=iterations + 1).contains(&count(&totals["factorizations"])), "{totals}");
+    assert_eq!(count(&totals["symbolic_analyses"]), 1);
+    assert!(number(&totals["cpu_seconds"]) > 0.0 && number(&totals["wall_seconds"]) > 0.0);
+    assert!(!cfg!(target_os = "linux") || count(&totals["peak_rss_bytes"]) > 1 << 20);
+    assert!(count(&totals["nnz_factors"]) > 48);
+    let end = &report["final"];
+    assert!(number(&end["sum_p_n"]) > 0.0);
+    assert!(number(&end["sum_p_t"]).abs() <= 0.4 * number(&end["sum_p_n"]) * (1.0 + 1e-9));
+}
+
+#[test]
+fn without_friction_there_are_no_tangential_unknowns() {
+    let report = report(&edit(&small(), "friction = 0.4", "friction = 0"), 0);
+    assert_eq!((count(&report["unknowns"]["p_t"]), count(&report["unknowns"]["p_n"])), (0, 4));
+    assert_eq!(number(&report["final"]["sum_p_t"]), 0.0);
+}
+
+#[test]
+fn without_contact_an_increment_is_one_linear_solve() {
+    let report = report(&without(&small(), "[[contact]]", "[[load]]"), 0);
+    assert_eq!((count(&report["unknowns"]["p_t"]), count(&report["unknowns"]["p_n"])), (0, 0));
+    for increment in report["increments"].as_array().unwrap() {
+        assert_eq!(count(&increment["iterations"]), 1);
+    }
+    assert_eq!((count(&report["totals"]["iterations"]), count(&report["totals"]["factorizations"])), (4, 1));
+}
+
+#[test]
+fn check_explains_without_solving() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let output = stickslip(&["check", &scene]);
+    assert_exit(&output, 0);
+    for words in [
+        "Elastic block on a frictional foundation",
+        "4 x 4 bilinear quadrilaterals, 25 nodes",
+        "left: x and y held",
+        "bottom: plane at 1e-5 m, mu = 0.4",
+        "40 displacements u",
+        "4 normal forces p_n",
+        "4 increments of 0.5 s",
+        "held         by its supports",
+        "theorem 3    holds: (a) no rigid motion leaves every obstacle; (b) contact rows independent",
+    ] {
+        assert!(stdout(&output).contains(words), "`{words}` is not in:\n{}", stdout(&output));
+    }
+    assert_eq!(folder.names(""), ["scene.toml"]);
+}
+
+/// Every point of a motion is told as that of a load is, and which of them no increment meets.
+#[test]
+fn check_tells_histories() {
+    let motion = "gap = 1e-5, approach = [[0, 0], [1, 1e-5], [2, 0]], motion = { \
+                  translation = [[0, 0, 0], [0.5, 1e-3, 0], [2, 0, 0]], \
+                  rotation = { through = [0, 0], history = [[0, 0], [1, 1e-6], [2, -1e-6]] } }";
+    let text = edit(&without(&small(), "[[support]]", "[[contact]]"), "gap = 1e-5", motion);
+    let check = |text: &str| {
+        let (_folder, scene) = Folder::with_scene(text);
+        let output = stickslip(&["check", &scene]);
+        assert_exit(&output, 0);
+        stdout(&output).to_string()
+    };
+    let told = check(&text);
+    let words = "moves in by 0 m at 0 s, 1e-5 m at 1 s, 0 m at 2 s, \
+                 moves by (0, 0) m at 0 s, (1e-3, 0) m at 0.5 s, (0, 0) m at 2 s, \
+                 turns by 0 rad at 0 s, 1e-6 rad at 1 s, -1e-6 rad at 2 s, mu = 0.4";
+    assert!(told.contains(words), "{told}");
+    assert!(told.contains("factor 0 at 0 s, 1 at 1 s, 0 at 2 s\n"), "{told}");
+    assert!(!told.contains("stepped over"), "{told}");
+
+    let told = check(&edit(&text, "increments = 4", "increments = 6"));
+    let stepped: Vec<&str> = told.lines().filter(|line| line.starts_with("stepped over")).collect();
+    let [line] = stepped[..] else { panic!("{told}") };
+    assert!(
+        line.contains("over the kink of the translation of the obstacle at bottom at 0.5 s: no increment"),
+        "{line}"
+    );
+    let told = check(&edit(&text, "increments = 4", "increments = 7"));
+    assert_eq!(told.matches("stepped over the kink of ").count(), 5, "{told}");
+
+    // Ten points, of which three are left out.
+    let many: Vec<String> = (0..10).map(|k| format!("[{}, {}e-6]", 0.2 * f64::from(k), k % 2)).collect();
+    let told = check(&edit(&small(), "gap = 1e-5", &format!("gap = 1e-5, approach = [{}]", many.join(", "))));
+    assert!(told.contains("1e-6 m at 1 s, (3 more), 1e-6 m at 1.8 s"), "{told}");
+}
+
+#[cfg(feature = "meshes")]
+#[test]
+fn check_tells_the_size_of_a_mesh_file() {
+    let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes/plate_quads_mm.msh");
+    let text = edit(&without(&small(), "[mesh]", "[material]"), "\"right\"", "\"top\"");
+    let at = text.find("[material]").unwrap();
+    for (scale, size) in [("0.001", "0.04 m x 0.02 m over all"), ("1", "40 m x 20 m over all")] {
+        let table = format!("[mesh]\nkind = \"gmsh\"\nfile = \"{}\"\nscale = {scale}\n", mesh.display());
+        let (_folder, scene) = Folder::with_scene(&[&text[..at], &table, &text[at..]].concat());
+        let output = stickslip(&["check", &scene]);
+        assert_exit(&output, 0);
+        assert!(stdout(&output).contains(size), "{}", stdout(&output));
+    }
+}
+
+#[test]
+fn cells_of_table_ii() {
+    let output = stickslip(&["tables", "block", "--contact-nodes", "5", "--increments", "1", "--json"]);
+    assert_exit(&output, 0);
+    let table = json(&output);
+    let columns = table["columns"].as_array().unwrap();
+    let names: Vec<_> = columns.iter().map(|column| column["method"].as_str().unwrap()).collect();
+    assert_eq!(names, ["bn", "ip-safe", "ip-prev", "bn-default", "ip"]);
+    for column in columns {
+        for (cell, mu) in column["cells"].as_array().unwrap().iter().zip([0.1, 0.4, 0.8]) {
+            assert_eq!((count(&cell["contact_nodes"]), count(&cell["increments"]), number(&cell["mu"])), (5, 1, mu));
+            assert!(cell["status"] == "converged" && number(&cell["here"]["nle"]) >= 1.0);
+        }
+    }
+    assert_eq!(count(&columns[1]["nle"]["cells"]), 3);
+
+    let unknown = stickslip(&["tables", "block", "--contact-nodes", "7", "--json"]);
+    assert_exit(&unknown, 2);
+    assert_eq!(stdout(&unknown), "");
+    assert!(stderr(&unknown).contains("no such cell"), "{}", stderr(&unknown));
+}
+
+#[test]
+fn the_version_names_the_solver_in_use() {
+    let output = stickslip(&["--version"]);
+    assert_exit(&output, 0);
+    let line = stdout(&output);
+    let after = line.strip_prefix(concat!("stickslip ", env!("CARGO_PKG_VERSION"), " ")).unwrap();
+    if cfg!(feature = "umfpack") {
+        assert!(after.starts_with("(SuiteSparse ") && after.contains("UMFPACK "), "{line}");
+    } else {
+        assert_eq!(after.trim(), "(without UMFPACK)");
+    }
+}
+
+/// Pulled away from the wall, the block is in some danger; pushed towards it, as the scene says, in none.
+#[test]
+fn the_uniqueness_is_told_where_it_is_asked_for() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let pull = ["load[1].traction=[50e6,0.0]", "time.end=1.0", "output.times=[1.0]"];
+    let set = pull.iter().flat_map(|text| ["--set", text]);
+    let args: Vec<&str> = ["run", &scene, "--uniqueness"].into_iter().chain(set).collect();
+    let output = stickslip(&args);
+    assert_exit(&output, 0);
+    let start = "uniqueness   rates are unique up to ";
+    let line = stdout(&output).lines().find(|line| line.starts_with(start)).unwrap();
+    assert!(line.contains(" times this friction along the present status (mu "), "{line}");
+
+    let out = folder.join("out");
+    for options in [&["--json"][..], &["--json", "--method", "ip", "--solver", "condensed", "--out", &out]] {
+        let output = stickslip(&[&args[..], options].concat());
+        assert_exit(&output, 0);
+        let critical = &json(&output)["critical_friction"];
+        assert!(count(&critical["slipping"]) > 0);
+        assert!((6.0..7.0).contains(&number(&critical["factor"])), "{critical}");
+        assert!(line.contains(&format!("{:.3}", number(&critical["factor"]))), "{line} {critical}");
+    }
+    let written: Value = serde_json::from_str(&fs::read_to_string(Path::new(&out).join("run.json")).unwrap()).unwrap();
+    assert!((6.0..7.0).contains(&number(&written["critical_friction"]["factor"])), "{written}");
+
+    let output = stickslip(&["run", &scene, "--json"]);
+    assert!(json(&output).get("critical_friction").is_none());
+    // Without friction an infinite factor, which JSON does not have; without an increment, nothing.
+    let output = stickslip(&["run", &scene, "--set", "contact.friction=0.0", "--json", "--uniqueness"]);
+    assert!(json(&output)["critical_friction"]["factor"].is_null());
+    let output = stickslip(&["run", &scene, "--set", "solver.max_iterations=1", "--json", "--uniqueness"]);
+    assert_exit(&output, 1);
+    assert!(json(&output).get("critical_friction").is_none());
+}
+
+/// What is chosen is told, and solves as if it had been named.
+#[test]
+fn the_linear_algebra_is_chosen_where_that_is_asked_for() {
+    let (_folder, scene) = Folder::with_scene(&small());
+    let output = stickslip(&["run", &scene, "--solver", "auto"]);
+    assert_exit(&output, 0);
+    let line = stdout(&output).lines().find(|line| line.starts_with("solver       auto: ")).unwrap();
+    let open = json(&stickslip(&["run", &scene, "--solver", "auto", "--json"]));
+    let chosen = open["solver"].as_str().unwrap();
+    assert!(line.contains(open["solver_choice"].as_str().unwrap()), "{line}");
+    assert!(line.starts_with(&format!("solver       auto: {chosen} (")), "{line}");
+    let named = json(&stickslip(&["run", &scene, "--solver", chosen, "--json"]));
+    assert!(named.get("solver_choice").is_none());
+    for field in ["solver", "final"] {
+        assert_eq!(open[field], named[field]);
+    }
+    assert_eq!(open["totals"]["iterations"], named["totals"]["iterations"]);
+}

@@ -1,0 +1,9 @@
+//! The program, as it is called.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod cli;
+mod cli_failures;
+mod compare;
+mod solvability;
