@@ -59,7 +59,7 @@ impl Choice {
         let sizes = Sizes {
             unknowns: layout.unknowns(),
             contact_displacements: problem.contact_displacements().len(),
-            stiffness: Cholesky::predict(&problem.stiffness)?,
+            stiffness: Cholesky::predict(problem.stiffness())?,
         };
         let (method, increments) = (scene.solver.method.name(), scene.time.increments);
         let factorizations = match method {

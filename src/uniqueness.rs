@@ -90,7 +90,7 @@ pub fn critical_friction(
         .filter_map(|i| {
             let mut forces = layout.tangential(i).into_iter().zip([state.p_t[i], state.p_o[i]]);
             let (p_t, force) = forces.find_map(|(place, force)| Some((place?, force)))?;
-            Some(Slider { p_t, p_n: layout.p_n(i), drive: problem.mu[i] * force.signum() })
+            Some(Slider { p_t, p_n: layout.p_n(i), drive: problem.mu()[i] * force.signum() })
         })
         .collect();
     let factor = match sliders.as_slice() {
@@ -110,7 +110,7 @@ fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut Direct) -> Result<
         return Ok(None);
     }
     let jacobian = tangent.jacobian();
-    linear.analyze(&jacobian.pattern)?;
+    linear.analyze(jacobian.pattern())?;
     // In units in which stiffness and compliance are of order one, such a pivot is a zero with
     // rounding in it.
     if linear.factorize(jacobian)?.pivot_ratio < f64::EPSILON {

@@ -103,7 +103,7 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
             say!("warning      {}", warning.message);
         }
         if let Some(critical) = &report.critical_friction {
-            say!("uniqueness   {}", uniqueness::explain(critical, &model.problem.mu));
+            say!("uniqueness   {}", uniqueness::explain(critical, model.problem.mu()));
         }
         if let Some(folder) = &folder {
             say!("results      {}", folder.path().display());

@@ -68,7 +68,7 @@ impl Study {
             factor_entries: outcome.linear.factor.entries,
             factor_peak_bytes: outcome.linear.factor.peak_bytes,
             kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
-            errors: sound.then(|| TimeErrors::new(&end, &self.reference.end, &self.model.problem.weight)),
+            errors: sound.then(|| TimeErrors::new(&end, &self.reference.end, self.model.problem.weight())),
             iterates,
         })
     }

@@ -61,8 +61,8 @@ impl LeftOut {
             .filter_map(|contact| mesh.boundary(contact.boundary.as_str()))
             .map(|boundary| boundary.nodes().len())
             .sum::<usize>();
-        let smooth = contacts.iter().zip(&problem.mu).filter(|(_, mu)| **mu == 0.0);
-        let rough = contacts.iter().zip(&problem.mu).filter(|(_, mu)| **mu > 0.0);
+        let smooth = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu == 0.0);
+        let rough = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu > 0.0);
         let free =
             |contact: &crate::contact::ContactNode| contact.tangents.iter().filter(|row| !row.is_empty()).count();
         let interior = match backend {

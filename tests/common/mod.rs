@@ -121,11 +121,11 @@ pub fn solve(stiffness: &Symmetric, force: &[f64]) -> Vec<f64> {
     let pattern = Pattern::from_entries(n, n, |take| stiffness.entries().for_each(|(i, j, _)| take(i, j)));
     let mut k = Csc::zeros(Arc::new(pattern));
     for (i, j, value) in stiffness.entries() {
-        let slot = k.pattern.slot(i, j).unwrap();
+        let slot = k.pattern().slot(i, j).unwrap();
         k.values[slot] = value;
     }
     let mut direct = Direct::default();
-    direct.analyze(&k.pattern).unwrap();
+    direct.analyze(k.pattern()).unwrap();
     direct.factorize(&k).unwrap();
     let mut u = vec![0.0; n];
     direct.solve(&k, force, &mut u).unwrap();

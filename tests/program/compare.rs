@@ -124,7 +124,7 @@ fn friction_dissipates_what_the_loads_do_beyond_the_strain_energy() {
         assert_eq!(outcome.status, Status::Converged);
 
         let mut force = zero;
-        problem.stiffness.mul(&outcome.state.u, &mut force);
+        problem.stiffness().mul(&outcome.state.u, &mut force);
         let energy = 0.5 * outcome.state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>();
         let friction = || outcome.records.iter().map(|record| record.friction_work);
         let total: f64 = friction().sum();
