@@ -12,6 +12,8 @@ mod contact_stiffness;
 
 use std::collections::BTreeSet;
 
+use serde::Serialize;
+
 use crate::sparse::{Csr, Symmetric, Twofold};
 use crate::units::Scaling;
 
@@ -51,7 +53,7 @@ pub struct Increment<'a> {
 }
 
 /// A state of the body, in SI units.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct State {
     /// `u`, free displacements, n_u, m.
     pub u: Vec<f64>,

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::formulation::Layout;
 use crate::model::Model;
-use crate::scene::{LinearBackend, MethodName, Scene};
+use crate::scene::MethodName;
 
 /// The numbers of unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -53,22 +53,19 @@ impl Unknowns {
 }
 
 impl LeftOut {
-    /// What a scene, discretised as `model` and solved by `backend`, does without.
-    pub fn all(scene: &Scene, model: &Model, backend: LinearBackend) -> Vec<Self> {
-        let Model { mesh, problem, contacts, .. } = model;
+    /// What a run of `model` does without, if its interior is `condensed` or not.
+    pub fn all(model: &Model, condensed: bool) -> Vec<Self> {
+        let Model { mesh, problem, contacts, contact_boundaries, .. } = model;
         let tangential = if mesh.dimension == 2 { "p_t" } else { "p_t and p_o" };
-        let claimed = (scene.contacts.iter())
-            .filter_map(|contact| mesh.boundary(contact.boundary.as_str()))
+        let claimed = (contact_boundaries.iter())
+            .filter_map(|boundary| mesh.boundary(&boundary.name))
             .map(|boundary| boundary.nodes().len())
             .sum::<usize>();
         let smooth = contacts.iter().zip(&problem.mu).filter(|(_, mu)| **mu == 0.0);
         let rough = contacts.iter().zip(&problem.mu).filter(|(_, mu)| **mu > 0.0);
         let free =
             |contact: &crate::contact::ContactNode| contact.tangents.iter().filter(|row| !row.is_empty()).count();
-        let interior = match backend {
-            LinearBackend::Condensed => problem.displacements() - problem.contact_displacements().len(),
-            LinearBackend::Umfpack | LinearBackend::Faer => 0,
-        };
+        let interior = if condensed { problem.displacements() - problem.contact_displacements().len() } else { 0 };
         let counted = [
             (mesh.nodes.len() * mesh.dimension - problem.displacements(), "u", "held by supports"),
             (interior, "u", "within the body: condensed, known once those at the contact are"),

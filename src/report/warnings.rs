@@ -35,6 +35,19 @@ pub enum WarningKind {
     GapsOutOfRange,
 }
 
+impl WarningKind {
+    /// Whether it is known only once the scene is solved.
+    pub fn needs_the_solution(self) -> bool {
+        match self {
+            WarningKind::Locking | WarningKind::LayersThroughElements | WarningKind::IdleLoad => false,
+            WarningKind::NoContact
+            | WarningKind::LargeDisplacements
+            | WarningKind::LeaningObstacle
+            | WarningKind::GapsOutOfRange => true,
+        }
+    }
+}
+
 /// From this Poisson's ratio on elements may lock: K is 50 times as stiff against a change of volume as against shear.
 const LOCKING: f64 = 0.49;
 

@@ -99,6 +99,20 @@ pub enum NewtonSystem {
 }
 
 impl Method {
+    /// The algorithm with its named constants, and the default of all else.
+    pub fn of(name: MethodName, setting: Setting) -> Self {
+        match (name, setting) {
+            (MethodName::Bn, Setting::Default) => Method::Bn { r_factor: 1.0 },
+            (MethodName::Bn, Setting::Paper) => Method::PaperBn,
+            (MethodName::Ip, Setting::Default) => Method::Ip { newton: NewtonSystem::default() },
+            (MethodName::Ip, Setting::Paper) => Method::PaperIp {
+                start: Start::default(),
+                partition: Partition::default(),
+                newton: NewtonSystem::default(),
+            },
+        }
+    }
+
     /// The name of the algorithm.
     pub fn name(self) -> MethodName {
         match self {
