@@ -41,6 +41,7 @@ mod predictor_corrector;
 mod record;
 mod rescue;
 mod settings;
+mod solver;
 mod system;
 mod task;
 mod whole;
@@ -51,6 +52,7 @@ pub use error::Error;
 pub use observer::{Observer, Step};
 pub use record::{ContactCounts, IncrementRecord, Seconds, Status};
 pub use settings::{HistorySettings, Method, Start};
+pub use solver::Solver;
 pub use system::{LinearAlgebra, System};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
 

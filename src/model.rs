@@ -7,13 +7,12 @@ mod stress;
 
 use crate::contact::{ContactBoundary, ContactNode, Facing, Obstacle, ObstacleMotion, Row, share_edges};
 use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, facet_load, rigid_motions};
-use crate::linear::{Direct, built_in};
 use crate::loading::{Bend, LoadCase, Loading, Motion};
 #[cfg(feature = "meshes")]
 use crate::mesh::MeshFileError;
 use crate::mesh::{Boundary, Mesh};
 use crate::problem::{ContactProblem, Parts, ProblemError};
-use crate::scene::{self, LinearBackend, Scene, SceneError};
+use crate::scene::{self, Scene, SceneError};
 use crate::sparse::Csr;
 use crate::units::Scaling;
 
@@ -146,15 +145,6 @@ impl Model {
             loading,
             rigid_motions,
         })
-    }
-
-    /// The linear algebra that a scene names.
-    pub fn linear(&self, backend: LinearBackend) -> Direct {
-        match backend {
-            LinearBackend::Umfpack => Direct::new(built_in::umfpack()),
-            LinearBackend::Faer => Direct::new(built_in::faer()),
-            LinearBackend::Condensed => Direct::condensing(self.problem.contact_displacements().len()),
-        }
     }
 
     /// Units for the numbers inside, see [`ContactProblem::scaling`].

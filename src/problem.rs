@@ -15,6 +15,7 @@ pub(crate) mod error;
 use std::collections::BTreeSet;
 
 pub use error::ProblemError;
+use serde::Serialize;
 
 use crate::linear::null_space_of;
 use crate::sparse::{Csr, Symmetric, Twofold};
@@ -89,7 +90,7 @@ pub struct Increment<'a> {
 }
 
 /// A state of the body, in SI units.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct State {
     /// `u`, free displacements, n_u, m.
     pub u: Vec<f64>,

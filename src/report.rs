@@ -5,6 +5,7 @@ mod chart;
 mod contact_line;
 mod contact_surface;
 mod csv;
+mod explain;
 #[cfg(feature = "meshes")]
 mod fields;
 #[cfg(all(feature = "meshes", feature = "plots"))]
@@ -32,6 +33,7 @@ pub use chart::{Axis, Chart, Curve, Dash, Line, Marker, Panel, PlotError, Scale}
 pub use contact_line::{ContactLine, ContactPoint};
 pub use contact_surface::{ContactSurface, SurfaceNode};
 pub use csv::table as csv_table;
+pub use explain::{Explanation, WorstNode};
 #[cfg(feature = "meshes")]
 pub use fields::fields;
 #[cfg(all(feature = "meshes", feature = "plots"))]
@@ -41,7 +43,7 @@ pub use plot::{contact_stresses, stress_chart};
 #[cfg(feature = "meshes")]
 pub use pvd::series as pvd_series;
 pub use resultant::{ComponentSums, ForceRecord, Resultant};
-pub use run::{Explanation, Measured, RunReport, Totals, WorstNode};
+pub use run::{Facts, Measured, RunReport, SCHEMA_VERSION, Totals};
 pub use table::Table;
 pub use unknowns::{LeftOut, Unknowns};
 pub use usage::{available_bytes, cpu_seconds, peak_rss_bytes};

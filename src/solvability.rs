@@ -161,7 +161,7 @@ struct Free<'a> {
 
 impl<'a> Free<'a> {
     fn new(problem: &'a ContactProblem) -> Self {
-        let motions = problem.free_motions().as_slice();
+        let motions = problem.free_motions();
         let largest = motions.iter().map(|motion| motion.iter().fold(0.0_f64, |m, u| m.max(u.abs()))).collect();
         Free { motions, largest }
     }

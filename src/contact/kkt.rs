@@ -36,7 +36,7 @@ impl KktScales {
     pub fn with_load(self, problem: &ContactProblem, increment: &Increment<'_>) -> Self {
         let interference = increment.gap.iter().fold(0.0_f64, |m, g| m.max(-g));
         let force = largest(increment.force);
-        let stiffest = largest(problem.stiffness().diagonal());
+        let stiffest = largest(&problem.stiffness().diagonal());
         let least = if stiffest > 0.0 { force / stiffest } else { 0.0 };
         KktScales { force: self.force.max(force), length: self.length.max(interference).max(least) }
     }

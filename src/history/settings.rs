@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::Error;
+use super::{Error, Solver};
 use crate::formulation::{Conventions, NewtonSystem, Partition};
 use crate::loading::Loading;
 use crate::problem::{ContactProblem, ProblemError};
@@ -75,9 +75,6 @@ const TOLERANCE: f64 = 1e-10;
 /// The paper's interior point method ends at an absolute `Theta`, which leaves errors of up to
 /// 1e-7 on the paper's problems.
 const PAPER_IP_TOLERANCE: f64 = 1e-6;
-
-/// Twice what the longest increments that were met and solved need.
-const MAX_ITERATIONS: usize = 200;
 
 /// Where the paper's interior point method starts the increments after the first.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -192,7 +189,7 @@ impl HistorySettings {
             contact_stiffness,
             scaling,
             tolerance: method.default_tolerance(),
-            max_iterations: MAX_ITERATIONS,
+            max_iterations: Solver::MAX_ITERATIONS,
             halvings: if method.is_of_paper() { 0 } else { HALVINGS },
         })
     }

@@ -101,6 +101,19 @@ impl From<Box<dyn LinearSolver>> for System {
 }
 
 impl System {
+    /// The name a report shows.
+    pub fn name(&self) -> String {
+        match self {
+            System::Whole(linear) => linear.name().to_string(),
+            System::Condensed(cholesky) => LinearAlgebra::Condensed(*cholesky).to_string(),
+        }
+    }
+
+    /// Whether the body is condensed.
+    pub fn condenses(&self) -> bool {
+        matches!(self, System::Condensed(_))
+    }
+
     /// The solver, and the condensed body if there is one.
     pub(super) fn set_up(
         self,

@@ -4,7 +4,7 @@ use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 
 use super::ContactProblem;
-use crate::sparse::{Csc, Csr, Symmetric};
+use crate::sparse::{Csr, Symmetric};
 
 /// The displacements that share a stiffness entry with the normal motion of a contact node, ascending: with finite
 /// elements, those of the elements at the node.

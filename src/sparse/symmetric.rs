@@ -42,10 +42,9 @@ impl Symmetric {
         if rows != columns {
             return Err(MatrixError::NotSquare { rows, columns });
         }
-        match lower.entries().find(|(row, column, _)| row < column) {
-            Some((row, column, _)) => Err(MatrixError::AboveDiagonal { row, column }),
-            None => Ok(Symmetric { lower }),
-        }
+        let above = lower.entries().find(|(row, column, _)| row < column);
+        above.map_or(Ok(()), |(row, column, _)| Err(MatrixError::AboveDiagonal { row, column }))?;
+        Ok(Symmetric { lower })
     }
 
     /// The matrix that `whole` is: both triangles of it, which must agree to rounding, or one of them, which then

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use stickslip::compare::{
-    self, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, Run, SolverPath, TimeErrors, Tractions,
+    self, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, SolverPath, TimeErrors, Tractions, Trial,
     front,
 };
 use stickslip::history::{self, HistorySettings, Observer, Status, Step};
@@ -209,8 +209,8 @@ fn in_three_dimensions_both_tangents_count() {
 }
 
 /// A run of `seconds` with the error `forces` in its contact forces.
-fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, forces: f64) -> Run {
-    Run {
+fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, forces: f64) -> Trial {
+    Trial {
         path,
         mesh,
         increments,
