@@ -11,14 +11,10 @@ macro_rules! say {
 mod bug;
 mod check;
 mod compare;
-mod extremes;
-mod figures;
 mod interrupt;
-mod jobs;
 mod output;
 mod progress;
 mod run;
-mod tables;
 mod uniqueness;
 
 use std::path::PathBuf;
@@ -48,12 +44,6 @@ enum Command {
     Run(run::RunArgs),
     /// Read and explain a scene without solving it
     Check(check::CheckArgs),
-    /// Compute a table of the paper and set it beside the published one
-    Tables(tables::TablesArgs),
-    /// Draw the figures of the paper
-    Figures(figures::FiguresArgs),
-    /// Run the suite of extreme scenes, data/extremes.toml
-    Extremes(extremes::ExtremesArgs),
     /// Compare methods, linear algebra, increments and meshes on a scene: error against time
     Compare(compare::CompareArgs),
 }

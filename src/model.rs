@@ -8,9 +8,7 @@ mod stress;
 use crate::contact::{ContactBoundary, ContactNode, Facing, Obstacle, ObstacleMotion, Row, share_edges};
 use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, facet_load, rigid_motions};
 use crate::loading::{Bend, LoadCase, Loading, Motion};
-#[cfg(feature = "meshes")]
-use crate::mesh::MeshFileError;
-use crate::mesh::{Boundary, Mesh};
+use crate::mesh::{Boundary, Mesh, MeshFileError};
 use crate::problem::{ContactProblem, Parts, ProblemError};
 use crate::scene::{self, Scene, SceneError};
 use crate::sparse::Csr;
@@ -51,15 +49,9 @@ pub enum ModelError {
     #[diagnostic(transparent)]
     Scene(#[from] SceneError),
     /// The scene's mesh file is not sound.
-    #[cfg(feature = "meshes")]
     #[error(transparent)]
     #[diagnostic(transparent)]
     Mesh(#[from] MeshFileError),
-    /// The scene has a mesh file, which nothing can read.
-    #[cfg(not(feature = "meshes"))]
-    #[error("the mesh is in a file, but this stickslip was built without mesh files")]
-    #[diagnostic(help("build it with the feature `meshes`"))]
-    NoMeshFiles,
     /// What the mesh makes of the scene is no sound problem, as where its numbers overflow.
     #[error(transparent)]
     #[diagnostic(help("moduli, loads or lengths leave the range of double precision: check their units"))]
