@@ -15,10 +15,12 @@ mod check;
 mod compare;
 mod extremes;
 mod figures;
+mod init;
 mod interrupt;
 mod jobs;
 mod progress;
 mod run;
+mod shell;
 mod tables;
 mod uniqueness;
 mod verdict;
@@ -60,6 +62,12 @@ enum Command {
     Extremes(extremes::ExtremesArgs),
     /// Compare methods, linear algebra, increments and meshes on a scene: error against time
     Compare(compare::CompareArgs),
+    /// Print a scene to start from, with comments
+    Init(init::InitArgs),
+    /// Print a script that completes the commands in a shell
+    Completions(shell::CompletionsArgs),
+    /// Print a page of the manual, for man(1)
+    Man(shell::ManArgs),
 }
 
 /// A scene and what to change in it.
@@ -67,7 +75,7 @@ enum Command {
 struct SceneArgs {
     /// The scene file (TOML)
     scene: PathBuf,
-    /// Put VALUE in place of what the scene says, e.g. mesh.elements=[50,50] or contact[0].friction=0.3
+    /// Put VALUE in place of what the scene says, e.g. 'mesh.elements=[50,50]' or 'contact[0].friction=0.3'
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
     /// The algorithm, as solver.method; ip comes with its own default setting
@@ -176,8 +184,13 @@ fn version() -> &'static str {
     concat!(env!("CARGO_PKG_VERSION"), " (without UMFPACK)")
 }
 
+/// The program as its help, its completions and its manual describe it.
+fn program() -> clap::Command {
+    Cli::command().version(version())
+}
+
 pub(crate) fn main() -> ExitCode {
-    let matches = Cli::command().version(version()).get_matches();
+    let matches = program().get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     #[cfg(feature = "umfpack")]
     if stickslip::linear::process::set_blas_threads(cli.threads as usize).is_none() {
@@ -190,6 +203,12 @@ pub(crate) fn main() -> ExitCode {
         Command::Figures(args) => figures::figures(args),
         Command::Extremes(args) => extremes::extremes(args),
         Command::Compare(args) => compare::compare(args),
+        Command::Init(args) => init::init(args).map(|()| ExitCode::SUCCESS),
+        Command::Completions(args) => {
+            shell::completions(args, program());
+            Ok(ExitCode::SUCCESS)
+        }
+        Command::Man(args) => shell::man(args, program()).map(|()| ExitCode::SUCCESS),
     };
     match result {
         Ok(code) => code,

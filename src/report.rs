@@ -8,6 +8,8 @@ mod csv;
 #[cfg(feature = "meshes")]
 mod fields;
 #[cfg(all(feature = "meshes", feature = "plots"))]
+mod file_names;
+#[cfg(all(feature = "meshes", feature = "plots"))]
 mod folder;
 #[cfg(all(feature = "meshes", feature = "plots"))]
 mod increments;

@@ -35,7 +35,7 @@ pub(super) struct CompareArgs {
     #[arg(long, value_delimiter = ',', value_parser = named::<LinearBackend>, default_value = "umfpack,condensed,faer")]
     solvers: Vec<LinearBackend>,
     /// The first number of elements of each mesh, the others in the proportions of the scene; an eighth, a
-    /// quarter and half of the scene's unless given
+    /// quarter and half of the scene's unless given; not for a mesh from a file
     #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     meshes: Vec<u32>,
     /// Increments of the whole history; a quarter, half and all of the scene's unless given
@@ -73,6 +73,10 @@ pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     };
     let comparison = compare::compute(&scene, &plan, &mut progress).map_err(|error| match error {
         CompareError::Model(error) => Failure::from(error),
+        CompareError::FixedMesh => {
+            let help = "leave out --meshes, or compare scenes with several files";
+            Failure::Input(miette::miette!(help = help, "{}: {error}", args.scene.display()))
+        }
         CompareError::Linear(error) => Failure::linear(&error),
     })?;
     bar.finish_and_clear();
@@ -306,14 +310,19 @@ fn meshes_csv(comparison: &Comparison) -> String {
     csv_table(&header, comparison.meshes.iter().map(row))
 }
 
+/// An argument as a shell takes it: brackets mean something there, too.
+fn quoted(argument: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./,:=+".contains(c);
+    if argument.chars().all(plain) { argument.to_string() } else { format!("'{}'", argument.replace('\'', r"'\''")) }
+}
+
 fn write(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
     let written = |result: std::io::Result<()>| result.map_err(|error| write_failure(folder, &error));
     written(fs::create_dir_all(folder))?;
     written(write_file(folder, "compare.csv", &runs_csv(comparison)))?;
     written(write_file(folder, "iterations.csv", &iterations_csv(comparison)))?;
     written(write_file(folder, "meshes.csv", &meshes_csv(comparison)))?;
-    let quoted = |argument: String| if argument.contains(' ') { format!("'{argument}'") } else { argument };
-    let command = std::env::args().skip(1).map(quoted).collect::<Vec<_>>().join(" ");
+    let command = std::env::args().skip(1).map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
     let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
     page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));
     for (stem, what, chart) in compare::charts(comparison) {

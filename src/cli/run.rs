@@ -214,7 +214,7 @@ fn wanted_increments(wanted: &[f64], times: &[f64]) -> Vec<usize> {
 }
 
 fn open_folder(path: &Path, model: &Model) -> Result<ResultFolder, Failure> {
-    ResultFolder::create(path, model.mesh.dimension).map_err(|error| write_failure(path, &error))
+    ResultFolder::create(path, model).map_err(|error| write_failure(path, &error))
 }
 
 /// Results cannot be written at all: the folder is to blame, unless the disk is.

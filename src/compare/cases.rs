@@ -38,14 +38,17 @@ struct Solved {
 }
 
 impl Study {
-    /// `scene` with `mesh` elements in the first direction, and its reference of so many increments.
-    pub(super) fn new(scene: &Scene, mesh: usize, reference: usize) -> Result<Self, CompareError> {
+    /// `scene` with `mesh` elements in the first direction, unless it is to be as it is, and its reference of so many
+    /// increments.
+    pub(super) fn new(scene: &Scene, mesh: Option<usize>, reference: usize) -> Result<Self, CompareError> {
         // The gaps of obstacles that move are exact at the ends of the reference's increments, and so for all histories
         // whose increments those divide.
-        let scene = scene.with(&scene.mesh.refined(mesh))?.with(&[increments_of(reference)])?;
+        let refined = mesh.map_or(Vec::new(), |mesh| scene.mesh.refined(mesh));
+        let scene = scene.with(&refined)?.with(&[increments_of(reference)])?;
         let (wall, cpu) = (Instant::now(), cpu_seconds());
         let model = Model::new(&scene)?;
         let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
+        let mesh = mesh.or_else(|| scene.mesh.first_elements()).unwrap_or(model.mesh.cells.len());
         let reference = solve(&scene, &model, built, REFERENCE, reference)?;
         Ok(Study { scene, model, mesh, built, reference })
     }
@@ -177,18 +180,18 @@ impl Observer for Recorder {
 }
 
 impl Mesh {
-    /// The elements in the first direction, or along the contact zone.
-    pub(super) fn first_elements(&self) -> usize {
+    /// The elements in the first direction, or along the contact zone; none for a mesh from a file, which is what it is.
+    pub(super) fn first_elements(&self) -> Option<usize> {
         match self {
-            Mesh::Block { axes, .. } => axes[0].iter().map(|segment| segment.elements).sum(),
-            Mesh::HalfPlane(HalfPlane { contact_elements, .. }) => *contact_elements,
-            Mesh::Gmsh { .. } => 1,
+            Mesh::Block { axes, .. } => Some(axes[0].iter().map(|segment| segment.elements).sum()),
+            Mesh::HalfPlane(HalfPlane { contact_elements, .. }) => Some(*contact_elements),
+            Mesh::Gmsh { .. } => None,
         }
     }
 
     /// What makes a mesh with `first` of them of this one, the other numbers in proportion.
     fn refined(&self, first: usize) -> Vec<Override> {
-        let share = first as f64 / self.first_elements() as f64;
+        let share = first as f64 / self.first_elements().unwrap_or(first) as f64;
         let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
         match self {
             Mesh::Block { axes, .. } => {
@@ -203,7 +206,6 @@ impl Mesh {
                 Override::value("mesh.outer_elements", scaled(*outer_elements)),
                 Override::value("mesh.layers", scaled(*layers)),
             ],
-            // A mesh from a file is what it is.
             Mesh::Gmsh { .. } => Vec::new(),
         }
     }
@@ -222,7 +224,7 @@ mod tests {
         let overrides = ["mesh.contact_elements=4", "mesh.outer_elements=4", "mesh.layers=4", "time.increments=1"];
         let moving = "contact.obstacle.motion.translation=[[0,0,0],[1,0.02,0]]";
         let overrides = overrides.into_iter().chain([moving]).map(|text| text.parse().unwrap()).collect::<Vec<_>>();
-        let study = Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), 4, 8).unwrap();
+        let study = Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), Some(4), 8).unwrap();
         let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
         assert_eq!(study.model.loading.bends[0].times, ends);
     }

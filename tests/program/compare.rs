@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use stickslip::compare::{
-    self, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, Run, SolverPath, TimeErrors, Tractions,
-    front,
+    self, CompareError, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, Run, SolverPath, TimeErrors,
+    Tractions, front,
 };
 use stickslip::history::{self, HistorySettings, Observer, Status, Step};
 use stickslip::linear::Direct;
@@ -336,4 +336,28 @@ fn the_command_writes_tables_charts_and_a_page() {
         let output = stickslip(bad);
         assert_eq!(output.status.code(), Some(2));
     }
+}
+
+/// A mesh from a file is the only one: it is called by the number of its elements, and others are refused.
+#[test]
+fn a_mesh_from_a_file_is_what_it_is() {
+    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/data/meshes/square_triangles.msh");
+    let text = format!(
+        "mesh = {{ kind = \"gmsh\", file = {mesh:?} }}
+        material = {{ young = 1e9, poisson = 0.3 }}
+        support = [{{ boundary = \"top\", fix = [\"x\", \"y\"] }}]
+        time = {{ end = 1, increments = 2 }}
+        [[contact]]
+        boundary = \"bottom\"
+        friction = 0.3
+        obstacle = {{ kind = \"plane\", approach = [[0, 0], [1, 1e-3]] }}"
+    );
+    let scene = Scene::parse("square.toml", &text, &[]).unwrap();
+    let plan = Plan { increments: vec![1, 2], ..Plan::modest(&scene, vec![BN]) };
+    assert_eq!((plan.meshes.len(), plan.histories()), (0, 3));
+    let comparison = compare::compute(&scene, &plan, &mut |_| {}).unwrap();
+    assert_eq!(comparison.meshes.iter().map(|result| result.mesh).collect::<Vec<_>>(), [32]);
+    assert!(comparison.answers()[0].contains("n = 32:"), "{:?}", comparison.answers());
+    let others = compare::compute(&scene, &Plan { meshes: vec![4], ..plan }, &mut |_| {});
+    assert!(matches!(others, Err(CompareError::FixedMesh)));
 }

@@ -6,4 +6,6 @@ mod common;
 mod cli;
 mod cli_failures;
 mod compare;
+mod documented;
+mod names;
 mod solvability;
