@@ -5,12 +5,13 @@ R = 20;       // radius
 fine = 0.08;  // elements where it touches, a tenth of the half-width of the contact
 coarse = 4;   // elements far away
 width = 1.0;  // how far from the lowest point they stay fine
+half = 6 * Pi / 180;  // what may touch: so far to both sides
 
-Point(1) = {0, R, 0};                                          // centre
+Point(1) = {0, R, 0};  // centre
 Point(2) = {-R, R, 0};
-Point(3) = {-R * Sin(Pi / 9), R - R * Cos(Pi / 9), 0};         // 20 degrees from the lowest point
-Point(4) = {0, 0, 0};
-Point(5) = {R * Sin(Pi / 9), R - R * Cos(Pi / 9), 0};
+Point(3) = {-R * Sin(half), R - R * Cos(half), 0};
+Point(4) = {0, 0, 0};  // the lowest
+Point(5) = {R * Sin(half), R - R * Cos(half), 0};
 Point(6) = {R, R, 0};
 Circle(1) = {2, 1, 3};
 Circle(2) = {3, 1, 4};

@@ -9,3 +9,4 @@ mod compare;
 mod documented;
 mod names;
 mod solvability;
+mod start;
