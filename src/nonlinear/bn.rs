@@ -26,7 +26,7 @@ pub enum End {
     Merit(f64),
     /// The caller's error measure is at most this, be it before the first step. It has stalled
     /// when a full step has been repeated with the same matrix, and refinement does not help. Where the step size rule
-    /// finds no step along (21), the exact derivative (20) is tried.
+    /// finds no step along (21), the directional Newton equation (11) is tried, with the exact derivative (20).
     Error(f64),
 }
 
