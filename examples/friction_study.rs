@@ -4,10 +4,8 @@
 
 #![allow(clippy::print_stdout)]
 
-use stickslip::history::{self, HistorySettings, Method};
-use stickslip::linear::Direct;
-use stickslip::model::Model;
 use stickslip::report::Table;
+use stickslip::run::Run;
 use stickslip::scene::{Override, Scene};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -15,11 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for mu in [0.0, 0.1, 0.2, 0.4, 0.8] {
         let overrides = ["mesh.elements=[40,40]".parse()?, Override::value("contact.friction", mu)];
         let scene = Scene::read("data/scenes/block.toml".as_ref(), &overrides)?;
-        let model = Model::new(&scene)?;
-        let settings = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-10);
-        let mut linear = Direct::default();
-        let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut ())?;
+        let outcome = Run::new(&scene)?.history(&mut ())?;
         let contact = outcome.records.last().map(|record| record.contact).unwrap_or_default();
         table.push(vec![
             mu.to_string(),
