@@ -48,6 +48,7 @@ struct Estimates {
 
 /// A linear algebra that is estimated to take much less time than the one of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Faster {
     /// The other one.
     pub solver: LinearBackend,

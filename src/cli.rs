@@ -5,7 +5,7 @@
 
 /// Prints a line on standard output.
 macro_rules! say {
-    ($($arg:tt)*) => { crate::cli::output::line(format_args!($($arg)*)) };
+    ($($arg:tt)*) => { super::output::line(format_args!($($arg)*)) };
 }
 
 mod bug;
@@ -18,6 +18,7 @@ mod jobs;
 mod output;
 mod progress;
 mod run;
+mod schema;
 mod tables;
 mod uniqueness;
 
@@ -54,6 +55,8 @@ enum Command {
     Figures(figures::FiguresArgs),
     /// Run the suite of extreme scenes, data/extremes.toml
     Extremes(extremes::ExtremesArgs),
+    /// Print the JSON Schema of scenes or of the reports of runs
+    Schema(schema::SchemaArgs),
     /// Compare methods, linear algebra, increments and meshes on a scene: error against time
     Compare(compare::CompareArgs),
 }
@@ -142,6 +145,10 @@ impl Command {
             Command::Figures(args) => figures::figures(args),
             Command::Extremes(args) => extremes::extremes(args),
             Command::Compare(args) => compare::compare(args),
+            Command::Schema(args) => {
+                schema::schema(args);
+                Ok(ExitCode::SUCCESS)
+            }
         }
     }
 }

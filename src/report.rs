@@ -20,6 +20,8 @@ mod plot;
 mod pvd;
 mod resultant;
 mod run;
+#[cfg(feature = "cli")]
+mod schema;
 mod table;
 mod unknowns;
 mod usage;
@@ -44,6 +46,8 @@ pub use plot::{contact_stresses, stress_chart};
 pub use pvd::series as pvd_series;
 pub use resultant::{ComponentSums, ForceRecord, Resultant};
 pub use run::{Facts, Measured, RunReport, SCHEMA_VERSION, Totals};
+#[cfg(feature = "cli")]
+pub use schema::run_schema;
 pub use table::Table;
 pub use unknowns::{LeftOut, Unknowns};
 pub use usage::{available_bytes, cpu_seconds, peak_rss_bytes};

@@ -15,6 +15,7 @@ pub const TOLERATED_SHARE: f64 = 0.1;
 
 /// A contact node whose linearised distance from the obstacle is wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct RangeLeft {
     /// Its number in the mesh, from 0.
     pub node: usize,

@@ -10,6 +10,7 @@ use crate::scene::{Method, Solver};
 
 /// Why a run ended early.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Explanation {
     /// In words; empty if it did not.
     pub reason: String,
@@ -20,6 +21,7 @@ pub struct Explanation {
 
 /// A node where a law is violated.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct WorstNode {
     /// The law.
     pub law: Law,

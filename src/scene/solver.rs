@@ -46,6 +46,7 @@ pub enum Method {
 
 /// The name of an algorithm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum MethodName {
     /// The B-differentiable Newton method.
@@ -57,6 +58,7 @@ pub enum MethodName {
 
 /// The name of a set of constants and conventions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Setting {
     /// Those behind the tables of the paper.
@@ -132,6 +134,7 @@ impl Method {
 
 /// The linear algebra.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum LinearBackend {
     /// UMFPACK on the uncondensed system.

@@ -294,7 +294,7 @@ fn cells_of_table_ii() {
 
     let unknown = stickslip(&["tables", "block", "--contact-nodes", "7", "--json"]);
     assert_exit(&unknown, 2);
-    assert_eq!(stdout(&unknown), "");
+    assert_eq!(json(&unknown)["status"], "bad-input");
     assert!(stderr(&unknown).contains("no such cell"), "{}", stderr(&unknown));
 }
 

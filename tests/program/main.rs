@@ -6,4 +6,5 @@ mod common;
 mod cli;
 mod cli_failures;
 mod compare;
+mod schema;
 mod solvability;
