@@ -7,10 +7,10 @@
 use serde::Serialize;
 
 use crate::formulation::Layout;
+use crate::history::{LinearAlgebra, Method};
 use crate::linear::cost::{self, Cost, Sizes, Work};
-use crate::linear::{Cholesky, LinearError};
+use crate::linear::{Cholesky, LinearError, SparseLu};
 use crate::problem::ContactProblem;
-use crate::scene::{LinearBackend, MethodName};
 
 /// BN keeps its factors while no contact status changes, so its factorisations grow as the root of the number
 /// of increments, this many times it: 5, 7.5, 11 and 14 on the paper's block with 25, 50, 100 and 200 contact nodes (2 to
@@ -33,7 +33,7 @@ const IP_FACTORIZATIONS_IN_A_PLANE: f64 = 14.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Choice {
     /// What solves.
-    pub backend: LinearBackend,
+    pub linear: LinearAlgebra,
     estimates: Option<Estimates>,
     /// Free memory, bytes, if it was too little for the condensed system.
     short_of: Option<u64>,
@@ -50,8 +50,9 @@ struct Estimates {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Faster {
-    /// The other one.
-    pub solver: LinearBackend,
+    /// The other one, by the word that scenes have for it.
+    #[cfg_attr(feature = "cli", schemars(with = "String"))]
+    pub solver: LinearAlgebra,
     /// What its linear algebra is estimated to take, s.
     pub seconds: f64,
     /// What that of the run is, by the same estimate, s.
@@ -66,8 +67,8 @@ const ORDERINGS: f64 = 30.0;
 
 impl Choice {
     /// The one that was asked for.
-    pub fn named(backend: LinearBackend) -> Self {
-        Choice { backend, estimates: None, short_of: None }
+    pub fn named(linear: LinearAlgebra) -> Self {
+        Choice { linear, estimates: None, short_of: None }
     }
 
     /// The cheapest way to solve `increments` increments of `problem` with `method`; `available` is the free memory
@@ -77,7 +78,7 @@ impl Choice {
     /// When memory is short for the symbolic analysis.
     pub fn cheapest(
         problem: &ContactProblem,
-        method: MethodName,
+        method: Method,
         increments: usize,
         available: Option<u64>,
     ) -> Result<Self, LinearError> {
@@ -85,8 +86,8 @@ impl Choice {
         let Estimates { sparse, condensed } = estimates;
         let short_of = available.filter(|&available| condensed.bytes > available as f64);
         let condense = condensed.seconds < sparse.seconds && short_of.is_none();
-        let backend = if condense { LinearBackend::Condensed } else { LinearBackend::default() };
-        Ok(Choice { backend, estimates: Some(estimates), short_of })
+        let linear = if condense { LinearAlgebra::condensed() } else { LinearAlgebra::default() };
+        Ok(Choice { linear, estimates: Some(estimates), short_of })
     }
 
     /// What would have been much faster than this choice, which somebody made and which took `seconds`. Nothing, if
@@ -97,7 +98,7 @@ impl Choice {
     pub fn faster(
         &self,
         problem: &ContactProblem,
-        method: MethodName,
+        method: Method,
         increments: usize,
         seconds: f64,
     ) -> Result<Option<Faster>, LinearError> {
@@ -106,9 +107,9 @@ impl Choice {
             return Ok(None);
         }
         let Estimates { sparse, condensed } = Estimates::new(problem, method, increments)?;
-        let (here, other, solver) = match self.backend {
-            LinearBackend::Condensed => (condensed, sparse, LinearBackend::default()),
-            LinearBackend::Umfpack | LinearBackend::Faer => (sparse, condensed, LinearBackend::Condensed),
+        let (here, other, solver) = match self.linear {
+            LinearAlgebra::Condensed(_) => (condensed, sparse, LinearAlgebra::default()),
+            LinearAlgebra::Whole(_) => (sparse, condensed, LinearAlgebra::condensed()),
         };
         let faster = Faster { solver, seconds: other.seconds, here_seconds: here.seconds };
         Ok((here.seconds > MUCH * other.seconds && solver.is_built_in()).then_some(faster))
@@ -122,39 +123,41 @@ impl Choice {
             let (needed, free) = (gigabytes(condensed.bytes), gigabytes(available as f64));
             return Some(format!(
                 "{} (condensed would take {needed:.1} GB of memory, {free:.1} GB are free)",
-                self.backend
+                self.linear
             ));
         }
-        let (taken, other, name) = match self.backend {
-            LinearBackend::Condensed => (condensed, sparse, LinearBackend::default()),
-            _ => (sparse, condensed, LinearBackend::Condensed),
+        let (taken, other, name) = match self.linear {
+            LinearAlgebra::Condensed(_) => (condensed, sparse, LinearAlgebra::default()),
+            LinearAlgebra::Whole(_) => (sparse, condensed, LinearAlgebra::condensed()),
         };
         Some(format!(
             "{} (estimated {:.2} s against {:.2} s for {name}; {:.1e} flops an iteration against {:.1e})",
-            self.backend, taken.seconds, other.seconds, taken.flops, other.flops
+            self.linear, taken.seconds, other.seconds, taken.flops, other.flops
         ))
     }
 }
 
 impl Estimates {
-    fn new(problem: &ContactProblem, method: MethodName, increments: usize) -> Result<Self, LinearError> {
+    fn new(problem: &ContactProblem, method: Method, increments: usize) -> Result<Self, LinearError> {
         let layout = Layout::new(problem);
         let sizes = Sizes {
             unknowns: layout.unknowns(),
             contact_displacements: problem.contact_displacements().len(),
-            stiffness: Cholesky::predict(&problem.stiffness)?,
+            stiffness: Cholesky::predict(problem.stiffness())?,
         };
         let factorizations = match method {
             // Without contact the problem is linear: one matrix.
             _ if layout.contacts() == 0 => 1.0,
-            MethodName::Bn if layout.has_second_tangent() => BN_FACTORIZATIONS_IN_A_PLANE * increments as f64,
-            MethodName::Bn => BN_FACTORIZATIONS * (increments as f64).sqrt(),
-            MethodName::Ip if layout.has_second_tangent() => IP_FACTORIZATIONS_IN_A_PLANE * increments as f64,
-            MethodName::Ip => IP_FACTORIZATIONS * increments as f64,
+            method if method.is_interior() => match layout.has_second_tangent() {
+                true => IP_FACTORIZATIONS_IN_A_PLANE * increments as f64,
+                false => IP_FACTORIZATIONS * increments as f64,
+            },
+            _ if layout.has_second_tangent() => BN_FACTORIZATIONS_IN_A_PLANE * increments as f64,
+            _ => BN_FACTORIZATIONS * (increments as f64).sqrt(),
         };
-        let work = Work { increments, factorizations, all_free: method == MethodName::Ip };
+        let work = Work { increments, factorizations, all_free: method.is_interior() };
         Ok(Estimates {
-            sparse: cost::sparse(&sizes, &work, LinearBackend::default() == LinearBackend::Faer),
+            sparse: cost::sparse(&sizes, &work, SparseLu::default() == SparseLu::Faer),
             condensed: cost::condensed(&sizes, &work),
         })
     }

@@ -11,22 +11,19 @@ macro_rules! say {
 mod bug;
 mod check;
 mod compare;
-mod extremes;
-mod figures;
+mod init;
 mod interrupt;
-mod jobs;
 mod output;
 mod progress;
 mod run;
 mod schema;
-mod tables;
+mod shell;
 mod uniqueness;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use stickslip::linear::LinearError;
 use stickslip::model::ModelError;
 use stickslip::run::RunError;
 use stickslip::scene::{Override, Scene, SceneError};
@@ -49,16 +46,16 @@ enum Command {
     Run(run::RunArgs),
     /// Read and explain a scene without solving it
     Check(check::CheckArgs),
-    /// Compute a table of the paper and set it beside the published one
-    Tables(tables::TablesArgs),
-    /// Draw the figures of the paper
-    Figures(figures::FiguresArgs),
-    /// Run the suite of extreme scenes, data/extremes.toml
-    Extremes(extremes::ExtremesArgs),
     /// Print the JSON Schema of scenes or of the reports of runs
     Schema(schema::SchemaArgs),
     /// Compare methods, linear algebra, increments and meshes on a scene: error against time
     Compare(compare::CompareArgs),
+    /// Print a scene to start from, with comments
+    Init(init::InitArgs),
+    /// Print a script that completes the commands in a shell
+    Completions(shell::CompletionsArgs),
+    /// Print a page of the manual, for man(1)
+    Man(shell::ManArgs),
 }
 
 /// A scene and what to change in it.
@@ -66,7 +63,7 @@ enum Command {
 struct SceneArgs {
     /// The scene file (TOML)
     scene: PathBuf,
-    /// Put VALUE in place of what the scene says, e.g. mesh.elements=[50,50] or contact[0].friction=0.3
+    /// Put VALUE in place of what the scene says, e.g. 'mesh.elements=[50,50]' or 'contact[0].friction=0.3'
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
     /// The algorithm, as solver.method; ip comes with its own default setting
@@ -116,18 +113,6 @@ impl From<ModelError> for Failure {
     }
 }
 
-impl Failure {
-    fn linear(error: &LinearError) -> Self {
-        let report = match error {
-            LinearError::OutOfMemory { .. } => {
-                miette::miette!(help = "use a coarser mesh or a machine with more memory", "{error}")
-            }
-            error => miette::miette!(help = "this is not the scene's fault; please report it", "{error}"),
-        };
-        Failure::Machine(report)
-    }
-}
-
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         let of_the_input = error.is_of_the_input();
@@ -141,14 +126,17 @@ impl Command {
         match self {
             Command::Run(args) => run::run(args),
             Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
-            Command::Tables(args) => tables::tables(args),
-            Command::Figures(args) => figures::figures(args),
-            Command::Extremes(args) => extremes::extremes(args),
             Command::Compare(args) => compare::compare(args),
             Command::Schema(args) => {
                 schema::schema(args);
                 Ok(ExitCode::SUCCESS)
             }
+            Command::Init(args) => init::init(args).map(|()| ExitCode::SUCCESS),
+            Command::Completions(args) => {
+                shell::completions(args, program());
+                Ok(ExitCode::SUCCESS)
+            }
+            Command::Man(args) => shell::man(args, program()).map(|()| ExitCode::SUCCESS),
         }
     }
 }
@@ -170,9 +158,14 @@ fn version() -> &'static str {
     concat!(env!("CARGO_PKG_VERSION"), " (without UMFPACK)")
 }
 
+/// The program as its help, its completions and its manual describe it.
+fn program() -> clap::Command {
+    Cli::command().version(version())
+}
+
 pub(crate) fn main() -> ExitCode {
     let json = std::env::args_os().any(|argument| argument == "--json");
-    let matches = Cli::command().version(version()).try_get_matches();
+    let matches = program().try_get_matches();
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) => {

@@ -19,7 +19,6 @@
 mod discretise;
 mod error;
 mod recording;
-mod settings;
 mod watch;
 
 use std::borrow::Cow;
@@ -28,15 +27,14 @@ use std::time::Instant;
 pub use discretise::discretise;
 pub use error::RunError;
 pub use recording::{RecordedIncrement, Recording};
-pub use settings::history_settings;
 
 use crate::auto::{Choice, Faster};
 use crate::formulation::Layout;
-use crate::history::{self, HistoryOutcome, Observer};
+use crate::history::{self, HistoryOutcome, Observer, Solver, System};
 use crate::linear::{Direct, LinearError};
 use crate::model::Model;
 use crate::report::{Facts, Measured, RunReport, available_bytes, cpu_seconds, peak_rss_bytes};
-use crate::scene::{Scene, Solver};
+use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
 use watch::Watch;
 
@@ -82,8 +80,8 @@ impl<'a> Run<'a> {
         start: Instant,
     ) -> Result<Self, RunError> {
         let choice = match solver.linear {
-            Some(backend) => Choice::named(backend),
-            None => Choice::cheapest(&model.problem, solver.method.name(), times.len(), available_bytes())?,
+            Some(linear) => Choice::named(linear),
+            None => Choice::cheapest(&model.problem, solver.method, times.len(), available_bytes())?,
         };
         let model_seconds = start.elapsed().as_secs_f64();
         Ok(Run { scene, model, times, solver, choice, uniqueness: false, model_seconds })
@@ -126,17 +124,18 @@ impl<'a> Run<'a> {
     /// # Errors
     /// When the linear algebra cannot go on. Whether the history converged is the status of the report.
     pub fn solve(&self, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
-        self.solve_with(&mut self.model.linear(self.choice.backend), observer)
+        self.solve_with(self.choice.linear.into(), observer)
     }
 
-    /// The same with a linear solver of one's own, `Direct::new(Box::new(mine))`, in place of the chosen one.
+    /// The same with another linear system than the chosen one, as by a linear solver of one's own: `System::from(solver)`.
     ///
     /// # Errors
     /// As [`Run::solve`].
-    pub fn solve_with(&self, linear: &mut Direct, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
+    pub fn solve_with(&self, system: System, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
         let start = Instant::now();
+        let (linear, condensed) = (system.name(), system.condenses());
         let mut watch = Watch::new(&self.model, self.uniqueness, observer);
-        let outcome = self.history_with(linear, &mut watch)?;
+        let outcome = self.history_with(system, &mut watch)?;
         let Watch { validity, forces, last, .. } = watch;
         let critical_friction = match last {
             Some(last) => self.critical_friction(&last, &outcome)?,
@@ -152,13 +151,14 @@ impl<'a> Run<'a> {
             scene: self.scene,
             model: &self.model,
             solver: &self.solver,
+            condensed,
+            faster: self.faster(&linear, measured.wall_seconds)?,
             linear,
             choice: &self.choice,
             outcome: &outcome,
             validity: &validity,
             forces,
             critical_friction,
-            faster: self.faster(linear, measured.wall_seconds)?,
             measured,
         }))
     }
@@ -168,30 +168,30 @@ impl<'a> Run<'a> {
     /// # Errors
     /// As [`Run::solve`].
     pub fn history(&self, observer: &mut dyn Observer) -> Result<HistoryOutcome, RunError> {
-        self.history_with(&mut self.model.linear(self.choice.backend), observer)
+        self.history_with(self.choice.linear.into(), observer)
     }
 
-    fn history_with(&self, linear: &mut Direct, observer: &mut dyn Observer) -> Result<HistoryOutcome, RunError> {
+    fn history_with(&self, system: System, observer: &mut dyn Observer) -> Result<HistoryOutcome, RunError> {
         let Model { problem, loading, .. } = &*self.model;
-        let settings = history_settings(&self.solver, problem, self.model.scaling());
-        Ok(history::run(problem, loading, &self.times, &settings, linear, observer)?)
+        let settings = self.solver.settings(problem, loading)?;
+        Ok(history::run(problem, loading, &self.times, &settings, system, observer)?)
     }
 
     fn critical_friction(
         &self,
         last: &RecordedIncrement,
         outcome: &HistoryOutcome,
-    ) -> Result<Option<CriticalFriction>, LinearError> {
+    ) -> Result<Option<CriticalFriction>, history::Error> {
         let HistoryOutcome { state, scales, .. } = outcome;
         let (problem, scaling) = (&self.model.problem, self.model.scaling());
         uniqueness::critical_friction(problem, &last.data(), state, scales, scaling, &mut Direct::default())
     }
 
     /// What would have been much faster than the linear algebra that somebody named.
-    fn faster(&self, linear: &Direct, seconds: f64) -> Result<Option<Faster>, LinearError> {
-        if linear.name() != self.choice.backend.to_string() {
+    fn faster(&self, linear: &str, seconds: f64) -> Result<Option<Faster>, LinearError> {
+        if linear != self.choice.linear.to_string() {
             return Ok(None);
         }
-        self.choice.faster(&self.model.problem, self.solver.method.name(), self.times.len(), seconds)
+        self.choice.faster(&self.model.problem, self.solver.method, self.times.len(), seconds)
     }
 }

@@ -44,8 +44,8 @@ pub use formula::{Formula, FormulaError};
 pub use mesh::{CellShape, Element, HalfPlane, Mesh, Segment};
 pub use obstacle::{GapDirection, Obstacle, Rotation, Shape};
 pub use overrides::{Override, OverrideSyntax};
-pub use solver::{LinearBackend, Method, MethodName, NewtonSystem, Partition, Setting, Solver, Start};
 
+use crate::history::Solver;
 use error::Source;
 
 /// The JSON Schema (draft 2020-12) of a scene, for editors that complete and check TOML. What depends on several keys at

@@ -76,10 +76,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "units",
         ],
     ),
-    ("tables", &["history", "linear", "model", "scene"]),
-    ("extremes", &["contact", "fem", "formulation", "history", "linear", "model", "report", "scene"]),
     ("compare", &["contact", "history", "model", "nonlinear", "problem", "report", "run", "scene", "vector"]),
-    ("figures", &["history", "model", "nonlinear", "report", "tables"]),
 ];
 
 /// Where the program is, which uses the library as any other crate does.

@@ -5,13 +5,16 @@ mod histories;
 use std::collections::BTreeSet;
 
 use clap::Args;
+use stickslip::contact::Obstacle as Facing;
 use stickslip::fem::RigidMotion;
 use stickslip::formulation::Layout;
 use stickslip::mesh::CellKind;
 use stickslip::model::Model;
 use stickslip::report::Warning;
 use stickslip::run::discretise;
-use stickslip::scene::{Element, HalfPlane, Material, Mesh, Obstacle, Plane, Rotation, Scene, Segment, Shape};
+use stickslip::scene::{
+    Element, GapDirection, HalfPlane, Material, Mesh, Obstacle, Plane, Rotation, Scene, Segment, Shape,
+};
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 
 use super::{Failure, SceneArgs};
@@ -28,7 +31,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     let model = discretise(&scene)?;
     say!("{}", scene.title);
     body(&scene, &model);
-    contact(&scene, &model);
+    contacts(&scene, &model);
     loads(&scene, &model);
     let solver = &scene.solver;
     say!(
@@ -133,11 +136,12 @@ fn body(scene: &Scene, model: &Model) {
     }
 }
 
-fn contact(scene: &Scene, model: &Model) {
-    for contact in &scene.contacts {
+fn contacts(scene: &Scene, model: &Model) {
+    for (contact, (facing, _)) in scene.contacts.iter().zip(&model.obstacles) {
         let mut obstacle = vec![shape(model, &contact.obstacle.shape)];
         obstacle.extend(motions(model, &contact.obstacle));
         say!("contact      {}: {}, mu = {}", contact.boundary, obstacle.join(", "), contact.friction);
+        say!("             {}", frame(model, facing, contact.obstacle.direction));
     }
     let layout = Layout::new(&model.problem);
     say!("unknowns     {} displacements u", layout.displacements());
@@ -156,6 +160,26 @@ fn contact(scene: &Scene, model: &Model) {
             };
             say!("             {t} tangential forces {along}{rest}");
         }
+    }
+}
+
+/// Along which normals the gaps of an obstacle are measured, and which slip is positive.
+fn frame(model: &Model, obstacle: &Facing, direction: GapDirection) -> String {
+    let rounded = |c: &f64| format!("{c:.6}").parse().unwrap_or(*c) + 0.0;
+    let vector = |x: [f64; 3]| {
+        let components = x[..model.mesh.dimension].iter().map(|c| rounded(c).to_string());
+        format!("({})", components.collect::<Vec<_>>().join(", "))
+    };
+    let normal = vector(obstacle.normal);
+    let gaps = match direction {
+        GapDirection::Normal => format!("gaps along the normal n = {normal}"),
+        GapDirection::Nearest => {
+            format!("gaps to the nearest point, each node along its own normal; n = {normal} at large")
+        }
+    };
+    match (model.mesh.dimension, obstacle.tangents) {
+        (2, [t, _]) => format!("{gaps}, slip along t = {}", vector(t)),
+        (_, [t, o]) => format!("{gaps}, slip along t = {} and o = {}", vector(t), vector(o)),
     }
 }
 
@@ -190,10 +214,10 @@ fn shape(model: &Model, shape: &Shape) -> String {
 }
 
 fn loads(scene: &Scene, model: &Model) {
-    for (load, case) in scene.loads.iter().zip(&model.loading.cases) {
+    for (load, case) in scene.loads.iter().zip(model.loading.cases()) {
         let sum = model
             .dofs
-            .displacements(&case.force)
+            .displacements(case.force())
             .into_iter()
             .fold([0.0; 3], |sum, force| [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]);
         say!(
@@ -266,9 +290,8 @@ fn equilibrium(scene: &Scene, model: &Model) {
     if model.rigid_motions.is_empty() {
         return;
     }
-    let mut force = vec![0.0; model.problem.displacements()];
     let failed = scene.time.all().into_iter().find_map(|time| {
-        model.loading.force(time, &mut force);
+        let force = model.loading.force_at(time, model.problem.displacements());
         Some((time, rigid_equilibrium(&model.problem, &force).err()?))
     });
     if let Some((time, weights)) = failed

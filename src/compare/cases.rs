@@ -4,20 +4,17 @@ use std::time::Instant;
 
 use super::errors::{End, TimeErrors};
 use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
-use crate::history::{HistoryOutcome, Observer, Status, Step};
+use crate::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver, Status, Step};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::report::cpu_seconds;
 use crate::run::{Run, RunError};
-use crate::scene::{HalfPlane, LinearBackend, Mesh, Method, MethodName, Override, Scene, Segment, Setting, Solver};
+use crate::scene::{HalfPlane, Mesh, Override, Scene, Segment};
 
 /// What the reference is computed with. With many increments the condensed path is the cheapest.
-const REFERENCE: SolverPath =
-    SolverPath { method: MethodName::Bn, setting: Setting::Default, linear: LinearBackend::Condensed };
-
-/// The paper's interior point method ends at an absolute Theta, which leaves errors of 1e-7 on the paper's problems;
-/// scenes ask no more of it either, unless they say so.
-const PAPER_IP_TOLERANCE: f64 = 1e-6;
+fn reference_path() -> SolverPath {
+    SolverPath { method: Method::BN, linear: LinearAlgebra::condensed() }
+}
 
 /// A scene on one mesh.
 pub(super) struct Study {
@@ -39,15 +36,18 @@ struct Solved {
 }
 
 impl Study {
-    /// `scene` with `mesh` elements in the first direction, and its reference of so many increments.
-    pub(super) fn new(scene: &Scene, mesh: usize, reference: usize) -> Result<Self, RunError> {
+    /// `scene` with `mesh` elements in the first direction, unless it is to be as it is, and its reference of so many
+    /// increments.
+    pub(super) fn new(scene: &Scene, mesh: Option<usize>, reference: usize) -> Result<Self, RunError> {
         // The gaps of obstacles that move are exact at the ends of the reference's increments, and so for all histories
         // whose increments those divide.
-        let scene = scene.with(&scene.mesh.refined(mesh))?.with(&[increments_of(reference)])?;
+        let refined = mesh.map_or(Vec::new(), |mesh| scene.mesh.refined(mesh));
+        let scene = scene.with(&refined)?.with(&[increments_of(reference)])?;
         let (wall, cpu) = (Instant::now(), cpu_seconds());
         let model = Model::new(&scene)?;
         let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
-        let reference = solve(&scene, &model, built, REFERENCE, reference)?;
+        let mesh = mesh.or_else(|| scene.mesh.first_elements()).unwrap_or(model.mesh.cells.len());
+        let reference = solve(&scene, &model, built, reference_path(), reference)?;
         Ok(Study { scene, model, mesh, built, reference })
     }
 
@@ -69,7 +69,8 @@ impl Study {
             factor_entries: outcome.linear.factor.entries,
             factor_peak_bytes: outcome.linear.factor.peak_bytes,
             kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
-            errors: sound.then(|| TimeErrors::new(&end, &self.reference.end, &self.model.problem.weight)),
+            errors: sound
+                .then(|| TimeErrors::new(&end, &self.reference.end, self.model.problem.weight().unwrap_or_default())),
             iterates,
         })
     }
@@ -129,9 +130,10 @@ impl SolverPath {
     /// The solver, with the tolerance and the limit of iterations of the scene's.
     fn solver(self, of_scene: &Solver) -> Solver {
         let Solver { max_iterations, tolerance, .. } = *of_scene;
-        let method = Method::of(self.method, self.setting);
-        let tolerance = if let Method::PaperIp { .. } = method { tolerance.max(PAPER_IP_TOLERANCE) } else { tolerance };
-        Solver { method, linear: Some(self.linear), max_iterations, tolerance }
+        let SolverPath { method, linear } = self;
+        let tolerance =
+            if let Method::PaperIp { .. } = method { tolerance.max(method.default_tolerance()) } else { tolerance };
+        Solver { method, linear: Some(linear), max_iterations, tolerance }
     }
 }
 
@@ -169,18 +171,18 @@ impl Observer for Recorder {
 }
 
 impl Mesh {
-    /// The elements in the first direction, or along the contact zone.
-    pub(super) fn first_elements(&self) -> usize {
+    /// The elements in the first direction, or along the contact zone; none for a mesh from a file, which is what it is.
+    pub(super) fn first_elements(&self) -> Option<usize> {
         match self {
-            Mesh::Block { axes, .. } => axes[0].iter().map(|segment| segment.elements).sum(),
-            Mesh::HalfPlane(HalfPlane { contact_elements, .. }) => *contact_elements,
-            Mesh::Gmsh { .. } => 1,
+            Mesh::Block { axes, .. } => Some(axes[0].iter().map(|segment| segment.elements).sum()),
+            Mesh::HalfPlane(HalfPlane { contact_elements, .. }) => Some(*contact_elements),
+            Mesh::Gmsh { .. } => None,
         }
     }
 
     /// What makes a mesh with `first` of them of this one, the other numbers in proportion.
     fn refined(&self, first: usize) -> Vec<Override> {
-        let share = first as f64 / self.first_elements() as f64;
+        let share = first as f64 / self.first_elements().unwrap_or(first) as f64;
         let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
         match self {
             Mesh::Block { axes, .. } => {
@@ -195,7 +197,6 @@ impl Mesh {
                 Override::value("mesh.outer_elements", scaled(*outer_elements)),
                 Override::value("mesh.layers", scaled(*layers)),
             ],
-            // A mesh from a file is what it is.
             Mesh::Gmsh { .. } => Vec::new(),
         }
     }
@@ -214,9 +215,9 @@ mod tests {
         let overrides = ["mesh.contact_elements=4", "mesh.outer_elements=4", "mesh.layers=4", "time.increments=1"];
         let moving = "contact.obstacle.motion.translation=[[0,0,0],[1,0.02,0]]";
         let overrides = overrides.into_iter().chain([moving]).map(|text| text.parse().unwrap()).collect::<Vec<_>>();
-        let study = Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), 4, 8).unwrap();
+        let study = Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), Some(4), 8).unwrap();
         let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
-        assert_eq!(study.model.loading.bends[0].times, ends);
+        assert_eq!(study.model.loading.bends()[0].times(), ends);
     }
 
     #[test]

@@ -4,9 +4,8 @@ use serde::Serialize;
 
 use crate::contact::Law;
 use crate::fem::RigidMotion;
-use crate::history::{HistoryOutcome, Status};
+use crate::history::{HistoryOutcome, Method, Solver, Status};
 use crate::model::Model;
-use crate::scene::{Method, Solver};
 
 /// Why a run ended early.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -97,7 +96,7 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
 /// What to try when the iteration stops too late or too early.
 fn advice(solver: &Solver, model: &Model) -> &'static str {
     match solver.method {
-        Method::Bn { r_factor } if r_factor != 1.0 => {
+        Method::Bn { r_factor, .. } if r_factor != 1.0 => {
             "r is not that of the problem: take solver.r_factor out of the scene"
         }
         Method::Bn { .. } => {

@@ -9,10 +9,9 @@ use super::validity::{LargestDisplacement, Validity};
 use super::warnings::Warning;
 use crate::auto::{Choice, Faster};
 use crate::contact::RangeLeft;
-use crate::history::{HistoryOutcome, IncrementRecord, Status};
-use crate::linear::Direct;
+use crate::history::{HistoryOutcome, IncrementRecord, Solver, Status};
 use crate::model::Model;
-use crate::scene::{MethodName, Scene, Setting, Solver};
+use crate::scene::Scene;
 use crate::uniqueness::CriticalFriction;
 
 /// The version of the keys of a report. A key that is new does not change it; one that goes or means something else does.
@@ -33,11 +32,11 @@ pub struct RunReport {
     /// The scene's title; empty without a scene.
     pub title: String,
     /// The algorithm.
-    pub method: MethodName,
+    pub method: &'static str,
     /// Its named setting.
-    pub setting: Setting,
+    pub setting: &'static str,
     /// The linear algebra: `umfpack`, `faer` or `condensed`, or the name of a solver from outside.
-    pub solver: &'static str,
+    pub solver: String,
     /// Why that, where it was left open.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solver_choice: Option<String>,
@@ -122,8 +121,10 @@ pub struct Facts<'a> {
     pub model: &'a Model,
     /// How.
     pub solver: &'a Solver,
-    /// The linear algebra that solved it.
-    pub linear: &'a Direct,
+    /// The name of the linear algebra that solved it.
+    pub linear: String,
+    /// Whether it condensed the body.
+    pub condensed: bool,
     /// Why that was chosen.
     pub choice: &'a Choice,
     /// What came of it.
@@ -143,7 +144,7 @@ pub struct Facts<'a> {
 impl RunReport {
     /// The whole report.
     pub fn new(facts: Facts<'_>) -> Self {
-        let Facts { scene, model, solver, linear, choice, outcome, validity, measured, .. } = facts;
+        let Facts { scene, model, solver, choice, outcome, validity, measured, .. } = facts;
         let mut warnings = scene.map_or(Vec::new(), |scene| Warning::of_scene(scene, model));
         warnings.extend(validity.warnings(model));
         RunReport {
@@ -154,7 +155,7 @@ impl RunReport {
             title: scene.map_or(String::new(), |scene| scene.title.clone()),
             method: solver.method.name(),
             setting: solver.method.setting(),
-            solver: linear.name(),
+            solver: facts.linear,
             solver_choice: choice.reason(),
             faster_solver: facts.faster,
             status: outcome.status,
@@ -162,8 +163,8 @@ impl RunReport {
             warnings,
             largest_displacement: validity.largest,
             range_left: validity.range_left,
-            unknowns: Unknowns::new(&outcome.layout, solver.method.name()),
-            left_out: LeftOut::all(model, linear.condenses()),
+            unknowns: Unknowns::new(&outcome.layout, solver.method),
+            left_out: LeftOut::all(model, facts.condensed),
             increments: outcome.records.clone(),
             totals: Totals {
                 iterations: outcome.records.iter().map(|record| record.iterations).sum(),

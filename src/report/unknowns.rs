@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::formulation::Layout;
+use crate::history::Method;
 use crate::model::Model;
-use crate::scene::MethodName;
 
 /// The numbers of unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -41,16 +41,14 @@ pub struct LeftOut {
 
 impl Unknowns {
     /// Those of `method` for the unknowns in `layout`.
-    pub fn new(layout: &Layout, method: MethodName) -> Self {
+    pub fn new(layout: &Layout, method: Method) -> Self {
         let (u, p_n) = (layout.displacements(), layout.contacts());
         let with = |has: &dyn Fn(usize) -> bool| (0..p_n).filter(|&i| has(i)).count();
         let p_o = with(&|i| layout.p_o(i).is_some());
         let p_t = layout.tangentials() - p_o;
         let reserves = if layout.has_second_tangent() { with(&|i| layout.has_friction(i)) } else { 2 * p_t };
-        match method {
-            MethodName::Bn => Unknowns { u, p_t, p_o, p_n, v_n: 0, s: 0, lambda: 0 },
-            MethodName::Ip => Unknowns { u, p_t, p_o, p_n, v_n: p_n, s: reserves, lambda: reserves },
-        }
+        let (v_n, s) = if method.is_interior() { (p_n, reserves) } else { (0, 0) };
+        Unknowns { u, p_t, p_o, p_n, v_n, s, lambda: s }
     }
 }
 
@@ -63,8 +61,8 @@ impl LeftOut {
             .filter_map(|boundary| mesh.boundary(&boundary.name))
             .map(|boundary| boundary.nodes().len())
             .sum::<usize>();
-        let smooth = contacts.iter().zip(&problem.mu).filter(|(_, mu)| **mu == 0.0);
-        let rough = contacts.iter().zip(&problem.mu).filter(|(_, mu)| **mu > 0.0);
+        let smooth = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu == 0.0);
+        let rough = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu > 0.0);
         let free =
             |contact: &crate::contact::ContactNode| contact.tangents.iter().filter(|row| !row.is_empty()).count();
         let interior = if condensed { problem.displacements() - problem.contact_displacements().len() } else { 0 };

@@ -113,7 +113,7 @@ fn layers_through_elements(scene: &Scene, model: &Model) -> Option<String> {
 
 fn idle_load(scene: &Scene, model: &Model) -> Option<String> {
     let idle = |force: &[f64]| force.iter().all(|f| *f == 0.0);
-    let mut loads = scene.loads.iter().zip(&model.loading.cases);
-    let (load, _) = loads.find(|(load, case)| load.traction.iter().any(|t| *t != 0.0) && idle(&case.force))?;
+    let mut loads = scene.loads.iter().zip(model.loading.cases());
+    let (load, _) = loads.find(|(load, case)| load.traction.iter().any(|t| *t != 0.0) && idle(case.force()))?;
     Some(format!("the load on `{}` does nothing: supports hold the boundary in its direction", load.boundary))
 }

@@ -1,5 +1,6 @@
 //! Why a run ends without a report.
 
+use crate::history;
 use crate::linear::LinearError;
 use crate::model::ModelError;
 use crate::scene::SceneError;
@@ -30,16 +31,17 @@ pub enum RunError {
     )]
     #[diagnostic(help("do not ask for the uniqueness, or let supports leave one direction to slide in"))]
     SlidesInAPlane,
-    /// The linear algebra cannot go on.
+    /// The linear algebra cannot go on, or an array does not fit.
     #[error(transparent)]
     #[diagnostic(help("{}", remedy(.0)))]
-    Linear(#[from] LinearError),
+    History(#[from] history::Error),
 }
 
 impl RunError {
     /// Whether the input is to blame; otherwise it is the machine, or the library.
     pub fn is_of_the_input(&self) -> bool {
-        matches!(self, RunError::Model(_) | RunError::SlidesInAPlane)
+        use history::Error::{NoWeight, Problem};
+        matches!(self, RunError::Model(_) | RunError::SlidesInAPlane | RunError::History(Problem(_) | NoWeight { .. }))
     }
 }
 
@@ -53,9 +55,17 @@ fn gigabytes(bytes: &u64) -> f64 {
     *bytes as f64 * 1e-9
 }
 
-fn remedy(error: &LinearError) -> &'static str {
+impl From<LinearError> for RunError {
+    fn from(error: LinearError) -> Self {
+        RunError::History(error.into())
+    }
+}
+
+fn remedy(error: &history::Error) -> &'static str {
+    use history::Error::{Linear, NoWeight, Problem};
     match error {
-        LinearError::OutOfMemory { .. } => "use a coarser mesh or a machine with more memory",
+        Linear(LinearError::OutOfMemory { .. }) => "use a coarser mesh or a machine with more memory",
+        Problem(_) | NoWeight { .. } => "mend the array",
         _ => "this is not the scene's fault; please report it",
     }
 }

@@ -3,7 +3,7 @@
 use super::recording::RecordedIncrement;
 use crate::history::{Observer, Status, Step};
 use crate::model::Model;
-use crate::nonlinear::{Flow, IterationRecord};
+use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
 use crate::report::{ForceRecord, Validity};
 
 /// Stands before the observer of a run.
@@ -27,6 +27,10 @@ impl<'a> Watch<'a> {
 impl Observer for Watch<'_> {
     fn ready(&mut self) {
         self.observer.ready();
+    }
+
+    fn linear_system(&mut self, index: usize, system: &LinearSystem<'_>) -> Flow {
+        self.observer.linear_system(index, system)
     }
 
     fn iteration(&mut self, index: usize, record: &IterationRecord) -> Flow {

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use crate::common::{BELT, Keep, block, run};
 use stickslip::contact::{ContactStatus, KktErrors, KktScales};
-use stickslip::history::Status;
-use stickslip::linear::{Direct, FactorInfo, LinearError, LinearSolver, built_in};
+use stickslip::history::{Status, System};
+use stickslip::linear::{FactorInfo, LinearError, LinearSolver, SparseLu};
 use stickslip::model::Model;
 use stickslip::run::{Recording, Run};
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 use stickslip::sparse::Pattern;
 
 fn small() -> Scene {
@@ -106,10 +106,10 @@ impl LinearSolver for Counting {
 fn a_linear_solver_of_ones_own() {
     let scene = small();
     let counts = Arc::default();
-    let backend = if LinearBackend::Umfpack.is_built_in() { built_in::umfpack() } else { built_in::faer() };
-    let mut linear = Direct::new(Box::new(Counting { backend, factorizations: Arc::clone(&counts) }));
-    let report = Run::new(&scene).unwrap().solve_with(&mut linear, &mut ()).unwrap();
-    assert_eq!((report.status, report.solver), (Status::Converged, "mine"));
+    let mine: Box<dyn LinearSolver> =
+        Box::new(Counting { backend: SparseLu::default().solver(), factorizations: Arc::clone(&counts) });
+    let report = Run::new(&scene).unwrap().solve_with(System::from(mine), &mut ()).unwrap();
+    assert_eq!((report.status, report.solver.as_str()), (Status::Converged, "mine"));
     assert_eq!(counts.load(std::sync::atomic::Ordering::Relaxed), report.totals.factorizations);
     assert_eq!(report.end, Run::new(&scene).unwrap().solve(&mut ()).unwrap().end);
 }

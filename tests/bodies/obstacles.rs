@@ -177,6 +177,12 @@ fn bad_obstacles_get_one_message() {
             "kind = \"cylinder\", radius = 0.3, apex = [0.5, 0.0]",
             "the obstacle does not reach over the contact node at (0, 0) m",
         ),
+        // Right under its side a cylinder is as steep as the normal: its gap is finite, but not how it changes.
+        (
+            "kind = \"cylinder\", radius = 1.0, apex = [1.0, 0.0], normal = [0, -1], \
+             motion.translation = [[0, 0, 0], [1, 1e-5, 0]]",
+            "the obstacle does not reach over the contact node at (0, 0) m",
+        ),
         (
             "kind = \"formula\", formula = \"sqrt(x - 0.5)\"",
             "the formula has no finite value at the contact node at (0, 0) m",

@@ -9,12 +9,12 @@ pub mod random;
 
 use std::sync::Arc;
 
-use stickslip::history::{HistoryOutcome, Observer};
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::problem::{Increment, State};
 use stickslip::run::Run;
-use stickslip::scene::{LinearBackend, Method, MethodName, Scene, Setting, Solver};
+use stickslip::scene::Scene;
 use stickslip::sparse::{Csc, Pattern, Symmetric};
 
 /// The paper's block with overrides.
@@ -43,7 +43,7 @@ pub fn scene(name: &str, overrides: &[&str]) -> Scene {
 
 /// The same with BN in its default setting on condensed matrices, whatever the scene says.
 pub fn run_default(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> HistoryOutcome {
-    let (method, linear) = (Method::of(MethodName::Bn, Setting::Default), Some(LinearBackend::Condensed));
+    let (method, linear) = (Method::of(MethodName::Bn, Setting::Default), Some(LinearAlgebra::condensed()));
     let solver = Solver { method, linear, ..scene.solver };
     Run::of(model, scene.time.all(), solver).unwrap().history(observer).unwrap()
 }
@@ -118,11 +118,11 @@ pub fn solve(stiffness: &Symmetric, force: &[f64]) -> Vec<f64> {
     let pattern = Pattern::from_entries(n, n, |take| stiffness.entries().for_each(|(i, j, _)| take(i, j)));
     let mut k = Csc::zeros(Arc::new(pattern));
     for (i, j, value) in stiffness.entries() {
-        let slot = k.pattern.slot(i, j).unwrap();
+        let slot = k.pattern().slot(i, j).unwrap();
         k.values[slot] = value;
     }
     let mut direct = Direct::default();
-    direct.analyze(&k.pattern).unwrap();
+    direct.analyze(k.pattern()).unwrap();
     direct.factorize(&k).unwrap();
     let mut u = vec![0.0; n];
     direct.solve(&k, force, &mut u).unwrap();

@@ -3,13 +3,13 @@
 
 use crate::common;
 use crate::common::random::{self, Random};
-use stickslip::formulation::{Cone, Conventions, InteriorPoint};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status};
+use stickslip::formulation::{Cone, Conventions, InteriorPoint, NewtonSystem};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status, System};
 use stickslip::linear::Direct;
 use stickslip::loading::Loading;
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Increment};
-use stickslip::scene::{NewtonSystem, Scene};
+use stickslip::scene::Scene;
 use stickslip::sparse::{Csr, Symmetric};
 use stickslip::units::Scaling;
 
@@ -17,7 +17,7 @@ const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 
 fn run(problem: &ContactProblem, loading: &Loading, times: &[f64], settings: &HistorySettings) -> HistoryOutcome {
     let mut linear = Direct::default();
-    history::run(problem, loading, times, settings, &mut linear, &mut ()).unwrap()
+    history::run(problem, loading, times, settings, linear, &mut ()).unwrap()
 }
 
 fn scaling(problem: &ContactProblem, loading: &Loading) -> Scaling {
@@ -26,11 +26,11 @@ fn scaling(problem: &ContactProblem, loading: &Loading) -> Scaling {
 
 /// Without halving.
 fn ip(problem: &ContactProblem, loading: &Loading) -> HistorySettings {
-    HistorySettings { halvings: 0, ..HistorySettings::ip(problem, scaling(problem, loading), 100, 1e-12) }
+    HistorySettings { halvings: 0, ..HistorySettings::new(problem, loading, Method::IP).unwrap().until(100, 1e-12) }
 }
 
 fn bn(problem: &ContactProblem, loading: &Loading) -> HistorySettings {
-    HistorySettings { halvings: 0, ..HistorySettings::bn(problem, scaling(problem, loading), 100, 1e-12) }
+    HistorySettings { halvings: 0, ..HistorySettings::new(problem, loading, Method::BN).unwrap().until(100, 1e-12) }
 }
 
 fn iterations(outcome: &HistoryOutcome) -> Vec<usize> {
@@ -126,8 +126,8 @@ fn nodes_with_fewer_tangents() {
             (0..contacts).for_each(|i| kept.push_row(map.row(i).iter().copied().filter(|_| !nodes.contains(&i))));
             kept
         };
-        (problem.c_t, problem.c_o) = (without(&problem.c_t, &[1, 3]), without(&problem.c_o, &[2, 3]));
-        problem.mu.iter_mut().step_by(3).for_each(|mu| *mu = 0.0);
+        (problem.c_t(), problem.c_o()) = (without(problem.c_t(), &[1, 3]), without(problem.c_o(), &[2, 3]));
+        problem.mu().iter_mut().step_by(3).for_each(|mu| *mu = 0.0);
         count.add(&agree(&problem, &loading, &format!("seed {seed}")));
     }
     println!("{count}");
@@ -174,7 +174,7 @@ fn the_choice_of_tangents_does_not_matter() {
         // The interior point method alone: below 1e-10 rounding decides how many steps of BN it takes to the end.
         let settings = |problem| HistorySettings {
             halvings: 0,
-            ..HistorySettings::ip(problem, scaling(problem, &loading), 100, 1e-8)
+            ..HistorySettings::new(problem, loading, Method::IP).unwrap().until(100, 1e-8)
         };
         let [own, other] = [&problem, &turned].map(|problem| run(problem, &loading, &TIMES, &settings(problem)));
         assert_eq!(own.status, Status::Converged, "seed {seed}");
@@ -190,13 +190,13 @@ fn the_choice_of_tangents_does_not_matter() {
 fn the_newton_system_is_the_derivative() {
     let mut random = Random(5);
     let (mut problem, loading) = random::problem(&mut random, 7, 0.5, 0.0);
-    problem.mu[3] = 0.0;
+    problem.mu()[3] = 0.0;
     let mut formulation = Cone::new(&problem, Scaling::near(1e11, 1.0), &Conventions::paper(&problem));
     let force = loading.cases[0].force.clone();
     let last = [(); 2].map(|()| (0..7).map(|_| 0.3 * random.sign()).collect::<Vec<f64>>());
     formulation.begin(&Increment { force: &force, gap: &loading.gap, w_t_last: &last[0], w_o_last: &last[1] });
     let mut linear = Direct::default();
-    linear.analyze(&formulation.matrix().pattern).unwrap();
+    linear.analyze(formulation.matrix().pattern()).unwrap();
     for spread in [0.0, 0.5, 1.0] {
         // Inside and outside of the cone, pairs tilted either way.
         let n = formulation.unknowns();
@@ -233,7 +233,7 @@ fn the_newton_system_is_the_derivative() {
 #[test]
 fn the_paper_knows_one_tangent() {
     let (problem, loading) = random::problem(&mut Random(1), 3, 0.5, 0.0);
-    let paper = HistorySettings::paper_ip(&problem, Start::Safe, 100, 1e-6);
+    let paper = HistorySettings::new(&problem, &loading, Method::paper_ip(Start::Safe)).unwrap().until(100, 1e-6);
     assert_eq!(run(&problem, &loading, &TIMES, &paper).status, Status::Unsupported);
     let mut extended = ip(&problem, &loading);
     let Method::PredictorCorrector { newton, .. } = &mut extended.method else { unreachable!() };
@@ -250,7 +250,7 @@ fn punch(overrides: &[&str]) -> Scene {
 /// which nothing moves. The exact cone then takes the place of the two constraints of (25).
 fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Loading) {
     let (n, contacts) = (problem.displacements(), problem.contacts());
-    let own: Vec<_> = problem.stiffness.entries().filter(|(row, column, _)| row >= column).collect();
+    let own: Vec<_> = problem.stiffness().entries().filter(|(row, column, _)| row >= column).collect();
     let idle = problem.contact_stiffness();
     let mut stiffness = Symmetric::from_entries(n + contacts, |take| {
         for &(row, column, _) in &own {
@@ -269,8 +269,8 @@ fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Lo
     };
     let mut thick = ContactProblem {
         stiffness,
-        c_n: wide(&problem.c_n),
-        c_t: wide(&problem.c_t),
+        c_n: wide(problem.c_n()),
+        c_t: wide(problem.c_t()),
         c_o: random::rows(n + contacts, (0..contacts).map(|i| vec![(n + i, 1.0)])),
         ..problem.clone()
     };

@@ -3,22 +3,21 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::formulation::{Constrained, Conventions, InteriorPoint};
-use stickslip::history::{self, HistorySettings, Method, Start, Status};
+use stickslip::formulation::{Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
+use stickslip::history::{self, HistorySettings, Method, Start, Status, System};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::IpSettings;
 use stickslip::problem::Increment;
-use stickslip::scene::{NewtonSystem, Partition};
 
 /// A small block in which a node has friction, one has none, and one cannot slide.
 fn model() -> Model {
     let scene = common::block(&["mesh.elements=[5,2]", "contact.friction=0.4"]);
     let mut model = Model::new(&scene).unwrap();
-    model.problem.mu[1] = 0.0;
+    model.problem.mu()[1] = 0.0;
     let mut c_t = stickslip::sparse::Csr::new(model.problem.displacements());
     for i in 0..model.problem.contacts() {
-        c_t.push_row(model.problem.c_t.row(i).iter().copied().filter(|_| i != 2));
+        c_t.push_row(model.problem.c_t().row(i).iter().copied().filter(|_| i != 2));
     }
     model.problem.c_t = c_t;
     model
@@ -63,7 +62,7 @@ fn direction(formulation: &mut Constrained, z: &[f64], b: &[f64]) -> Vec<f64> {
     let (mut rhs, mut dz) = (vec![0.0; n], vec![0.0; z.len()]);
     formulation.reduce(z, b, &mut rhs);
     let mut direct = Direct::default();
-    direct.analyze(&formulation.matrix().pattern).unwrap();
+    direct.analyze(formulation.matrix().pattern()).unwrap();
     direct.factorize(formulation.matrix()).unwrap();
     direct.solve(formulation.matrix(), &rhs, &mut dz[..n]).unwrap();
     formulation.recover(z, b, &mut dz);
@@ -87,7 +86,7 @@ fn the_extended_matrix_is_the_derivative_of_the_residual() {
         for row in 0..z.len() {
             let difference = (ahead[row] - behind[row]) / (2.0 * step);
             let matrix = formulation.matrix();
-            let entry = matrix.pattern.slot(row, column).map_or(0.0, |k| matrix.values[k]);
+            let entry = matrix.pattern().slot(row, column).map_or(0.0, |k| matrix.values[k]);
             assert!((difference - entry).abs() < 1e-8, "row {row}, column {column}: {difference} {entry}");
         }
     }
@@ -178,12 +177,15 @@ fn both_partitions_solve_the_block() {
         for newton in [NewtonSystem::Reduced, NewtonSystem::Extended] {
             for start in [Start::Safe, Start::PREV] {
                 let method = Method::Ip { settings: IpSettings::paper(200), start, partition, newton };
-                let settings =
-                    HistorySettings { method, ..HistorySettings::paper_ip(&model.problem, start, 200, 1e-6) };
+                let settings = HistorySettings {
+                    method,
+                    ..HistorySettings::new(&model.problem, &model.loading, Method::paper_ip(start))
+                        .unwrap()
+                        .until(200, 1e-6)
+                };
                 let mut linear = Direct::default();
                 let times = scene.time.all();
-                let run =
-                    history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ()).unwrap();
+                let run = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut ()).unwrap();
                 assert_eq!(run.status, Status::Converged, "{partition:?} {newton:?} {start:?}");
                 assert!(run.records.iter().all(|record| record.theta <= 1e-2));
                 assert_eq!(run.linear.analyses, 1);

@@ -4,7 +4,7 @@
 
 use stickslip::fem::{Elasticity, Element, RigidMotion, assemble};
 use stickslip::formulation::{Layout, SlackLayout};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::scene::Scene;
@@ -17,11 +17,11 @@ const METHODS: [&str; 2] = ["bn", "ip"];
 fn solve(method: &str, model: &Model, times: &[f64]) -> HistoryOutcome {
     let (problem, scaling) = (&model.problem, model.scaling());
     let settings = match method {
-        "bn" => HistorySettings::bn(problem, scaling, 100, 1e-10),
-        _ => HistorySettings::ip(problem, scaling, 100, 1e-10),
+        "bn" => HistorySettings::new(problem, loading, Method::BN).unwrap().until(100, 1e-10),
+        _ => HistorySettings::new(problem, loading, Method::IP).unwrap().until(100, 1e-10),
     };
     let mut linear = Direct::default();
-    history::run(problem, &model.loading, times, &settings, &mut linear, &mut ()).unwrap()
+    history::run(problem, &model.loading, times, &settings, linear, &mut ()).unwrap()
 }
 
 /// Fails unless both methods get through whole increments by themselves, in 40 iterations each and 20
@@ -112,7 +112,7 @@ fn held_by_contact_only() {
     assert!(!text.contains("[[support]]"));
     for gap in ["contact.obstacle.gap=1e-5", "contact.obstacle.gap=0"] {
         let (model, times) = block(&text, 10, &[gap, "load[1].traction=[-1e6,0]"]);
-        assert_eq!(model.problem.free_motions.len(), 3);
+        assert_eq!(model.problem.free_motions().len(), 3);
         assert_solved(gap, &model, &times);
     }
 }
@@ -123,10 +123,10 @@ fn held_by_contact_only() {
 fn r_does_not_matter() {
     let (model, times) = block(base(), 20, &[]);
     let with = |factor: f64| {
-        let mut settings = HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
+        let mut settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10);
         settings.conventions.scale_r(factor);
         let mut linear = Direct::default();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ()).unwrap();
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{factor:e}: {:?}", outcome.violation);
         outcome.state
     };
@@ -206,7 +206,7 @@ fn random_histories() {
         let mut model = Model::new(&scene).unwrap();
         let kind = (r() * 4.0) as usize;
         for i in 0..model.contacts.len() {
-            model.problem.mu[i] = match kind {
+            model.problem.mu()[i] = match kind {
                 0 => 0.4,
                 1 => r(),
                 2 => [0.0, r()][usize::from(r() >= 0.5)],
@@ -238,7 +238,7 @@ fn random_histories() {
 fn friction_that_differs_by_node() {
     let (mut model, times) = block(base(), 20, &[]);
     let mu = [0.0, 0.1, 2.0, 0.4, 1e-6];
-    model.problem.mu.iter_mut().enumerate().for_each(|(i, value)| *value = mu[i % mu.len()]);
+    model.problem.mu().iter_mut().enumerate().for_each(|(i, value)| *value = mu[i % mu.len()]);
     assert_solved("mixed", &model, &times);
 }
 
@@ -257,9 +257,9 @@ fn no_equilibrium() {
     let text = base().replace(SUPPORT, "");
     let run = |side: &str| {
         let (model, times) = block(&text, 8, &["contact.obstacle.gap=0", "load[0].history=[[0,1]]", side]);
-        let paper = HistorySettings::paper_bn(&model.problem, model.scaling(), 100, 1e-10);
+        let paper = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(100, 1e-10);
         let mut linear = Direct::default();
-        let bn = history::run(&model.problem, &model.loading, &times, &paper, &mut linear, &mut ()).unwrap();
+        let bn = history::run(&model.problem, &model.loading, &times, &paper, linear, &mut ()).unwrap();
         let [default, ip] = METHODS.map(|method| solve(method, &model, &times));
         (model, [bn, default, ip])
     };

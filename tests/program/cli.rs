@@ -9,7 +9,7 @@ use std::path::Path;
 
 use crate::common::edit;
 use crate::common::program::{
-    Folder, assert_exit, count, csv, json, number, report, small, stderr, stdout, stickslip, without,
+    Folder, assert_exit, count, csv, json, number, report, small, stdout, stickslip, without,
 };
 use serde_json::{Value, json as json_value};
 
@@ -96,6 +96,17 @@ fn warnings() {
         assert!(stdout(&stickslip(&["run", &scene])).contains(words), "{kind}");
         let before = ["locking", "layers-through-elements", "idle-load"].contains(&kind);
         assert_eq!(stdout(&stickslip(&["check", &scene])).contains(words), before, "{kind}");
+    }
+}
+
+/// Planes that touch from the start: nothing is indented, and what rounding leaves of gaps is no error of theirs.
+#[test]
+fn planes_that_touch_have_no_warning() {
+    let touching = edit(&small(), "gap = 1e-5", "normal = [0.001, -1]");
+    let upright = "[[support]]\nboundary = \"left\"\nfix = [\"x\"]";
+    let clamped = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]";
+    for scene in [edit(&touching, clamped, upright), touching] {
+        assert_eq!(report(&edit(&scene, "\"paper\"", "\"default\""), 0)["warnings"], json_value!([]));
     }
 }
 
@@ -209,6 +220,7 @@ fn check_explains_without_solving() {
     let output = stickslip(&["check", &scene]);
     assert_exit(&output, 0);
     for words in [
+        "gaps along the normal n = (0, -1), slip along t = (1, 0)",
         "Elastic block on a frictional foundation",
         "4 x 4 bilinear quadrilaterals, 25 nodes",
         "left: x and y held",
@@ -261,7 +273,6 @@ fn check_tells_histories() {
     assert!(told.contains("1e-6 m at 1 s, (3 more), 1e-6 m at 1.8 s"), "{told}");
 }
 
-#[cfg(feature = "meshes")]
 #[test]
 fn check_tells_the_size_of_a_mesh_file() {
     let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes/plate_quads_mm.msh");
@@ -274,28 +285,6 @@ fn check_tells_the_size_of_a_mesh_file() {
         assert_exit(&output, 0);
         assert!(stdout(&output).contains(size), "{}", stdout(&output));
     }
-}
-
-#[test]
-fn cells_of_table_ii() {
-    let output = stickslip(&["tables", "block", "--contact-nodes", "5", "--increments", "1", "--json"]);
-    assert_exit(&output, 0);
-    let table = json(&output);
-    let columns = table["columns"].as_array().unwrap();
-    let names: Vec<_> = columns.iter().map(|column| column["method"].as_str().unwrap()).collect();
-    assert_eq!(names, ["bn", "ip-safe", "ip-prev", "bn-default", "ip"]);
-    for column in columns {
-        for (cell, mu) in column["cells"].as_array().unwrap().iter().zip([0.1, 0.4, 0.8]) {
-            assert_eq!((count(&cell["contact_nodes"]), count(&cell["increments"]), number(&cell["mu"])), (5, 1, mu));
-            assert!(cell["status"] == "converged" && number(&cell["here"]["nle"]) >= 1.0);
-        }
-    }
-    assert_eq!(count(&columns[1]["nle"]["cells"]), 3);
-
-    let unknown = stickslip(&["tables", "block", "--contact-nodes", "7", "--json"]);
-    assert_exit(&unknown, 2);
-    assert_eq!(json(&unknown)["status"], "bad-input");
-    assert!(stderr(&unknown).contains("no such cell"), "{}", stderr(&unknown));
 }
 
 #[test]

@@ -6,5 +6,8 @@ mod common;
 mod cli;
 mod cli_failures;
 mod compare;
+mod documented;
+mod names;
 mod schema;
 mod solvability;
+mod start;
