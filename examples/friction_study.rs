@@ -13,13 +13,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for mu in [0.0, 0.1, 0.2, 0.4, 0.8] {
         let overrides = ["mesh.elements=[40,40]".parse()?, Override::value("contact.friction", mu)];
         let scene = Scene::read("data/scenes/block.toml".as_ref(), &overrides)?;
-        let outcome = Run::new(&scene)?.history(&mut ())?;
-        let contact = outcome.records.last().map(|record| record.contact).unwrap_or_default();
+        let report = Run::new(&scene)?.solve(&mut ())?;
+        let contact = report.increments.last().map(|record| record.contact).unwrap_or_default();
         table.push(vec![
             mu.to_string(),
-            outcome.status.to_string(),
-            format!("{:.4}", outcome.state.p_n.iter().sum::<f64>() * 1e-6),
-            format!("{:.4}", outcome.state.p_t.iter().sum::<f64>() * 1e-6),
+            report.status.to_string(),
+            format!("{:.4}", report.end.sum_p_n * 1e-6),
+            format!("{:.4}", report.end.sum_p_t * 1e-6),
             contact.stick.to_string(),
             contact.slip.to_string(),
             contact.open.to_string(),
