@@ -48,6 +48,7 @@ pub mod null_space;
 pub mod problem;
 pub mod report;
 pub mod scene;
+pub mod sets;
 pub mod solvability;
 pub mod sparse;
 pub mod uniqueness;

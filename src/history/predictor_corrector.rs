@@ -10,6 +10,7 @@ use crate::nonlinear::{Flow, IterationRecord, Outcome, PredictorCorrector, Predi
 use crate::problem::{ContactProblem, State};
 use crate::scene::{NewtonSystem, Partition};
 use crate::sparse::Csc;
+use crate::vector::median;
 
 /// How far inside the attempts at an increment start, in terms of the estimate. The first is the
 /// fastest and nearly always enough: of 12000 increments with random loads, gaps, friction and
@@ -48,7 +49,7 @@ impl<'a> PredictorCorrectorMethod<'a> {
             (Box::new(Cone::new(problem, *scaling, conventions)), mean_of_compliances(&history.contact_stiffness))
         } else {
             let formulation = Constrained::new(problem, *scaling, conventions, Partition::Products, newton);
-            (Box::new(formulation), median(&history.contact_stiffness))
+            (Box::new(formulation), median(&mut history.contact_stiffness.clone()).unwrap_or(1.0))
         };
         let natural = Conventions::of_stiffness(problem, &history.contact_stiffness);
         PredictorCorrectorMethod {
@@ -87,13 +88,6 @@ impl<'a> PredictorCorrectorMethod<'a> {
         force *= times;
         self.formulation.move_inside(&mut self.z, force, force / self.stiffness);
     }
-}
-
-/// The median, or 1 of nothing.
-fn median(values: &[f64]) -> f64 {
-    let mut values = values.to_vec();
-    let middle = values.len() / 2;
-    if values.is_empty() { 1.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
 /// The stiffness with the mean compliance: the cold start of the exact cone has to reach as far as the soft
