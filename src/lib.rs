@@ -43,6 +43,7 @@ pub mod problem;
 pub mod report;
 pub mod run;
 pub mod scene;
+pub mod sets;
 pub mod solvability;
 pub mod sparse;
 pub mod uniqueness;

@@ -20,6 +20,7 @@ use serde::Serialize;
 use crate::linear::null_space_of;
 use crate::sparse::{Csr, Symmetric, Twofold};
 use crate::units::Scaling;
+use crate::vector::median;
 
 /// One body against rigid obstacles, in SI units; sound, because [`ContactProblem::new`] lets nothing else pass.
 ///
@@ -240,12 +241,7 @@ impl ContactProblem {
     /// obstacles reach `interference` (m) into the body: the stiffness of a typical node, and the
     /// displacement that either makes.
     pub fn scaling(&self, largest_force: f64, interference: f64) -> Scaling {
-        let mut diagonal = self.stiffness().diagonal();
-        let middle = diagonal.len() / 2;
-        let stiffness = match diagonal.len() {
-            0 => 1.0,
-            _ => *diagonal.select_nth_unstable_by(middle, f64::total_cmp).1,
-        };
+        let stiffness = median(&mut self.stiffness().diagonal()).unwrap_or(1.0);
         Scaling::near(stiffness, interference.max(largest_force / stiffness))
     }
 }

@@ -4,7 +4,7 @@ use super::obstacle::{Facing, Obstacle};
 use super::surface::{across, plus};
 use crate::loading::piecewise_linear;
 use crate::scene;
-use crate::vector::{cross, dot, minus};
+use crate::vector::{axis, cross, dot, minus};
 
 /// How an obstacle moves: a sum of motions in one direction each, times a factor that changes in time.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,9 +27,8 @@ impl ObstacleMotion {
     /// The motion that `obstacle` prescribes: its approach is against `normal`.
     pub fn new(obstacle: &scene::Obstacle, normal: [f64; 3]) -> Self {
         let component = |c: usize| {
-            let direction = [0, 1, 2].map(|k| if k == c { 1.0 } else { 0.0 });
             let history = obstacle.translation.iter().map(|point| [point[0], point[1 + c]]).collect::<Vec<_>>();
-            (direction, history)
+            (axis(c), history)
         };
         let mut translations: Vec<_> = (0..3).map(component).collect();
         translations.push((normal.map(|c| -c), obstacle.approach.clone()));

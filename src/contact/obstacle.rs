@@ -4,7 +4,7 @@ use super::gap_table::{GapTable, TableError};
 use super::surface::{Surface, across};
 use crate::mesh::{Boundary, Mesh};
 use crate::scene::{self, GapDirection, Shape};
-use crate::vector::{cross, dot, norm, unit};
+use crate::vector::{axis_across, cross, dot, norm, unit};
 
 /// A rigid obstacle in front of a part of the boundary. Small displacements: gaps are measured once, in
 /// the undeformed state.
@@ -239,5 +239,5 @@ fn mean_normal(mesh: &Mesh, boundary: &Boundary) -> Option<[f64; 3]> {
 /// before z.
 fn first_tangent(normal: [f64; 3]) -> [f64; 3] {
     let closest = [1, 2].into_iter().fold(0, |best, c| if normal[c].abs() < normal[best].abs() { c } else { best });
-    unit([0, 1, 2].map(|c| if c == closest { 1.0 } else { 0.0 } - normal[closest] * normal[c]))
+    axis_across(closest, normal)
 }
