@@ -13,15 +13,11 @@ macro_rules! say {
 
 mod check;
 mod compare;
-mod extremes;
-mod figures;
 mod init;
 mod interrupt;
-mod jobs;
 mod progress;
 mod run;
 mod shell;
-mod tables;
 mod uniqueness;
 mod verdict;
 
@@ -54,12 +50,6 @@ enum Command {
     Run(run::RunArgs),
     /// Read and explain a scene without solving it
     Check(check::CheckArgs),
-    /// Compute a table of the paper and set it beside the published one
-    Tables(tables::TablesArgs),
-    /// Draw the figures of the paper
-    Figures(figures::FiguresArgs),
-    /// Run the suite of extreme scenes, data/extremes.toml
-    Extremes(extremes::ExtremesArgs),
     /// Compare methods, linear algebra, increments and meshes on a scene: error against time
     Compare(compare::CompareArgs),
     /// Print a scene to start from, with comments
@@ -199,9 +189,6 @@ pub(crate) fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Run(args) => run::run(args),
         Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
-        Command::Tables(args) => tables::tables(args),
-        Command::Figures(args) => figures::figures(args),
-        Command::Extremes(args) => extremes::extremes(args),
         Command::Compare(args) => compare::compare(args),
         Command::Init(args) => init::init(args).map(|()| ExitCode::SUCCESS),
         Command::Completions(args) => {

@@ -33,15 +33,10 @@
 //! ```
 
 pub mod auto;
-#[cfg(feature = "studies")]
 pub mod compare;
 pub mod condense;
 pub mod contact;
-#[cfg(feature = "studies")]
-pub mod extremes;
 pub mod fem;
-#[cfg(feature = "studies")]
-pub mod figures;
 pub mod formulation;
 pub mod history;
 pub mod linear;
@@ -55,8 +50,6 @@ pub mod report;
 pub mod scene;
 pub mod solvability;
 pub mod sparse;
-#[cfg(feature = "studies")]
-pub mod tables;
 pub mod uniqueness;
 pub mod units;
 pub mod vector;

@@ -1,19 +1,14 @@
 //! Meshes in two and three dimensions with named boundaries and material groups.
 
 mod block;
-#[cfg(feature = "meshes")]
 mod check;
-#[cfg(feature = "meshes")]
 mod gmsh;
 mod half_plane;
-#[cfg(feature = "meshes")]
 mod sides;
 mod simplices;
 
 pub use block::{block, graded_block, progression};
-#[cfg(feature = "meshes")]
 pub use check::{MeshFault, Numbers};
-#[cfg(feature = "meshes")]
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
 pub use half_plane::half_plane;
 

@@ -9,9 +9,7 @@ use crate::contact::{ContactBoundary, ContactNode, Facing, Obstacle, ObstacleMot
 use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, facet_load, rigid_motions};
 use crate::linear::{Direct, built_in};
 use crate::loading::{Bend, LoadCase, Loading, Motion};
-#[cfg(feature = "meshes")]
-use crate::mesh::MeshFileError;
-use crate::mesh::{Boundary, Mesh};
+use crate::mesh::{Boundary, Mesh, MeshFileError};
 use crate::problem::ContactProblem;
 use crate::scene::{self, LinearBackend, Scene, SceneError};
 use crate::sparse::Csr;
@@ -52,15 +50,9 @@ pub enum ModelError {
     #[diagnostic(transparent)]
     Scene(#[from] SceneError),
     /// The scene's mesh file is not sound.
-    #[cfg(feature = "meshes")]
     #[error(transparent)]
     #[diagnostic(transparent)]
     Mesh(#[from] MeshFileError),
-    /// The scene has a mesh file, which nothing can read.
-    #[cfg(not(feature = "meshes"))]
-    #[error("the mesh is in a file, but this stickslip was built without mesh files")]
-    #[diagnostic(help("build it with the feature `meshes`"))]
-    NoMeshFiles,
     /// An element of the mesh is not sound.
     #[error(transparent)]
     Element(#[from] InvertedElement),

@@ -46,10 +46,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "report",
         &["auto", "contact", "formulation", "history", "mesh", "model", "problem", "scene", "uniqueness", "vector"],
     ),
-    ("tables", &["history", "linear", "model", "scene"]),
-    ("extremes", &["contact", "fem", "formulation", "history", "linear", "model", "report", "scene"]),
     ("compare", &["contact", "history", "linear", "model", "nonlinear", "problem", "report", "scene", "vector"]),
-    ("figures", &["history", "model", "nonlinear", "report", "tables"]),
 ];
 
 /// Where the program is, which uses the library as any other crate does.

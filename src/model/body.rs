@@ -14,10 +14,7 @@ pub(super) fn mesh(scene: &Scene) -> Result<Mesh, ModelError> {
         scene::Mesh::HalfPlane(m) => {
             mesh::half_plane(m.size, m.contact_width, m.contact_elements, m.outer_elements, m.layers)
         }
-        #[cfg(feature = "meshes")]
         scene::Mesh::Gmsh { file, scale } => mesh::gmsh(file, *scale)?,
-        #[cfg(not(feature = "meshes"))]
-        scene::Mesh::Gmsh { .. } => return Err(ModelError::NoMeshFiles),
     })
 }
 

@@ -10,17 +10,19 @@ use std::path::Path;
 const WANTED: [u32; 14] = [11, 12, 19, 20, 21, 22, 25, 26, 27, 28, 29, 30, 31, 36];
 
 fn read(path: &str) -> String {
-    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path))
+        .unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// The number of a label that `text` begins with, and what follows.
+fn label(text: &str) -> Option<(u32, &str)> {
+    let (number, rest) = text.strip_prefix('(')?.split_once(')')?;
+    let sound = number.len() <= 2 && number.bytes().all(|c| c.is_ascii_digit());
+    Some((number.parse().ok().filter(|_| sound)?, rest))
 }
 
 /// The numbers of equations in `text`: `(12)`, and all of `(29)–(31)`.
 fn numbers(text: &str) -> BTreeSet<u32> {
-    let label = |text: &str| {
-        let inner = text.strip_prefix('(')?;
-        let (number, rest) = inner.split_once(')')?;
-        let sound = number.len() <= 2 && number.bytes().all(|c| c.is_ascii_digit());
-        Some((number.parse().ok().filter(|_| sound)?, rest.to_string()))
-    };
     let mut found = BTreeSet::new();
     for (at, _) in text.match_indices('(') {
         let Some((first, rest)) = label(&text[at..]) else { continue };
@@ -56,7 +58,10 @@ fn every_equation_is_where_the_table_says() {
         for file in files {
             let labels = numbers(&comments(&read(&file)));
             let missing: Vec<&u32> = equations.difference(&labels).collect();
-            assert!(missing.is_empty(), "no comment of {file} has the equations {missing:?}, but the row `{what}` says so");
+            assert!(
+                missing.is_empty(),
+                "no comment of {file} has the equations {missing:?}, but the row `{what}` says so"
+            );
         }
         listed.extend(equations);
     }

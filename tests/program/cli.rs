@@ -9,7 +9,7 @@ use std::path::Path;
 
 use crate::common::edit;
 use crate::common::program::{
-    Folder, assert_exit, count, csv, json, number, report, small, stderr, stdout, stickslip, without,
+    Folder, assert_exit, count, csv, json, number, report, small, stdout, stickslip, without,
 };
 use serde_json::{Value, json as json_value};
 
@@ -236,7 +236,6 @@ fn check_tells_histories() {
     assert!(told.contains("1e-6 m at 1 s, (3 more), 1e-6 m at 1.8 s"), "{told}");
 }
 
-#[cfg(feature = "meshes")]
 #[test]
 fn check_tells_the_size_of_a_mesh_file() {
     let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes/plate_quads_mm.msh");
@@ -249,28 +248,6 @@ fn check_tells_the_size_of_a_mesh_file() {
         assert_exit(&output, 0);
         assert!(stdout(&output).contains(size), "{}", stdout(&output));
     }
-}
-
-#[test]
-fn cells_of_table_ii() {
-    let output = stickslip(&["tables", "block", "--contact-nodes", "5", "--increments", "1", "--json"]);
-    assert_exit(&output, 0);
-    let table = json(&output);
-    let columns = table["columns"].as_array().unwrap();
-    let names: Vec<_> = columns.iter().map(|column| column["method"].as_str().unwrap()).collect();
-    assert_eq!(names, ["bn", "ip-safe", "ip-prev", "bn-default", "ip"]);
-    for column in columns {
-        for (cell, mu) in column["cells"].as_array().unwrap().iter().zip([0.1, 0.4, 0.8]) {
-            assert_eq!((count(&cell["contact_nodes"]), count(&cell["increments"]), number(&cell["mu"])), (5, 1, mu));
-            assert!(cell["status"] == "converged" && number(&cell["here"]["nle"]) >= 1.0);
-        }
-    }
-    assert_eq!(count(&columns[1]["nle"]["cells"]), 3);
-
-    let unknown = stickslip(&["tables", "block", "--contact-nodes", "7", "--json"]);
-    assert_exit(&unknown, 2);
-    assert_eq!(stdout(&unknown), "");
-    assert!(stderr(&unknown).contains("no such cell"), "{}", stderr(&unknown));
 }
 
 #[test]

@@ -3,10 +3,11 @@
 
 mod picture;
 
-use crate::history::{self, HistoryOutcome, IncrementRecord, Observer, Status, Step};
-use crate::model::Model;
-use crate::nonlinear::{Flow, IterationRecord};
-use crate::report::ContactLine;
+use stickslip::history::{self, HistoryOutcome, IncrementRecord, Observer, Status, Step};
+use stickslip::model::Model;
+use stickslip::nonlinear::{Flow, IterationRecord};
+use stickslip::report::ContactLine;
+
 use crate::tables::{PaperError, PaperMethod, PaperTable};
 
 /// The friction coefficient of all figures.

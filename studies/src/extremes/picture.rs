@@ -1,8 +1,9 @@
 //! The sweeps of the suite as charts: errors and iterations against the quantity that is swept.
 
+use stickslip::history::Status;
+use stickslip::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale};
+
 use super::{Row, SuiteMethod};
-use crate::history::Status;
-use crate::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale};
 
 const BLACK: [u8; 3] = [0, 0, 0];
 const BLUE: [u8; 3] = [0, 90, 181];

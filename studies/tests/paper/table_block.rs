@@ -1,11 +1,10 @@
 //! The paper's block: Table II as far as it is quick, and the check values of the reconstruction.
-#![allow(clippy::unwrap_used)]
 
-use crate::common;
 use stickslip::history::Status;
-use stickslip::model::Model;
 use stickslip::scene::LinearBackend;
-use stickslip::tables::{Agreement, Case, Cell, PaperMethod, PaperTable};
+use stickslip_studies::tables::{Agreement, Case, Cell, PaperMethod, PaperTable};
+
+use super::bn;
 
 /// The cells of `method` whose cases are `wanted`.
 fn cells(method: PaperMethod, linear: LinearBackend, wanted: fn(&Case) -> bool) -> Vec<Cell> {
@@ -14,7 +13,7 @@ fn cells(method: PaperMethod, linear: LinearBackend, wanted: fn(&Case) -> bool) 
 }
 
 /// BN's counts equal the published ones to rounding. The cells with 100 contact nodes take minutes:
-/// `stickslip tables block` computes those.
+/// `make tables` computes those.
 #[test]
 fn table_ii_bn() {
     let coarse = cells(PaperMethod::Bn, LinearBackend::default(), |case| case.contact_nodes <= 20);
@@ -74,13 +73,10 @@ fn check_values() {
     for (inc, iterations, backtracks) in
         [(1, vec![5, 3], vec![42, 23]), (5, vec![5, 3, 1, 1, 3, 2, 2, 2, 1, 1], vec![20, 1, 0, 0, 5, 22, 0, 7, 0, 0])]
     {
-        let scene = common::block(&["mesh.elements=[5,5]", &format!("time.increments={}", 2 * inc)]);
-        let model = Model::new(&scene).unwrap();
-        let mut keep = common::Keep::default();
-        let outcome = common::run(&scene, &model, &mut keep);
+        let (_, outcome, states) = bn(PaperTable::Block, 5, inc);
         assert_eq!(outcome.records.iter().map(|r| r.iterations).collect::<Vec<_>>(), iterations);
         assert_eq!(outcome.records.iter().map(|r| r.backtracks).collect::<Vec<_>>(), backtracks);
-        let at_max = &keep.states[inc - 1];
+        let at_max = &states[inc - 1];
         assert_forces(&at_max.p_n, &p_n_max);
         assert_forces(&at_max.p_t, &p_n_max.map(|p| -0.4 * p));
         if inc == 5 {
@@ -93,9 +89,7 @@ fn check_values() {
 /// Exact resultants at the end of the history, where backward Euler has no error (mu = 0.4, n = 5).
 #[test]
 fn resultants_equal_the_exact_ones() {
-    let scene = common::block(&["mesh.elements=[5,5]", "time.increments=10"]);
-    let model = Model::new(&scene).unwrap();
-    let outcome = common::run(&scene, &model, &mut ());
+    let (_, outcome, _) = bn(PaperTable::Block, 5, 5);
     assert!((outcome.state.p_n.iter().sum::<f64>() * 1e-6 - 5.302_096).abs() < 1e-6);
     assert!((outcome.state.p_t.iter().sum::<f64>() * 1e-6 - 1.268_765).abs() < 1e-6);
 }

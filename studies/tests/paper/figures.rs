@@ -1,11 +1,10 @@
 //! The paper's figures: the numbers are those of the solution, and the pictures can be read.
-#![allow(clippy::unwrap_used)]
-
-use std::collections::BTreeMap;
 
 use stickslip::contact::ContactStatus;
-use stickslip::figures::{self, Descent, FigureData, MU, PaperFigure, Stresses};
-use stickslip::tables::PaperMethod;
+use stickslip_studies::figures::{self, Descent, FigureData, MU, PaperFigure, Stresses};
+use stickslip_studies::tables::PaperMethod;
+
+use super::svg::texts;
 
 /// The rows of a table under its head, every field of the head with its unit.
 fn csv<'a>(text: &'a str, head: &str) -> Vec<Vec<&'a str>> {
@@ -18,40 +17,6 @@ fn csv<'a>(text: &'a str, head: &str) -> Vec<Vec<&'a str>> {
 
 fn number(field: &str) -> f64 {
     field.parse().unwrap()
-}
-
-/// The texts of an SVG picture, which must be well-formed.
-fn texts(svg: &str) -> Vec<&str> {
-    let (mut open, mut texts) = (Vec::new(), Vec::new());
-    let mut rest = svg;
-    while let Some(at) = rest.find('<') {
-        let (text, tag) = rest.split_at(at);
-        let escaped = |rest: &str| ["lt;", "gt;", "amp;", "quot;", "apos;"].iter().any(|name| rest.starts_with(name));
-        assert!(!text.contains('>') && text.split('&').skip(1).all(escaped), "{text}");
-        texts.push(text.trim());
-        let (tag, after) = tag[1..].split_once('>').unwrap();
-        rest = after;
-        if let Some(name) = tag.strip_prefix('/') {
-            assert_eq!(open.pop(), Some(name));
-            continue;
-        }
-        let (name, attributes) = tag.trim_end_matches('/').split_once(' ').unwrap();
-        // Attributes: name="value", none twice.
-        let mut values = BTreeMap::new();
-        let mut attributes = attributes.trim();
-        while !attributes.is_empty() {
-            let (key, value) = attributes.split_once("=\"").unwrap();
-            let (value, more) = value.split_once('"').unwrap();
-            assert!(values.insert(key, value).is_none() && !value.contains("NaN"), "{tag}");
-            attributes = more.trim_start();
-        }
-        if !tag.ends_with('/') {
-            open.push(name);
-        }
-    }
-    assert!(open.is_empty() && rest.trim().is_empty());
-    texts.retain(|text| !text.is_empty());
-    texts
 }
 
 #[track_caller]
@@ -125,7 +90,7 @@ fn figure_5() {
     assert_shows(&data, &labels);
 }
 
-/// 5 × 5 elements: the sums that the check values of tests/table_block.rs make.
+/// 5 × 5 elements: the sums that the check values of `table_block` make.
 #[test]
 fn figure_6() {
     let all = figures::block_stresses(5, 5, &mut || ()).unwrap();
@@ -165,36 +130,4 @@ fn figure_7() {
 #[test]
 fn figures_have_the_papers_numbers() {
     assert_eq!(PaperFigure::ALL.map(PaperFigure::number), [4, 5, 6, 7]);
-}
-
-#[cfg(feature = "cli")]
-#[test]
-fn the_command_writes_what_is_asked_for() {
-    use std::process::Command;
-    let folder = std::env::temp_dir().join(format!("stickslip-figures-{}", std::process::id()));
-    let run = |only: &str| {
-        let out = folder.join("new").display().to_string();
-        Command::new(env!("CARGO_BIN_EXE_stickslip")).args(["figures", "--only", only, "--out", &out]).output().unwrap()
-    };
-    for only in ["3", "4,8", "all"] {
-        assert_eq!(run(only).status.code(), Some(2), "{only}");
-        assert!(!folder.exists());
-    }
-    let output = run("5");
-    assert_eq!(output.status.code(), Some(0));
-    let said = String::from_utf8(output.stdout).unwrap();
-    assert!(said.contains("figure5.svg\n  BN: Theta from 1.1e17 to "), "{said}");
-    let entries = std::fs::read_dir(folder.join("new")).unwrap();
-    let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    assert_eq!(names, ["figure5.csv", "figure5.svg"]);
-    texts(&std::fs::read_to_string(folder.join("new/figure5.svg")).unwrap());
-
-    // A file in the place of the folder.
-    std::fs::remove_dir_all(folder.join("new")).unwrap();
-    std::fs::write(folder.join("new"), "mine").unwrap();
-    let output = run("5");
-    assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8(output.stderr).unwrap().contains("--out"));
-    std::fs::remove_dir_all(&folder).unwrap();
 }

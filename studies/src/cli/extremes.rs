@@ -1,16 +1,13 @@
-//! `stickslip extremes`.
+//! `stickslip-studies extremes`.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use stickslip::extremes::{self, Case, ExtremeError, Row, SuiteMethod};
-use stickslip::linear;
-use stickslip::report::{Table, csv_table, write_file};
+use clap::Args;
+use miette::IntoDiagnostic;
+use stickslip::report::{Table, csv_table};
+use stickslip_studies::extremes::{self, Case, Row, SuiteMethod};
 
-use super::run::write_failure;
-use super::{Failure, jobs};
+use super::{Answer, jobs, write};
 
 #[derive(Args)]
 pub(super) struct ExtremesArgs {
@@ -19,7 +16,7 @@ pub(super) struct ExtremesArgs {
     only: Option<String>,
     /// Only these methods
     #[arg(long, value_delimiter = ',')]
-    methods: Vec<MethodArg>,
+    methods: Vec<SuiteMethod>,
     /// The scenes that take minutes or gigabytes, too
     #[arg(long)]
     long: bool,
@@ -34,65 +31,43 @@ pub(super) struct ExtremesArgs {
     csv: bool,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum MethodArg {
-    BnPaper,
-    Bn,
-    Ip,
-}
-
-pub(super) fn extremes(args: &ExtremesArgs) -> Result<ExitCode, Failure> {
-    let methods = methods(&args.methods);
-    let cases = extremes::cases().map_err(failure)?;
+pub(super) fn extremes(args: &ExtremesArgs) -> miette::Result<Answer> {
     let wanted =
         |case: &Case| (args.long || !case.long) && args.only.as_ref().is_none_or(|text| case.sweep.contains(text));
-    let cases: Vec<Case> = cases.into_iter().filter(wanted).collect();
+    let cases: Vec<Case> = extremes::cases()?.into_iter().filter(wanted).collect();
     if cases.is_empty() {
-        let help = "data/extremes.toml names them";
-        return Err(Failure::Input(miette::miette!(help = help, "there is no such sweep")));
+        let help = "studies/data/extremes.toml names them; some take --long";
+        return Err(miette::miette!(help = help, "there is no such sweep"));
     }
+    let methods: Vec<SuiteMethod> =
+        if args.methods.is_empty() { SuiteMethod::ALL.into() } else { args.methods.clone() };
     let pairs = cases.iter().flat_map(|case| methods.iter().map(move |&method| (case, method)));
     let tasks: Vec<(&Case, SuiteMethod)> = pairs.filter(|(case, method)| case.methods.contains(method)).collect();
-    linear::process::keep_freed_memory();
     let describe =
         |(case, method): &(&Case, SuiteMethod)| format!("{} = {}, {}", case.sweep, case.value, method.title());
-    let rows = jobs::run(&tasks, jobs::count(args.jobs), "scenes", describe, |(case, method)| case.run(*method))
-        .map_err(failure)?;
+    let rows = jobs::run(&tasks, jobs::count(args.jobs), describe, |(case, method)| case.run(*method))?;
     let csv = csv_table(&HEADER, rows.iter().map(fields));
-    if args.csv {
-        csv.lines().for_each(|line| say!("{line}"));
-    } else {
-        print(&rows);
-    }
+    let mut lines = if args.csv { csv.lines().map(str::to_string).collect() } else { words(&rows) };
     if let Some(folder) = &args.out {
-        write(folder, &csv, &rows)?;
+        let mut files = vec![("extremes.csv".to_string(), csv)];
+        for (stem, chart) in extremes::charts(&rows) {
+            files.push((format!("{stem}.svg"), chart.to_svg().into_diagnostic()?));
+        }
+        write(folder, &files)?;
+        if !args.csv {
+            lines.push(format!("written to   {}", folder.display()));
+        }
     }
     // BN's default has to be right wherever it is known what is right.
     let sound = rows.iter().all(|row| row.method != SuiteMethod::Bn || row.right() != Some(false));
-    Ok(if sound { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(Answer { lines, sound })
 }
 
-fn methods(wanted: &[MethodArg]) -> Vec<SuiteMethod> {
-    let of = |arg: &MethodArg| match arg {
-        MethodArg::BnPaper => SuiteMethod::BnPaper,
-        MethodArg::Bn => SuiteMethod::Bn,
-        MethodArg::Ip => SuiteMethod::Ip,
-    };
-    let wanted: Vec<SuiteMethod> = wanted.iter().map(of).collect();
-    SuiteMethod::ALL.into_iter().filter(|method| wanted.is_empty() || wanted.contains(method)).collect()
-}
-
-fn failure(error: ExtremeError) -> Failure {
-    match error {
-        ExtremeError::Model(error) => Failure::from(error),
-        ExtremeError::Linear(error) => Failure::linear(&error),
-        error => Failure::Machine(miette::miette!(help = "this is not your fault; please report it", "{error}")),
-    }
-}
-
-fn print(rows: &[Row]) {
+/// What a person reads.
+fn words(rows: &[Row]) -> Vec<String> {
+    let mut lines = Vec::new();
     for sweep in rows.chunk_by(|a, b| a.sweep == b.sweep) {
-        say!("{}", sweep[0].sweep);
+        lines.push(sweep[0].sweep.clone());
         let heads = [
             "value",
             "method",
@@ -130,21 +105,22 @@ fn print(rows: &[Row]) {
                 format!("{:.2}", row.seconds),
             ]);
         }
-        say!("{table}");
+        lines.push(table.to_string());
     }
     for method in SuiteMethod::ALL {
         let of = |right| rows.iter().filter(|row| row.method == method && row.right() == right).count();
         if of(Some(true)) + of(Some(false)) + of(None) > 0 {
             let (right, wrong) = (of(Some(true)), of(Some(false)));
-            say!(
+            lines.push(format!(
                 "{:<9} {right} of {} scenes as they should be; {} more of which nobody knows",
                 method.title(),
                 right + wrong,
                 of(None)
-            );
+            ));
         }
     }
-    say!("! not what it should be   ? nobody knows");
+    lines.push("! not what it should be   ? nobody knows".into());
+    lines
 }
 
 const HEADER: [&str; 21] = [
@@ -183,16 +159,4 @@ fn fields(row: &Row) -> Vec<String> {
     fields.extend([row.rounding, row.backward_error, row.condition].map(|number| format!("{number:.2e}")));
     fields.push(format!("{:.3}", row.seconds));
     fields
-}
-
-fn write(folder: &Path, csv: &str, rows: &[Row]) -> Result<(), Failure> {
-    let written = |result: std::io::Result<()>| result.map_err(|error| write_failure(folder, &error));
-    written(fs::create_dir_all(folder))?;
-    written(write_file(folder, "extremes.csv", csv))?;
-    for (stem, chart) in extremes::charts(rows) {
-        let svg = chart.to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-        written(write_file(folder, &format!("{stem}.svg"), &svg))?;
-    }
-    say!("written to   {}", folder.display());
-    Ok(())
 }

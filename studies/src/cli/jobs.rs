@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use super::progress::bar;
+use indicatif::{ProgressBar, ProgressStyle};
 
 /// As many jobs as there are processors, unless told.
 pub(super) fn count(wanted: Option<u16>) -> usize {
@@ -16,11 +16,10 @@ pub(super) fn count(wanted: Option<u16>) -> usize {
 pub(super) fn run<T: Sync, R: Send, E: Send>(
     tasks: &[T],
     jobs: usize,
-    unit: &str,
     describe: impl Fn(&T) -> String + Sync,
     work: impl Fn(&T) -> Result<R, E> + Sync,
 ) -> Result<Vec<R>, E> {
-    let bar = bar(tasks.len(), unit);
+    let bar = bar(tasks.len());
     let next = AtomicUsize::new(0);
     let done: Mutex<Vec<Option<R>>> = Mutex::new(tasks.iter().map(|_| None).collect());
     let failure: Mutex<Option<E>> = Mutex::new(None);
@@ -52,4 +51,10 @@ pub(super) fn run<T: Sync, R: Send, E: Send>(
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A bar of `length` steps on a terminal; nothing elsewhere.
+pub(super) fn bar(length: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{pos}/{len}, {elapsed}, {eta} left  {msg}");
+    ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

@@ -2,13 +2,13 @@
 //! conditioned it is.
 
 use serde::Deserialize;
+use stickslip::fem::{Elasticity, Element, assemble};
+use stickslip::formulation::{Bdiff, Conventions, Formulation};
+use stickslip::linear::{Direct, LinearError};
+use stickslip::model::{Model, ModelError};
+use stickslip::scene::Scene;
 
 use super::ExtremeError;
-use crate::fem::{Elasticity, Element, assemble};
-use crate::formulation::{Bdiff, Conventions, Formulation};
-use crate::linear::{Direct, LinearError};
-use crate::model::{Model, ModelError};
-use crate::scene::Scene;
 
 /// What is varied at random.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]

@@ -1,11 +1,10 @@
 //! The paper's punch: Table I.
-#![allow(clippy::unwrap_used)]
 
-use crate::common;
 use stickslip::history::Status;
-use stickslip::model::Model;
-use stickslip::scene::{LinearBackend, Scene};
-use stickslip::tables::{Agreement, Cell, PaperMethod, PaperTable};
+use stickslip::scene::LinearBackend;
+use stickslip_studies::tables::{Agreement, Cell, PaperMethod, PaperTable};
+
+use super::bn;
 
 fn cells(method: PaperMethod, increments: usize) -> Vec<Cell> {
     let cases = PaperTable::Punch.cases().into_iter().filter(|case| case.increments <= increments);
@@ -43,11 +42,8 @@ fn table_i_ip() {
 #[test]
 fn resultants_converge_to_the_exact_ones() {
     let error = |increments: usize| {
-        let overrides = [format!("time.increments={increments}").parse().unwrap()];
-        let scene = Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &overrides).unwrap();
-        let model = Model::new(&scene).unwrap();
+        let (model, outcome, _) = bn(PaperTable::Punch, 31, increments);
         assert_eq!((model.mesh.cells.len(), model.contacts.len()), (880, 31));
-        let outcome = common::run(&scene, &model, &mut ());
         assert_eq!(outcome.status, Status::Converged);
         assert_eq!(outcome.records.last().unwrap().contact.open, 8);
         assert!((outcome.state.p_n.iter().sum::<f64>() - 5.330_137e6).abs() < 1e3);

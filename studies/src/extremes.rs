@@ -1,5 +1,5 @@
 //! A suite of scenes at the limits of stiffness, shape, friction, load and discretisation, and what
-//! each method makes of them. The table of the scenes is `data/extremes.toml`.
+//! each method makes of them. The table of the scenes is `studies/data/extremes.toml`.
 
 mod picture;
 mod vary;
@@ -8,17 +8,17 @@ pub use picture::charts;
 
 use std::time::Instant;
 
+use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
-
-use crate::contact::KktErrors;
-use crate::history::{self, HistoryOutcome, HistorySettings, Status};
-use crate::linear::LinearError;
-use crate::model::{Model, ModelError};
-use crate::scene::{LinearBackend, Method, Override, OverrideSyntax, Scene, SceneError};
+use stickslip::contact::KktErrors;
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::linear::LinearError;
+use stickslip::model::{Model, ModelError};
+use stickslip::scene::{LinearBackend, Method, Override, OverrideSyntax, Scene, SceneError};
 use vary::Vary;
 
 /// How the suite solves a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum SuiteMethod {
     /// BN, setting `paper`.
@@ -138,19 +138,20 @@ pub struct Row {
 }
 
 /// Why a scene of the suite could not be run.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum ExtremeError {
     /// The table cannot be read.
-    #[error("data/extremes.toml: {0}")]
+    #[error("studies/data/extremes.toml: {0}")]
     Table(#[from] toml::de::Error),
     /// The table names a scene that there is not.
-    #[error("data/extremes.toml: there is no scene `{0}`")]
+    #[error("studies/data/extremes.toml: there is no scene `{0}`")]
     NoScene(String),
     /// An override of the table is no override.
-    #[error("data/extremes.toml: {0}")]
+    #[error("studies/data/extremes.toml: {0}")]
     Override(#[from] OverrideSyntax),
     /// The scene could not be built.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Model(#[from] ModelError),
     /// The linear algebra failed.
     #[error(transparent)]
@@ -224,13 +225,13 @@ impl Case {
     /// When the table is not sound.
     pub fn scene(&self) -> Result<Scene, ExtremeError> {
         let text = match self.scene.as_str() {
-            "block" => include_str!("../data/scenes/block.toml"),
-            "boxed" => include_str!("../data/scenes/boxed.toml"),
-            "confined" => include_str!("../data/scenes/confined.toml"),
-            "cycles" => include_str!("../data/scenes/cycles.toml"),
-            "held_by_contact" => include_str!("../data/scenes/held_by_contact.toml"),
-            "punch" => include_str!("../data/scenes/punch.toml"),
-            "turning_load" => include_str!("../data/scenes/turning_load.toml"),
+            "block" => include_str!("../../data/scenes/block.toml"),
+            "boxed" => include_str!("../../data/scenes/boxed.toml"),
+            "confined" => include_str!("../../data/scenes/confined.toml"),
+            "cycles" => include_str!("../../data/scenes/cycles.toml"),
+            "held_by_contact" => include_str!("../../data/scenes/held_by_contact.toml"),
+            "punch" => include_str!("../../data/scenes/punch.toml"),
+            "turning_load" => include_str!("../../data/scenes/turning_load.toml"),
             other => return Err(ExtremeError::NoScene(other.to_string())),
         };
         let small: &[&str] = if self.scene == "block" { &["mesh.elements=[20,20]", "time.increments=10"] } else { &[] };

@@ -1,14 +1,13 @@
 //! The suite of extreme scenes: the default settings come to the right verdict in all of them, and every
 //! "converged" stands up to a check that shares nothing with the library's own: the natural map of the
 //! laws, summed in twice the working precision.
-#![allow(clippy::unwrap_used)]
 
 use stickslip::contact::KktScales;
-use stickslip::extremes::{self, SuiteMethod};
 use stickslip::history::{self, Observer, Status, Step};
 use stickslip::linear::Direct;
 use stickslip::nonlinear::Flow;
 use stickslip::problem::{ContactProblem, Increment, State};
+use stickslip_studies::extremes::{self, SuiteMethod};
 
 /// Twice the working precision, by fused multiplication.
 #[derive(Clone, Copy)]

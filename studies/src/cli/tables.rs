@@ -1,16 +1,16 @@
-//! `stickslip tables`.
+//! `stickslip-studies tables`.
 
-use std::process::ExitCode;
-
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
+use miette::IntoDiagnostic;
 use serde::Serialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::Error as NameError;
 use stickslip::history::Status;
-use stickslip::linear;
-use stickslip::report::Table;
+use stickslip::report::{Table, csv_table};
 use stickslip::scene::LinearBackend;
-use stickslip::tables::{Agreement, Case, Cell, Counts, PaperError, PaperMethod, PaperTable};
+use stickslip_studies::tables::{Agreement, Case, Cell, Counts, PaperMethod, PaperTable};
 
-use super::{Failure, jobs};
+use super::{Answer, jobs};
 
 #[derive(Args)]
 pub(super) struct TablesArgs {
@@ -45,10 +45,10 @@ struct Selection {
     increments: Vec<usize>,
     /// Only these methods
     #[arg(long, value_delimiter = ',')]
-    methods: Vec<MethodArg>,
+    methods: Vec<PaperMethod>,
     /// The linear algebra: condensed, as the paper does it, or umfpack or faer, several times slower
-    #[arg(long, default_value = "condensed")]
-    solver: SolverArg,
+    #[arg(long, default_value = "condensed", value_parser = backend)]
+    solver: LinearBackend,
     /// Cells computed at the same time; as many as there are processors
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=256))]
     jobs: Option<u16>,
@@ -60,22 +60,9 @@ struct Selection {
     csv: bool,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum MethodArg {
-    Bn,
-    IpSafe,
-    IpPrev,
-    Ip,
-    BnDefault,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum SolverArg {
-    #[cfg(feature = "umfpack")]
-    Umfpack,
-    #[cfg(feature = "faer")]
-    Faer,
-    Condensed,
+/// A backend by the name that scenes have for it.
+fn backend(name: &str) -> Result<LinearBackend, NameError> {
+    serde::Deserialize::deserialize(name.into_deserializer())
 }
 
 /// A column of a table: its cells, and how far they are from the paper's.
@@ -93,28 +80,20 @@ struct Column {
 #[derive(Serialize)]
 struct Computed {
     table: &'static str,
-    /// What cannot be compared, and why.
+    /// What is not compared, and why.
     notes: Vec<String>,
     columns: Vec<Column>,
 }
 
-pub(super) fn tables(args: &TablesArgs) -> Result<ExitCode, Failure> {
+pub(super) fn tables(args: &TablesArgs) -> miette::Result<Answer> {
     let (table, contact_nodes, selection) = match &args.table {
         WhichTable::Punch(selection) => (PaperTable::Punch, &[][..], selection),
         WhichTable::Block(block) => (PaperTable::Block, &block.contact_nodes[..], &block.rest),
     };
     let cases = select(table, contact_nodes, selection)?;
-    let methods = methods(&selection.methods);
-    linear::process::keep_freed_memory();
-    let jobs = jobs::count(selection.jobs);
-    let linear = match selection.solver {
-        #[cfg(feature = "umfpack")]
-        SolverArg::Umfpack => LinearBackend::Umfpack,
-        #[cfg(feature = "faer")]
-        SolverArg::Faer => LinearBackend::Faer,
-        SolverArg::Condensed => LinearBackend::Condensed,
-    };
-    let cells = compute(table, &cases, &methods, linear, jobs)?;
+    let wanted = |method: &PaperMethod| selection.methods.is_empty() || selection.methods.contains(method);
+    let methods: Vec<PaperMethod> = PaperMethod::ALL.into_iter().filter(wanted).collect();
+    let cells = compute(table, &cases, &methods, selection)?;
     let columns: Vec<Column> = methods
         .iter()
         .map(|&method| Column::new(method, cells.iter().filter(|cell| cell.method == method).copied().collect()))
@@ -122,38 +101,23 @@ pub(super) fn tables(args: &TablesArgs) -> Result<ExitCode, Failure> {
     // What the table says of prev is chance; the others have to get through.
     let sound = cells.iter().all(|cell| cell.status == Status::Converged || cell.method == PaperMethod::IpPrev);
     let computed = Computed { table: table.title(), notes: notes(table, &columns), columns };
-    if selection.json {
-        let json =
-            serde_json::to_string_pretty(&computed).map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-        say!("{json}");
+    let lines = if selection.json {
+        vec![serde_json::to_string_pretty(&computed).into_diagnostic()?]
     } else if selection.csv {
-        print_csv(&computed);
+        csv(&computed).lines().map(str::to_string).collect()
     } else {
-        print(&cases, &computed);
-    }
-    Ok(if sound { ExitCode::SUCCESS } else { ExitCode::from(1) })
-}
-
-fn methods(wanted: &[MethodArg]) -> Vec<PaperMethod> {
-    let of = |arg: &MethodArg| match arg {
-        MethodArg::Bn => PaperMethod::Bn,
-        MethodArg::IpSafe => PaperMethod::IpSafe,
-        MethodArg::IpPrev => PaperMethod::IpPrev,
-        MethodArg::Ip => PaperMethod::Ip,
-        MethodArg::BnDefault => PaperMethod::BnDefault,
+        words(&cases, &computed)
     };
-    let wanted: Vec<PaperMethod> = wanted.iter().map(of).collect();
-    PaperMethod::ALL.into_iter().filter(|method| wanted.is_empty() || wanted.contains(method)).collect()
+    Ok(Answer { lines, sound })
 }
 
-/// Computes the cells, `jobs` at a time, and shows the progress.
+/// Computes the cells, several at a time, and shows the progress.
 fn compute(
     table: PaperTable,
     cases: &[Case],
     methods: &[PaperMethod],
-    linear: LinearBackend,
-    jobs: usize,
-) -> Result<Vec<Cell>, Failure> {
+    selection: &Selection,
+) -> miette::Result<Vec<Cell>> {
     let pairs = cases.iter().flat_map(|&case| methods.iter().map(move |&method| (case, method)));
     let mut tasks: Vec<_> = pairs.enumerate().map(|(place, (case, method))| (place, case, method)).collect();
     // The long ones first, so that no processor is left with one at the end.
@@ -162,17 +126,16 @@ fn compute(
         let Case { contact_nodes, mu, increments, .. } = case;
         format!("{}, n_c = {contact_nodes}, mu = {mu}, {increments} increments", method.title())
     };
-    let work = |(place, case, method): &(usize, Case, PaperMethod)| Ok((*place, table.cell(case, *method, linear)?));
-    let mut cells = jobs::run(&tasks, jobs, "cells", describe, work).map_err(|error| match error {
-        PaperError::Model(error) => Failure::from(error),
-        PaperError::Linear(error) => Failure::linear(&error),
-    })?;
+    let work = |(place, case, method): &(usize, Case, PaperMethod)| {
+        table.cell(case, *method, selection.solver).map(|cell| (*place, cell))
+    };
+    let mut cells = jobs::run(&tasks, jobs::count(selection.jobs), describe, work)?;
     cells.sort_by_key(|(place, _)| *place);
     Ok(cells.into_iter().map(|(_, cell)| cell).collect())
 }
 
 /// The published cases that the options leave.
-fn select(table: PaperTable, contact_nodes: &[usize], selection: &Selection) -> Result<Vec<Case>, Failure> {
+fn select(table: PaperTable, contact_nodes: &[usize], selection: &Selection) -> miette::Result<Vec<Case>> {
     let all = table.cases();
     let wanted = |case: &&Case| {
         (contact_nodes.is_empty() || contact_nodes.contains(&case.contact_nodes))
@@ -191,7 +154,7 @@ fn select(table: PaperTable, contact_nodes: &[usize], selection: &Selection) -> 
             list(all.iter().map(|case| case.contact_nodes.to_string()).collect()),
             list(all.iter().filter(|case| case.mu == 0.1).map(|case| case.increments.to_string()).take(7).collect()),
         );
-        return Err(Failure::Input(miette::miette!(help = help, "the table has no such cell")));
+        return Err(miette::miette!(help = help, "the table has no such cell"));
     }
     Ok(cases)
 }
@@ -206,7 +169,7 @@ impl Column {
     }
 }
 
-/// What cannot be compared, and why.
+/// What is not compared, and why: of the histories that were computed, and of the columns that are not the paper's method.
 fn notes(table: PaperTable, columns: &[Column]) -> Vec<String> {
     let mut notes = Vec::new();
     for column in columns {
@@ -219,23 +182,16 @@ fn notes(table: PaperTable, columns: &[Column]) -> Vec<String> {
             ));
         }
         if (table, column.method) == (PaperTable::Punch, PaperMethod::IpPrev) {
-            notes.push(
-                "IP prev: not reproduced. With the paper's rule (36) for sigma the iteration stalls at the border \
-                 in the second increment or soon after; shown is the block's rule (0.95), without a restart"
-                    .to_string(),
-            );
-        }
-        if (table, column.method) == (PaperTable::Block, PaperMethod::IpPrev) {
-            notes.push(
-                "IP prev: chaotic; single cells move by several iterations under changes of rounding size".to_string(),
-            );
+            notes
+                .push("IP prev: not the paper's rule (36) for sigma, but the block's (0.95), without a restart".into());
         }
     }
     notes
 }
 
-fn print(cases: &[Case], computed: &Computed) {
-    say!("{}\n", computed.table);
+/// What a person reads.
+fn words(cases: &[Case], computed: &Computed) -> Vec<String> {
+    let mut lines = vec![format!("{}\n", computed.table)];
     let mut heads = vec!["n_c".to_string(), "mu".to_string(), "inc".to_string()];
     for column in &computed.columns {
         let name = column.method.title();
@@ -270,40 +226,52 @@ fn print(cases: &[Case], computed: &Computed) {
         row.push(format!("{worst:.0e}"));
         text.push(row);
     }
-    say!("{text}");
+    lines.push(text.to_string());
     for column in &computed.columns {
         let name = column.method.title();
         for (count, agreement) in [("nle", &column.nle), ("nls", &column.nls)] {
             if let Some(Agreement { mean, largest, equal, cells, .. }) = agreement {
-                say!(
+                lines.push(format!(
                     "{name} {count}: mean difference {mean:.3}, largest {largest:.2}; \
                      equal to rounding in {equal} of {cells} cells"
-                );
+                ));
             }
         }
         if column.nle.is_none() {
-            say!("{name} nle: {:.2} on average", column.mean_nle);
+            lines.push(format!("{name} nle: {:.2} on average", column.mean_nle));
         }
-        say!("{name}: {:.0} s", column.cells.iter().map(|cell| cell.seconds).sum::<f64>());
+        lines.push(format!("{name}: {:.0} s", column.cells.iter().map(|cell| cell.seconds).sum::<f64>()));
     }
-    computed.notes.iter().for_each(|note| say!("{note}"));
+    lines.extend(computed.notes.iter().cloned());
+    lines
 }
 
-fn print_csv(computed: &Computed) {
-    say!("method,contact_nodes,mu,increments,nle_paper,nle,nls_paper,nls,status,converged,of,error,seconds");
+const HEADER: [&str; 13] = [
+    "method",
+    "contact_nodes",
+    "mu",
+    "increments",
+    "nle_paper",
+    "nle",
+    "nls_paper",
+    "nls",
+    "status",
+    "converged",
+    "of",
+    "error",
+    "seconds",
+];
+
+fn csv(computed: &Computed) -> String {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-    for column in &computed.columns {
-        for cell in &column.cells {
-            let Cell { case, paper, here, status, converged: [converged, of], worst_error, seconds, .. } = cell;
-            let Case { contact_nodes, mu, increments, .. } = case;
-            say!(
-                "{},{contact_nodes},{mu},{increments},{},{},{},{},{status},{converged},{of},{worst_error:e},{seconds:.3}",
-                column.method.title(),
-                number(paper.map(|paper| paper.nle)),
-                here.nle,
-                number(paper.and_then(|paper| paper.nls)),
-                number(here.nls),
-            );
-        }
-    }
+    let row = |cell: &Cell| {
+        let Cell { case, method, paper, here, status, converged: [converged, of], worst_error, seconds } = cell;
+        let nls = [paper.and_then(|paper| paper.nls), here.nls].map(number);
+        let mut row = vec![method.title().to_string(), case.contact_nodes.to_string(), case.mu.to_string()];
+        row.extend([case.increments.to_string(), number(paper.map(|paper| paper.nle)), here.nle.to_string()]);
+        row.extend(nls.into_iter().chain([status.to_string(), converged.to_string(), of.to_string()]));
+        row.extend([format!("{worst_error:e}"), format!("{seconds:.3}")]);
+        row
+    };
+    csv_table(&HEADER, computed.columns.iter().flat_map(|column| &column.cells).map(row))
 }

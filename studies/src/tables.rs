@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
+use clap::ValueEnum;
 use serde::Serialize;
-
-use crate::history::{self, HistorySettings, IncrementRecord, Start, Status};
-use crate::linear::LinearError;
-use crate::model::{Model, ModelError};
-use crate::scene::{LinearBackend, Override, Scene, SceneError};
+use stickslip::history::{self, HistorySettings, IncrementRecord, Start, Status};
+use stickslip::linear::LinearError;
+use stickslip::model::{Model, ModelError};
+use stickslip::scene::{LinearBackend, Override, Scene, SceneError};
 
 /// Half a unit of the last digit that the paper prints: a difference up to this is rounding.
 pub const ROUNDING: f64 = 0.05;
@@ -23,7 +23,7 @@ pub enum PaperTable {
 }
 
 /// A method whose figures a table has, or that is worth having beside them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum PaperMethod {
     /// Algorithm BN.
@@ -92,10 +92,11 @@ pub struct Cell {
 }
 
 /// Why a cell or a figure could not be computed.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum PaperError {
     /// The scene could not be built.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Model(#[from] ModelError),
     /// The linear algebra failed.
     #[error(transparent)]
@@ -155,13 +156,13 @@ impl PaperTable {
         let increments = increments as i64;
         match self {
             PaperTable::Punch => {
-                let text = include_str!("../data/scenes/punch.toml");
+                let text = include_str!("../../data/scenes/punch.toml");
                 Scene::parse("punch.toml", text, &[friction, Override::value("time.increments", increments)])
             }
             PaperTable::Block => {
                 let n = contact_nodes as i64;
                 let elements = Override::value("mesh.elements", toml_edit::Array::from_iter([n, n]));
-                let text = include_str!("../data/scenes/block.toml");
+                let text = include_str!("../../data/scenes/block.toml");
                 let increments = Override::value("time.increments", 2 * increments);
                 Scene::parse("block.toml", text, &[elements, friction, increments])
             }

@@ -1,8 +1,9 @@
 //! The paper's figures as charts, tables and words.
 
+use stickslip::history::Status;
+use stickslip::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, csv_table, stress_chart};
+
 use super::{Descent, Effort, FigureData, MU, Stresses};
-use crate::history::Status;
-use crate::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, csv_table, stress_chart};
 use crate::tables::PaperMethod;
 
 /// `ε` of the setting `paper`, where BN and its IP end.
