@@ -47,6 +47,7 @@ pub mod nonlinear;
 pub mod null_space;
 pub mod problem;
 pub mod report;
+pub mod run;
 pub mod scene;
 pub mod solvability;
 pub mod sparse;

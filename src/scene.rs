@@ -44,8 +44,8 @@ pub use formula::{Formula, FormulaError};
 pub use mesh::{CellShape, Element, HalfPlane, Mesh, Segment};
 pub use obstacle::{GapDirection, Obstacle, Rotation, Shape};
 pub use overrides::{Override, OverrideSyntax};
-pub use solver::{LinearBackend, Method, MethodName, NewtonSystem, Partition, Setting, Solver, Start};
 
+use crate::history::Solver;
 use error::Source;
 
 /// A checked scene.
@@ -218,7 +218,17 @@ impl Scene {
     /// # Errors
     /// As [`Scene::parse`].
     pub fn with(&self, overrides: &[Override]) -> Result<Self, SceneError> {
-        Self::parse(self.source.name.trim_end_matches(overrides::MARK), &self.source.text, overrides)
+        Self::parse(self.file(), self.text(), overrides)
+    }
+
+    /// The file it was read from, or what stood for that.
+    pub fn file(&self) -> &str {
+        self.source.name.trim_end_matches(overrides::MARK)
+    }
+
+    /// Its text in TOML, with all overrides in place.
+    pub fn text(&self) -> &str {
+        &self.source.text
     }
 
     /// An error at `span` of this scene, for what only a later stage can see.

@@ -11,12 +11,13 @@ use stickslip::formulation::Layout;
 use stickslip::mesh::CellKind;
 use stickslip::model::Model;
 use stickslip::report::Warning;
+use stickslip::run::discretise;
 use stickslip::scene::{
     Element, GapDirection, HalfPlane, Material, Mesh, Obstacle, Plane, Rotation, Scene, Segment, Shape,
 };
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 
-use super::{Failure, SceneArgs, discretise};
+use super::{Failure, SceneArgs};
 use histories::points;
 
 #[derive(Args)]

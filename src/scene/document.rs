@@ -10,8 +10,9 @@ use toml::Spanned;
 
 use super::error::Source;
 use super::fault;
-use super::solver::LinearName;
-use super::{CellShape, Element, GapDirection, MethodName, NewtonSystem, Partition, Plane, SceneError, Setting, Start};
+use super::solver::{LinearName, MethodName, Setting, Start};
+use super::{CellShape, Element, GapDirection, Plane, SceneError};
+use crate::formulation::{NewtonSystem, Partition};
 
 /// `N` values, two unless it says otherwise. An array type would do but for that the TOML reader passes over what is too many.
 #[derive(Clone, Copy, Deserialize)]

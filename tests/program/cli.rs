@@ -160,6 +160,43 @@ fn the_report_has_every_field() {
     assert!(number(&end["sum_p_t"]).abs() <= 0.4 * number(&end["sum_p_n"]) * (1.0 + 1e-9));
 }
 
+/// A report tells by which version of what it was made, and from which scene: its text alone makes the same run again.
+#[test]
+fn a_report_can_be_run_again() {
+    let (_folder, scene) = Folder::with_scene(&small());
+    let first = json(&stickslip(&["run", &scene, "--json", "--set", "contact.friction=0.2", "--setting", "default"]));
+    assert_eq!(count(&first["schema_version"]), 1);
+    assert_eq!(first["program_version"], env!("CARGO_PKG_VERSION"));
+    let text = first["scene_text"].as_str().unwrap();
+    assert!(text.contains("friction = 0.2") && text.contains("setting = \"default\""), "{text}");
+    let again = report(text, 0);
+    for key in ["title", "setting", "unknowns", "final", "forces"] {
+        assert_eq!(again[key], first[key], "{key}");
+    }
+}
+
+/// A run that took long says what would have been much faster, unless the solver was chosen for that.
+#[test]
+fn a_slow_linear_algebra_is_told() {
+    let whole = if cfg!(feature = "umfpack") { "umfpack" } else { "faer" };
+    let (_folder, scene) = Folder::with_scene(&edit(&small(), "increments = 4", "increments = 40"));
+    let run = |solver: &str, more: &[&str]| {
+        stickslip(&[&["run", &scene, "--set", "mesh.elements=[50,50]", "--solver", solver], more].concat())
+    };
+    let slow = json(&run(whole, &["--json"]));
+    let faster = &slow["faster_solver"];
+    assert_eq!(faster["solver"], "condensed");
+    assert!(number(&faster["here_seconds"]) > 3.0 * number(&faster["seconds"]), "{faster}");
+    for solver in ["auto", "condensed"] {
+        assert!(json(&run(solver, &["--json"])).get("faster_solver").is_none(), "{solver}");
+    }
+    let text = run(whole, &[]);
+    let line = stdout(&text).lines().find(|line| line.starts_with("faster       ")).unwrap();
+    assert!(line.contains("with condensed") && line.contains("solver.linear = \"auto\""), "{line}");
+    // Seconds of it are not worth a question.
+    assert!(report(&small(), 0).get("faster_solver").is_none());
+}
+
 #[test]
 fn without_friction_there_are_no_tangential_unknowns() {
     let report = report(&edit(&small(), "friction = 0.4", "friction = 0"), 0);

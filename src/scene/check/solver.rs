@@ -5,18 +5,14 @@ use std::ops::Range;
 use toml::Spanned;
 
 use super::Check;
-use crate::scene::document;
-use crate::scene::solver::LinearName;
-use crate::scene::{LinearBackend, Method, MethodName, NewtonSystem, SceneError, Setting, Solver};
+use crate::formulation::NewtonSystem;
+use crate::history::{LinearAlgebra, Method, Solver};
+use crate::linear::SparseLu;
+use crate::scene::solver::{LinearName, MethodName, Setting};
+use crate::scene::{SceneError, document};
 
 const NOTHING_BUILT_IN: &str = "this build has no linear algebra to choose from";
 const BUILD_IT: &str = "build it with the cargo feature umfpack or faer";
-
-/// The paper's interior point method ends at an absolute `Theta`, which leaves errors of up to
-/// 1e-7 on the paper's problems; the other methods reach rounding.
-fn default_tolerance(method: Method) -> f64 {
-    if let Method::PaperIp { .. } = method { 1e-6 } else { 1e-10 }
-}
 
 /// Where `solver` asks for a `method` that knows one tangent a node only, if it does.
 pub(super) fn one_tangent_span(solver: &document::Solver, method: Method) -> Option<Range<usize>> {
@@ -31,7 +27,7 @@ impl Check<'_> {
     /// `touches` tells whether there is contact.
     pub(super) fn solver(&self, solver: &document::Solver, touches: bool) -> Result<Solver, SceneError> {
         let method = self.method(solver)?;
-        let (mut max_iterations, mut tolerance) = (200, default_tolerance(method));
+        let (mut max_iterations, mut tolerance) = (Solver::MAX_ITERATIONS, method.default_tolerance());
         if let Some(given) = &solver.max_iterations {
             let help = "an increment that needs more iterations has not converged";
             let sound = (1..=1_000_000).contains(given.get_ref());
@@ -47,28 +43,25 @@ impl Check<'_> {
         Ok(Solver { method, linear: self.linear(solver.linear.as_ref(), touches)?, max_iterations, tolerance })
     }
 
-    fn linear(&self, given: Option<&Spanned<LinearName>>, touches: bool) -> Result<Option<LinearBackend>, SceneError> {
+    fn linear(&self, given: Option<&Spanned<LinearName>>, touches: bool) -> Result<Option<LinearAlgebra>, SceneError> {
+        let whole = LinearAlgebra::default();
         let Some(given) = given else {
             // Without contact a condensed body is all interior: what is left is the Cholesky factor of K.
-            let cholesky = !touches && LinearBackend::Condensed.is_built_in();
-            return Ok(Some(if cholesky { LinearBackend::Condensed } else { LinearBackend::default() }));
+            let cholesky = !touches && LinearAlgebra::condensed().is_built_in();
+            return Ok(Some(if cholesky { LinearAlgebra::condensed() } else { whole }));
         };
         // What is compared: if one of both is built in, the other is, too.
-        let Some(linear) = given.get_ref().backend() else {
-            let compared = LinearBackend::default().is_built_in();
+        let Some(linear) = given.get_ref().algebra() else {
+            let compared = whole.is_built_in();
             return if compared { Ok(None) } else { self.fail(given.span(), NOTHING_BUILT_IN.to_string(), BUILD_IT) };
         };
         let missing = match linear {
             linear if linear.is_built_in() => return Ok(Some(linear)),
-            LinearBackend::Umfpack => "UMFPACK",
-            LinearBackend::Faer => "faer",
-            LinearBackend::Condensed => "Cholesky factorisation, which \"condensed\" needs",
+            LinearAlgebra::Whole(SparseLu::Umfpack) => "UMFPACK".to_string(),
+            LinearAlgebra::Whole(SparseLu::Faer) => "faer".to_string(),
+            condensed => format!("Cholesky factorisation, which \"{condensed}\" needs"),
         };
-        let help = if LinearBackend::default().is_built_in() {
-            format!("use \"{}\" or \"condensed\"", LinearBackend::default())
-        } else {
-            BUILD_IT.to_string()
-        };
+        let help = if whole.is_built_in() { format!("use \"{whole}\" or \"condensed\"") } else { BUILD_IT.to_string() };
         self.fail(given.span(), format!("this build has no {missing}"), &help)
     }
 
@@ -96,13 +89,13 @@ impl Check<'_> {
         }
         Ok(match (method, setting) {
             (MethodName::Ip, Setting::Paper) => Method::PaperIp {
-                start: start.as_ref().map(|value| *value.get_ref()).unwrap_or_default(),
+                start: start.as_ref().map(|value| *value.get_ref()).unwrap_or_default().constants(),
                 partition: partition.as_ref().map(|value| *value.get_ref()).unwrap_or_default(),
                 newton: chosen(newton),
             },
             (MethodName::Ip, Setting::Default) => Method::Ip { newton: chosen(newton) },
             (MethodName::Bn, Setting::Paper) => Method::PaperBn,
-            (MethodName::Bn, Setting::Default) => Method::Bn { r_factor: self.r_factor(r_factor.as_ref())? },
+            (MethodName::Bn, Setting::Default) => Method::Bn { r_factor: self.r_factor(r_factor.as_ref())?, rescue: true },
         })
     }
 

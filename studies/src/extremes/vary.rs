@@ -34,7 +34,7 @@ impl Vary {
                 model.problem.stiffness =
                     assemble(&model.mesh, &model.dofs, Element::Bilinear, material).map_err(ModelError::from)?;
             }
-            Vary::Friction => model.problem.mu.iter_mut().for_each(|mu| *mu = by * random.next()),
+            Vary::Friction => model.problem.mu().iter_mut().for_each(|mu| *mu = by * random.next()),
             Vary::Gap => model.loading.gap.iter_mut().for_each(|gap| *gap = by * (random.next() - 0.5)),
         }
         Ok(())
@@ -63,7 +63,7 @@ pub(super) fn condition(model: &Model) -> Result<f64, LinearError> {
     let mut held = Bdiff::new(problem, model.scaling(), &Conventions::natural(problem));
     held.hold_contacts();
     let mut linear = Direct::default();
-    linear.analyze(&held.jacobian().pattern)?;
+    linear.analyze(held.jacobian().pattern())?;
     match linear.factorize(held.jacobian()) {
         Ok(_) => {}
         Err(LinearError::Singular { .. }) => return Ok(f64::INFINITY),
@@ -82,7 +82,7 @@ pub(super) fn condition(model: &Model) -> Result<f64, LinearError> {
     let (mut x, mut largest, mut y) = (start.clone(), 0.0, vec![0.0; n_u]);
     for _ in 0..STEPS {
         normalise(&mut x);
-        problem.stiffness.mul(&x, &mut y);
+        problem.stiffness().mul(&x, &mut y);
         std::mem::swap(&mut x, &mut y);
         largest = x.iter().map(|x| x * x).sum::<f64>().sqrt() / model.scaling().stiffness();
     }

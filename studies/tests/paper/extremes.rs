@@ -47,12 +47,12 @@ fn along(row: &[(usize, f64)], state: &State) -> f64 {
 /// The largest imbalance of any displacement, relative to `force`.
 fn imbalance(problem: &ContactProblem, increment: &Increment<'_>, state: &State, force: f64) -> f64 {
     let mut sums = vec![Double::ZERO; state.u.len()];
-    for (row, column, value) in problem.stiffness.entries() {
+    for (row, column, value) in problem.stiffness().entries() {
         let rest = state.u_rest.get(column).copied().unwrap_or(0.0);
         sums[row] = sums[row].plus_product(value, state.u[column]).plus(value * rest);
     }
     for i in 0..problem.contacts() {
-        for (map, p) in [(&problem.c_n, state.p_n[i]), (&problem.c_t, state.p_t[i])] {
+        for (map, p) in [(problem.c_n(), state.p_n[i]), (problem.c_t(), state.p_t[i])] {
             for &(dof, c) in map.row(i) {
                 sums[dof] = sums[dof].plus_product(c, p);
             }
@@ -70,11 +70,11 @@ fn natural_map(problem: &ContactProblem, increment: &Increment<'_>, state: &Stat
     let mut largest = 0.0_f64;
     for i in 0..problem.contacts() {
         let (p_n, p_t) = (state.p_n[i] / force, state.p_t[i] / force);
-        let distance = (increment.gap[i] - along(problem.c_n.row(i), state)) / length;
-        let slip = (along(problem.c_t.row(i), state) - increment.w_t_last[i]) / length;
-        let radius = problem.mu[i] * p_n.max(0.0);
+        let distance = (increment.gap[i] - along(problem.c_n().row(i), state)) / length;
+        let slip = (along(problem.c_t().row(i), state) - increment.w_t_last[i]) / length;
+        let radius = problem.mu()[i] * p_n.max(0.0);
         let mut worst = p_n.min(distance).abs();
-        if !problem.c_t.row(i).is_empty() {
+        if !problem.c_t().row(i).is_empty() {
             worst = worst.max((p_t - (p_t + slip).clamp(-radius, radius)).abs());
         }
         assert!(worst.is_finite());
