@@ -25,23 +25,21 @@ pub use tractions::{Interior, Tractions};
 
 use cases::Study;
 
-use crate::history::Status;
+use crate::history::{LinearAlgebra, Method, Status};
 use crate::run::RunError;
-use crate::scene::{LinearBackend, MethodName, Scene, Setting};
+use crate::scene::Scene;
 
 /// A way to solve a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolverPath {
-    /// The algorithm.
-    pub method: MethodName,
-    /// Its named set of constants; that of the paper's interior point method starts from the safe point.
-    pub setting: Setting,
+    /// The algorithm with its constants.
+    pub method: Method,
     /// The linear algebra.
-    pub linear: LinearBackend,
+    pub linear: LinearAlgebra,
 }
 
 /// What to compare.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// The ways to solve the scene.
     pub paths: Vec<SolverPath>,
@@ -171,7 +169,7 @@ pub enum CompareError {
 
 impl fmt::Display for SolverPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}, {}", self.method, self.setting, self.linear)
+        write!(f, "{} {}, {}", self.method.name(), self.method.setting(), self.linear)
     }
 }
 

@@ -214,10 +214,10 @@ fn shape(model: &Model, shape: &Shape) -> String {
 }
 
 fn loads(scene: &Scene, model: &Model) {
-    for (load, case) in scene.loads.iter().zip(&model.loading.cases) {
+    for (load, case) in scene.loads.iter().zip(model.loading.cases()) {
         let sum = model
             .dofs
-            .displacements(&case.force)
+            .displacements(case.force())
             .into_iter()
             .fold([0.0; 3], |sum, force| [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]);
         say!(
@@ -290,9 +290,8 @@ fn equilibrium(scene: &Scene, model: &Model) {
     if model.rigid_motions.is_empty() {
         return;
     }
-    let mut force = vec![0.0; model.problem.displacements()];
     let failed = scene.time.all().into_iter().find_map(|time| {
-        model.loading.force(time, &mut force);
+        let force = model.loading.force_at(time, model.problem.displacements());
         Some((time, rigid_equilibrium(&model.problem, &force).err()?))
     });
     if let Some((time, weights)) = failed

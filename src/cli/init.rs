@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::{Failure, output};
 use super::run::write_failure;
+use super::{Failure, output};
 
 #[derive(Args)]
 pub(super) struct InitArgs {

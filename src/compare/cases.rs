@@ -4,20 +4,17 @@ use std::time::Instant;
 
 use super::errors::{End, TimeErrors};
 use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
-use crate::history::{HistoryOutcome, Observer, Status, Step};
+use crate::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver, Status, Step};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::report::cpu_seconds;
 use crate::run::{Run, RunError};
-use crate::scene::{HalfPlane, LinearBackend, Mesh, Method, MethodName, Override, Scene, Segment, Setting, Solver};
+use crate::scene::{HalfPlane, Mesh, Override, Scene, Segment};
 
 /// What the reference is computed with. With many increments the condensed path is the cheapest.
-const REFERENCE: SolverPath =
-    SolverPath { method: MethodName::Bn, setting: Setting::Default, linear: LinearBackend::Condensed };
-
-/// The paper's interior point method ends at an absolute Theta, which leaves errors of 1e-7 on the paper's problems;
-/// scenes ask no more of it either, unless they say so.
-const PAPER_IP_TOLERANCE: f64 = 1e-6;
+fn reference_path() -> SolverPath {
+    SolverPath { method: Method::BN, linear: LinearAlgebra::condensed() }
+}
 
 /// A scene on one mesh.
 pub(super) struct Study {
@@ -50,7 +47,7 @@ impl Study {
         let model = Model::new(&scene)?;
         let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
         let mesh = mesh.or_else(|| scene.mesh.first_elements()).unwrap_or(model.mesh.cells.len());
-        let reference = solve(&scene, &model, built, REFERENCE, reference)?;
+        let reference = solve(&scene, &model, built, reference_path(), reference)?;
         Ok(Study { scene, model, mesh, built, reference })
     }
 
@@ -72,7 +69,8 @@ impl Study {
             factor_entries: outcome.linear.factor.entries,
             factor_peak_bytes: outcome.linear.factor.peak_bytes,
             kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
-            errors: sound.then(|| TimeErrors::new(&end, &self.reference.end, self.model.problem.weight())),
+            errors: sound
+                .then(|| TimeErrors::new(&end, &self.reference.end, self.model.problem.weight().unwrap_or_default())),
             iterates,
         })
     }
@@ -132,9 +130,10 @@ impl SolverPath {
     /// The solver, with the tolerance and the limit of iterations of the scene's.
     fn solver(self, of_scene: &Solver) -> Solver {
         let Solver { max_iterations, tolerance, .. } = *of_scene;
-        let method = Method::of(self.method, self.setting);
-        let tolerance = if let Method::PaperIp { .. } = method { tolerance.max(PAPER_IP_TOLERANCE) } else { tolerance };
-        Solver { method, linear: Some(self.linear), max_iterations, tolerance }
+        let SolverPath { method, linear } = self;
+        let tolerance =
+            if let Method::PaperIp { .. } = method { tolerance.max(method.default_tolerance()) } else { tolerance };
+        Solver { method, linear: Some(linear), max_iterations, tolerance }
     }
 }
 
@@ -218,7 +217,7 @@ mod tests {
         let overrides = overrides.into_iter().chain([moving]).map(|text| text.parse().unwrap()).collect::<Vec<_>>();
         let study = Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), Some(4), 8).unwrap();
         let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
-        assert_eq!(study.model.loading.bends[0].times, ends);
+        assert_eq!(study.model.loading.bends()[0].times(), ends);
     }
 
     #[test]

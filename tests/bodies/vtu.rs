@@ -5,11 +5,11 @@
 use std::fs;
 
 use crate::common;
-use stickslip::history::{self, HistorySettings, Observer, Step};
+use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Step, System};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::report::{Grid, ResultFolder, fields};
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 use vtkio::Vtk;
 use vtkio::model::{Attribute, CellType, DataSet, Piece, UnstructuredGridPiece, VertexNumbers};
 
@@ -25,10 +25,10 @@ impl Observer for Fields<'_> {
 
 fn solve(scene: &Scene) -> (Model, Vec<Grid>) {
     let model = Model::new(scene).unwrap();
-    let settings = HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
-    let mut linear = model.linear(LinearBackend::default());
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10);
+    let linear = System::from(LinearAlgebra::default());
     let mut observer = Fields(&model, Vec::new());
-    history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut observer).unwrap();
+    history::run(&model.problem, &model.loading, &scene.time.all(), &settings, linear, &mut observer).unwrap();
     let grids = observer.1;
     (model, grids)
 }

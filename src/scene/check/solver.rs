@@ -95,7 +95,9 @@ impl Check<'_> {
             },
             (MethodName::Ip, Setting::Default) => Method::Ip { newton: chosen(newton) },
             (MethodName::Bn, Setting::Paper) => Method::PaperBn,
-            (MethodName::Bn, Setting::Default) => Method::Bn { r_factor: self.r_factor(r_factor.as_ref())?, rescue: true },
+            (MethodName::Bn, Setting::Default) => {
+                Method::Bn { r_factor: self.r_factor(r_factor.as_ref())?, rescue: true }
+            }
         })
     }
 

@@ -3,7 +3,7 @@
 
 use serde::Deserialize;
 use stickslip::fem::{Elasticity, Element, assemble};
-use stickslip::formulation::{Bdiff, Conventions, Formulation};
+use stickslip::formulation::{Bdiff, Conventions};
 use stickslip::linear::{Direct, LinearError};
 use stickslip::model::{Model, ModelError};
 use stickslip::scene::Scene;
