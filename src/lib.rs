@@ -49,3 +49,8 @@ pub mod sparse;
 pub mod uniqueness;
 pub mod units;
 pub mod vector;
+
+/// The README, whose Rust is compiled and run with the examples of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -25,7 +25,7 @@ pub struct ContactSurface {
 /// A node of a contact surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceNode {
-    /// Its place along the axes, m.
+    /// The place of the node along the two axes of the map, m.
     pub place: [f64; 2],
     /// Normal contact stress (32), Pa.
     pub pressure: f64,

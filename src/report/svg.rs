@@ -25,9 +25,9 @@ pub(super) fn expect_finite(mut values: impl Iterator<Item = f64>) -> Result<(),
 /// A line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
-    /// How it is broken.
+    /// The dashes of the line.
     pub dash: Dash,
-    /// Its width, px.
+    /// The width of the line, px.
     pub width: f64,
 }
 
@@ -60,15 +60,15 @@ pub enum Marker {
 /// How a text stands to its point, which is half-way up its letters.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Anchor {
-    /// It begins there.
+    /// The text begins at the point.
     Start,
-    /// Its middle is there.
+    /// The middle of the text is at the point.
     Middle,
-    /// The same in bold letters.
+    /// The middle of the text, in bold letters, is at the point.
     Bold,
-    /// It ends there.
+    /// The text ends at the point.
     End,
-    /// Its middle is there, and it reads upwards.
+    /// The middle of the text is at the point, and it reads upwards.
     Upwards,
 }
 
