@@ -102,7 +102,7 @@ fn discretise(scene: &Scene) -> Result<Model, Failure> {
     // The matrices alone, 16 bytes an entry, and for each unknown 27 of them in two dimensions and 81 in
     // three; the factors take more. Asking first is kinder than being killed half-way.
     let bytes = |(nodes, d): (usize, usize)| (nodes * d * 3_usize.pow(d as u32 + 1) * 16) as u64;
-    let needed = scene.mesh.nodes().map_or(0, bytes);
+    let needed = scene.description.mesh.nodes().map_or(0, bytes);
     if let Some(available) = available_bytes().filter(|&available| available < needed) {
         let gigabytes = |bytes: u64| bytes as f64 * 1e-9;
         return Err(Failure::Machine(miette::miette!(
@@ -113,12 +113,12 @@ fn discretise(scene: &Scene) -> Result<Model, Failure> {
         )));
     }
     let model = Model::new(scene)?;
-    if let Some(span) = &scene.one_tangent_span
+    if let Some(key) = scene.one_tangent_key
         && Layout::new(&model.problem).has_second_tangent()
     {
         let message = "this interior point method knows one tangent a node, but nodes of this scene slide in a plane";
         let help = "leave solver.setting and solver.newton out, or use the method \"bn\"";
-        return Err(scene.error_at(span.clone(), message, help).into());
+        return Err(scene.error_at(key, message, help).into());
     }
     Ok(model)
 }

@@ -195,7 +195,7 @@ impl Plan {
         };
         Plan {
             paths,
-            meshes: shares(scene.mesh.first_elements(), [8, 4, 2], 2),
+            meshes: shares(scene.description.mesh.first_elements(), [8, 4, 2], 2),
             increments: shares(scene.time.increments, [4, 2, 1], 1),
             reference: 8,
         }

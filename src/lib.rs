@@ -37,11 +37,14 @@ pub mod auto;
 pub mod compare;
 pub mod condense;
 pub mod contact;
+pub mod description;
 #[cfg(feature = "studies")]
 pub mod extremes;
+pub mod fault;
 pub mod fem;
 #[cfg(feature = "studies")]
 pub mod figures;
+pub mod formula;
 pub mod formulation;
 pub mod history;
 pub mod linear;
@@ -57,6 +60,7 @@ pub mod solvability;
 pub mod sparse;
 #[cfg(feature = "studies")]
 pub mod tables;
+pub mod timeline;
 pub mod uniqueness;
 pub mod units;
 pub mod vector;

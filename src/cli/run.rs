@@ -251,10 +251,10 @@ fn print_head(scene: &Scene, model: &Model, choice: &Choice) {
     }
     let total: usize = blocks.iter().map(|(count, _)| count).sum();
     say!("unknowns     {total} = {}{reduced}", present.collect::<Vec<_>>().join(" + "));
-    for (k, LeftOut { count, unknown, reason }) in LeftOut::all(scene, model, choice.backend).iter().enumerate() {
+    for (k, LeftOut { count, unknown, reason }) in LeftOut::all(model, choice.backend).iter().enumerate() {
         say!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
     }
-    for warning in Warning::of_scene(scene, model) {
+    for warning in Warning::of_model(model) {
         say!("warning      {}", warning.message);
     }
     say!("");

@@ -76,7 +76,7 @@ fn advice(scene: &Scene) -> &'static str {
             "try --method bn or more increments (time.increments); `stickslip check` tells what holds the body"
         }
         // The setting's r is ten times the modulus of steel; the window that works is two decades wide.
-        scene::Method::PaperBn | scene::Method::PaperIp { .. } if (1e10..1e13).contains(&scene.material.young) => {
+        scene::Method::PaperBn | scene::Method::PaperIp { .. } if (1e10..1e13).contains(&scene.description.material.young) => {
             "the setting paper stops at an absolute Theta, made for loads of MN; \
              try --setting default, loads of that size or more increments (time.increments)"
         }

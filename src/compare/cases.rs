@@ -5,10 +5,11 @@ use std::time::Instant;
 use super::errors::{End, TimeErrors};
 use super::{CompareError, Iterate, MeshResult, Phases, Run, SolverPath};
 use crate::history::{self, HistoryOutcome, HistorySettings, Observer, Start, Status, Step};
+use crate::mesh::{HalfPlane, MeshSource, Segment};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::report::cpu_seconds;
-use crate::scene::{HalfPlane, LinearBackend, Mesh, MethodName, Override, Scene, Segment, Setting};
+use crate::scene::{LinearBackend, MethodName, Override, Scene, Setting};
 
 /// What the reference is computed with. With many increments the condensed path is the cheapest.
 const REFERENCE: SolverPath =
@@ -42,7 +43,7 @@ impl Study {
     pub(super) fn new(scene: &Scene, mesh: usize, reference: usize) -> Result<Self, CompareError> {
         // The gaps of obstacles that move are exact at the ends of the reference's increments, and so for all histories
         // whose increments those divide.
-        let scene = scene.with(&scene.mesh.refined(mesh))?.with(&[increments_of(reference)])?;
+        let scene = scene.with(&scene.description.mesh.refined(mesh))?.with(&[increments_of(reference)])?;
         let (wall, cpu) = (Instant::now(), cpu_seconds());
         let model = Model::new(&scene)?;
         let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
@@ -176,13 +177,13 @@ impl Observer for Recorder {
     }
 }
 
-impl Mesh {
+impl MeshSource {
     /// The elements in the first direction, or along the contact zone.
     pub(super) fn first_elements(&self) -> usize {
         match self {
-            Mesh::Block { axes, .. } => axes[0].iter().map(|segment| segment.elements).sum(),
-            Mesh::HalfPlane(HalfPlane { contact_elements, .. }) => *contact_elements,
-            Mesh::Gmsh { .. } => 1,
+            MeshSource::Block { axes, .. } => axes[0].iter().map(|segment| segment.elements).sum(),
+            MeshSource::HalfPlane(HalfPlane { contact_elements, .. }) => *contact_elements,
+            MeshSource::Gmsh { .. } | MeshSource::Given(_) => 1,
         }
     }
 
@@ -191,20 +192,20 @@ impl Mesh {
         let share = first as f64 / self.first_elements() as f64;
         let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
         match self {
-            Mesh::Block { axes, .. } => {
+            MeshSource::Block { axes, .. } => {
                 let along = |axis: &Vec<Segment>| match axis[..] {
                     [segment] => scaled(segment.elements).into(),
                     _ => axis.iter().map(|segment| scaled(segment.elements)).collect::<toml_edit::Value>(),
                 };
                 vec![Override::value("mesh.elements", axes.iter().map(along).collect::<toml_edit::Value>())]
             }
-            Mesh::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => vec![
+            MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => vec![
                 Override::value("mesh.contact_elements", scaled(*contact_elements)),
                 Override::value("mesh.outer_elements", scaled(*outer_elements)),
                 Override::value("mesh.layers", scaled(*layers)),
             ],
             // A mesh from a file is what it is.
-            Mesh::Gmsh { .. } => Vec::new(),
+            MeshSource::Gmsh { .. } | MeshSource::Given(_) => Vec::new(),
         }
     }
 }

@@ -6,7 +6,7 @@
 use serde::Serialize;
 
 use super::motion::ObstacleMotion;
-use super::obstacle::Obstacle;
+use super::obstacle::PlacedObstacle;
 use crate::vector::dot;
 
 /// How much of the indentation the linearisation may miss before it counts as left. Pressures follow from
@@ -51,7 +51,7 @@ pub struct DeformedNode {
 /// that is more than [`TOLERATED_SHARE`] of the indentation: of `interference`, the deepest of the history (m), or
 /// of the largest normal displacement of a closed node. An open node counts only if it is inside the obstacle in truth.
 pub fn range_left(
-    obstacle: &Obstacle,
+    obstacle: &PlacedObstacle,
     motion: &ObstacleMotion,
     t: f64,
     interference: f64,

@@ -141,11 +141,11 @@ impl RunReport {
             solver_choice: choice.reason(),
             status: outcome.status,
             explanation,
-            warnings: Warning::of_scene(scene, model),
+            warnings: Warning::of_model(model),
             largest_displacement: None,
             range_left: None,
             unknowns: Unknowns::new(&outcome.layout, scene.solver.method.name()),
-            left_out: LeftOut::all(scene, model, choice.backend),
+            left_out: LeftOut::all(model, choice.backend),
             increments: outcome.records.clone(),
             totals: Totals {
                 iterations: outcome.records.iter().map(|record| record.iterations).sum(),

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::formulation::Layout;
 use crate::model::Model;
-use crate::scene::{LinearBackend, MethodName, Scene};
+use crate::scene::{LinearBackend, MethodName};
 
 /// The numbers of unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -53,12 +53,12 @@ impl Unknowns {
 }
 
 impl LeftOut {
-    /// What a scene, discretised as `model` and solved by `backend`, does without.
-    pub fn all(scene: &Scene, model: &Model, backend: LinearBackend) -> Vec<Self> {
-        let Model { mesh, problem, contacts, .. } = model;
+    /// What a run of `model` by `backend` does without.
+    pub fn all(model: &Model, backend: LinearBackend) -> Vec<Self> {
+        let Model { mesh, problem, contacts, contact_boundaries, .. } = model;
         let tangential = if mesh.dimension == 2 { "p_t" } else { "p_t and p_o" };
-        let claimed = (scene.contacts.iter())
-            .filter_map(|contact| mesh.boundary(contact.boundary.as_str()))
+        let claimed = (contact_boundaries.iter())
+            .filter_map(|boundary| mesh.boundary(&boundary.name))
             .map(|boundary| boundary.nodes().len())
             .sum::<usize>();
         let smooth = contacts.iter().zip(&problem.mu).filter(|(_, mu)| **mu == 0.0);

@@ -127,7 +127,7 @@ const VALUES: &[Fault] = &[
     ),
     ("gap = 1e-5", "radius = 1.0", "radius", &["a plane has no radius"], "remove the key"),
     ("\"plane\", gap = 1e-5", "\"cylinder\"", "cylinder", &["a cylinder needs radius"], "add the key"),
-    ("\"plane\", gap = 1e-5", "\"cylinder\", radius = -1.0", "cylinder", &["radius is -1.0", "positive"], "in m"),
+    ("\"plane\", gap = 1e-5", "\"cylinder\", radius = -1.0, apex = [0.5, 0]", "cylinder", &["radius is -1.0", "positive"], "in m"),
     ("\"plane\", gap", "\"cylinder\", gap", "cylinder", &["a cylinder has no gap"], "remove the key"),
     ("gap = 1e-5", "approach = []", "approach", &["approach is empty"], "[time, distance]"),
     ("gap = 1e-5", "approach = [[1, 0], [0, 1]]", "approach", &["from time 1 to 0"], "[time, distance]"),

@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn names_mean_what_they_say() {
-        let of = |text: &str| crate::scene::Formula::parse(text).unwrap().at([0.25, -3.0, 4.0]);
+        let of = |text: &str| crate::formula::Formula::parse(text).unwrap().at([0.25, -3.0, 4.0]);
         for (text, value) in [
             ("exp(x)", 0.25_f64.exp()),
             ("tan(x) - sin(x)/cos(x)", 0.0),

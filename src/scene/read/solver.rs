@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::Check;
 use crate::scene::document;
+use crate::scene::error::Source;
 use crate::scene::solver::LinearName;
 use crate::scene::{LinearBackend, Method, MethodName, NewtonSystem, SceneError, Setting, Solver};
 
@@ -18,16 +18,50 @@ fn default_tolerance(method: Method) -> f64 {
     if let Method::PaperIp { .. } = method { 1e-6 } else { 1e-10 }
 }
 
-/// Where `solver` asks for a `method` that knows one tangent a node only, if it does.
-pub(super) fn one_tangent_span(solver: &document::Solver, method: Method) -> Option<Range<usize>> {
+/// Which key asks for a `method` that knows one tangent a node only, if one does.
+pub(super) fn one_tangent_key(method: Method) -> Option<&'static str> {
     match method {
-        Method::PaperIp { .. } => solver.setting.as_ref().map(Spanned::span),
-        Method::Ip { newton: NewtonSystem::Extended } => solver.newton.as_ref().map(Spanned::span),
+        Method::PaperIp { .. } => Some("solver.setting"),
+        Method::Ip { newton: NewtonSystem::Extended } => Some("solver.newton"),
         Method::Bn { .. } | Method::PaperBn | Method::Ip { newton: NewtonSystem::Reduced } => None,
     }
 }
 
+pub(super) struct Check<'a> {
+    pub(super) source: &'a Source,
+}
+
 impl Check<'_> {
+    fn fail<T>(&self, span: Range<usize>, message: impl Into<String>, help: &str) -> Result<T, SceneError> {
+        Err(self.source.at(span, message, help))
+    }
+
+    /// Fails unless `sound`, saying what `name` is and what it must be.
+    fn demand<T: std::fmt::Debug>(
+        &self,
+        sound: bool,
+        name: &str,
+        value: &Spanned<T>,
+        must: &str,
+        help: &str,
+    ) -> Result<(), SceneError> {
+        if sound {
+            return Ok(());
+        }
+        self.fail(value.span(), format!("{name} is {:?}, but must be {must}", value.get_ref()), help)
+    }
+
+    /// Fails if a key is given that belongs to another kind of thing.
+    fn foreign<T>(&self, name: &str, value: Option<&Spanned<T>>, whose: &str) -> Result<(), SceneError> {
+        value.map_or(Ok(()), |value| self.fail(value.span(), format!("{whose} has no {name}"), "remove the key"))
+    }
+
+    fn finite(&self, name: &str, value: &Spanned<f64>) -> Result<f64, SceneError> {
+        let help = "give a number other than nan or inf";
+        self.demand(value.get_ref().is_finite(), name, value, "a finite number", help)?;
+        Ok(*value.get_ref())
+    }
+
     /// `touches` tells whether there is contact.
     pub(super) fn solver(&self, solver: &document::Solver, touches: bool) -> Result<Solver, SceneError> {
         let method = self.method(solver)?;
