@@ -2,6 +2,7 @@
 # make test   all tests
 # make bench  the benchmarks (minutes)
 # make instructions the instructions of each kernel, counted by callgrind
+# make lines  the lines of code, comments and tests
 # make tables the paper's Tables I and II, complete (minutes)
 # make extremes the suite of extreme scenes, into doc/stability (minutes)
 # make compare error against time for six scenes, into doc/error-vs-time.md (minutes)
@@ -11,13 +12,13 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test bench instructions tables report extremes compare deps
+.PHONY: demo test bench instructions lines tables report extremes compare deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
 
 test: deps
-	cargo test
+	cargo test --workspace
 
 bench: deps
 	cargo bench --bench factor
@@ -43,12 +44,24 @@ instructions: deps
 		printf '%-14s %14s\n' "$$kernel" "$$count"; \
 	done
 
+# Unit tests count as tests, and so does all below them to the brace that ends them.
+lines:
+	@for folder in src studies/src; do find $$folder -name '*.rs' | xargs awk ' \
+		FNR == 1 { tests = 0 } \
+		/^#\[cfg\(test\)\]/ { tests = 1 } \
+		tests { test++; if ($$0 == "}") tests = 0; next } \
+		/^ *\/\// { comment++; next } \
+		/[^ ]/ { code++ } \
+		END { printf "%-12s code %6d  comments %6d  tests %6d\n", "'$$folder'", code, comment, test }'; done
+
+STUDIES = cargo run --release -p stickslip-studies --
+
 tables: deps
-	cargo run --release -- tables punch
-	cargo run --release -- tables block
+	$(STUDIES) tables punch
+	$(STUDIES) tables block
 
 extremes: deps
-	cargo run --release -- extremes --long --out doc/stability
+	$(STUDIES) extremes --long --out doc/stability
 
 COMPARE = cargo run --release -- compare
 PAGE = doc/error-vs-time
@@ -66,7 +79,7 @@ compare: deps
 		echo; sed "s|](|](error-vs-time/$$scene/|" $(PAGE)/$$scene/compare.md; done; } >$(PAGE).md
 
 report: deps
-	cargo run --release -- figures --out doc/figures
+	$(STUDIES) figures --out doc/figures
 	$(MAKE) tables
 	$(MAKE) compare
 

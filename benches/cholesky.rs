@@ -29,7 +29,7 @@ fn main() {
         Table::new(&["n", "backend", "unknowns", "border", "entries of L", "Gflop", "factor s", "reduce, expand s"]);
     for n in sizes {
         let (_, model) = block(n, 2);
-        let k = &model.problem.stiffness;
+        let k = model.problem.stiffness();
         let last = contact_displacements(&model.problem);
         let mut seconds = [const { [Vec::new(), Vec::new()] }; 2];
         let mut infos = [FactorInfo::default(); 2];
@@ -64,7 +64,7 @@ fn main() {
 
 /// The displacements that a row of `C_n` or `C_t` reaches.
 fn contact_displacements(problem: &stickslip::problem::ContactProblem) -> Vec<usize> {
-    let rows = (0..problem.contacts()).flat_map(|i| problem.c_n.row(i).iter().chain(problem.c_t.row(i)));
+    let rows = (0..problem.contacts()).flat_map(|i| problem.c_n().row(i).iter().chain(problem.c_t().row(i)));
     let mut last: Vec<usize> = rows.map(|&(unknown, _)| unknown).collect();
     last.sort_unstable();
     last.dedup();

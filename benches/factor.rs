@@ -68,7 +68,7 @@ fn measure(n: usize, who: Who) -> [f64; 6] {
     let w_t_last = vec![0.0; problem.contacts()];
     formulation.begin(&Increment { force: &force, gap: &model.loading.gap, w_t_last: &w_t_last, w_o_last: &w_t_last });
     let mut direct = Direct::new(Box::new(Umfpack::default()));
-    direct.analyze(&formulation.jacobian().pattern).unwrap();
+    direct.analyze(formulation.jacobian().pattern()).unwrap();
 
     let n = formulation.unknowns();
     let (mut h, mut dz) = (vec![0.0; n], vec![0.0; n]);
@@ -111,8 +111,8 @@ fn mixed_state(model: &Model, iteration: usize) -> State {
         let third = 3 * (i + iteration) / n_c % 3;
         if third > 0 {
             // Above r g, so that the node counts as closed.
-            state.p_n[i] = 1.5e12 * problem.weight[i] * model.loading.gap[i];
-            state.p_t[i] = if third == 1 { 0.1 } else { 1.5 } * problem.mu[i] * state.p_n[i];
+            state.p_n[i] = 1.5e12 * problem.weight()[i] * model.loading.gap[i];
+            state.p_t[i] = if third == 1 { 0.1 } else { 1.5 } * problem.mu()[i] * state.p_n[i];
         }
     }
     state

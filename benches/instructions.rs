@@ -35,7 +35,7 @@ fn main() {
     let (mut h, mut dz) = (vec![0.0; first.len()], vec![0.0; first.len()]);
     formulation.residual(&first, &mut h);
     let mut direct = Direct::new(Box::new(Dense::new(small.displacements())));
-    direct.analyze(&formulation.jacobian().pattern).unwrap();
+    direct.analyze(formulation.jacobian().pattern()).unwrap();
     match kernel.as_str() {
         "assembly" => measured_kernel(&mut || drop(Model::new(&scene).unwrap())),
         "condensation" => measured_kernel(&mut || drop(Condensed::new(&model.problem, &model.loading).unwrap())),
@@ -72,8 +72,8 @@ fn mixed(problem: &ContactProblem, model: &Model, shift: usize) -> State {
         let third = 3 * (i + shift) / n_c % 3;
         if third > 0 {
             // Above r g, so that the node counts as closed.
-            state.p_n[i] = 1.5e12 * problem.weight[i] * model.loading.gap[i];
-            state.p_t[i] = if third == 1 { 0.1 } else { 1.5 } * problem.mu[i] * state.p_n[i];
+            state.p_n[i] = 1.5e12 * problem.weight()[i] * model.loading.gap[i];
+            state.p_t[i] = if third == 1 { 0.1 } else { 1.5 } * problem.mu()[i] * state.p_n[i];
         }
     }
     state

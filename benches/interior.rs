@@ -82,9 +82,9 @@ fn measure(n: usize) -> [Form; 2] {
         let mut formulation = Constrained::new(problem, model.scaling(), &conventions, Partition::Products, form);
         formulation.begin(&increment);
         let mut bare = Umfpack::default();
-        bare.analyze(&formulation.matrix().pattern).unwrap();
+        bare.analyze(formulation.matrix().pattern()).unwrap();
         let mut direct = Direct::new(Box::new(Umfpack::default()));
-        direct.analyze(&formulation.matrix().pattern).unwrap();
+        direct.analyze(formulation.matrix().pattern()).unwrap();
         let unknowns = formulation.matrix().pattern.rows();
         let info = FactorInfo::default();
         let form = Form {
@@ -118,7 +118,7 @@ fn measure(n: usize) -> [Form; 2] {
             let (mut rhs, mut dz) = (vec![0.0; m], vec![0.0; z.len()]);
             formulation.reduce(&z, &b, &mut rhs);
 
-            bare.factorize(&formulation.matrix().values).unwrap();
+            bare.factorize(formulation.matrix().values()).unwrap();
             bare.solve(&rhs, &mut dz[..m]).unwrap();
             form.backward[0] = form.backward[0].max(backward_error(formulation.matrix(), &rhs, &dz[..m]));
             formulation.recover(&z, &b, &mut dz);
@@ -160,7 +160,7 @@ fn point(formulation: &Constrained, model: &Model, product: f64) -> Vec<f64> {
         z[layout.v_n(i)] = product / z[p_n];
         if let Some(p_t) = layout.forces().p_t(i) {
             let (s, lambda) = (layout.s(p_t), layout.lambda(p_t));
-            z[p_t] = if third == 2 { model.problem.mu[i] } else { 0.0 };
+            z[p_t] = if third == 2 { model.problem.mu()[i] } else { 0.0 };
             z[s[0]] = if third == 1 { 0.4 } else { product };
             z[s[1]] = if third == 0 { product } else { 0.4 };
             (z[lambda[0]], z[lambda[1]]) = (product / z[s[0]], product / z[s[1]]);

@@ -1,14 +1,16 @@
-//! Which linear algebra a scene is solved with, where it leaves that open: what is estimated to take the
+//! Which linear algebra a problem is solved with, where that is left open: what is estimated to take the
 //! least time, as far as memory allows.
 //!
 //! One symbolic analysis of `K` serves both estimates, see [`crate::linear::cost`]. It takes about as long as
 //! ordering once.
 
+use serde::Serialize;
+
 use crate::formulation::Layout;
 use crate::linear::cost::{self, Cost, Sizes, Work};
-use crate::linear::{Cholesky, LinearError};
-use crate::model::Model;
-use crate::scene::{LinearBackend, MethodName, Scene};
+use crate::linear::{Cholesky, LinearError, SparseLu};
+use crate::problem::ContactProblem;
+use crate::history::{LinearAlgebra, Method};
 
 /// BN keeps its factors while no contact status changes, so its factorisations grow as the root of the number
 /// of increments, this many times it: 5, 7.5, 11 and 14 on the paper's block with 25, 50, 100 and 200 contact nodes (2 to
@@ -31,8 +33,10 @@ const IP_FACTORIZATIONS_IN_A_PLANE: f64 = 14.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Choice {
     /// What solves.
-    pub backend: LinearBackend,
+    pub linear: LinearAlgebra,
     estimates: Option<Estimates>,
+    /// Free memory, bytes, if it was too little for the condensed system.
+    short_of: Option<u64>,
 }
 
 /// What both ways are estimated to take.
@@ -40,63 +44,130 @@ pub struct Choice {
 struct Estimates {
     sparse: Cost,
     condensed: Cost,
-    /// Free memory, bytes, if it was too little for the condensed system.
-    short_of: Option<u64>,
 }
 
+/// A linear algebra that is estimated to take much less time than the one of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Faster {
+    /// The other one.
+    pub solver: LinearAlgebra,
+    /// What its linear algebra is estimated to take, s.
+    pub seconds: f64,
+    /// What that of the run is, by the same estimate, s.
+    pub here_seconds: f64,
+}
+
+/// Estimates are good to a factor of two or so: less than this between two of them is not worth a word.
+const MUCH: f64 = 3.0;
+
+/// An estimate takes about one ordering of the unknowns; a run that took so many of them can afford it afterwards.
+const ORDERINGS: f64 = 30.0;
+
 impl Choice {
-    /// What `scene` names, or else the cheaper way to solve `model`; `available` is the free memory in bytes,
-    /// if it is known.
+    /// The one that was asked for.
+    pub fn named(linear: LinearAlgebra) -> Self {
+        Choice { linear, estimates: None, short_of: None }
+    }
+
+    /// The cheapest way to solve `increments` increments of `problem` with `method`; `available` is the free memory
+    /// in bytes, if it is known.
     ///
     /// # Errors
     /// When memory is short for the symbolic analysis.
-    pub fn new(scene: &Scene, model: &Model, available: Option<u64>) -> Result<Self, LinearError> {
-        if let Some(backend) = scene.solver.linear {
-            return Ok(Choice { backend, estimates: None });
-        }
-        let (problem, whole) = (&model.problem, LinearBackend::default());
-        let layout = Layout::new(problem);
-        let sizes = Sizes {
-            unknowns: layout.unknowns(),
-            contact_displacements: problem.contact_displacements().len(),
-            stiffness: Cholesky::predict(&problem.stiffness)?,
-        };
-        let (method, increments) = (scene.solver.method.name(), scene.time.increments);
-        let factorizations = match method {
-            // Without contact the problem is linear: one matrix.
-            _ if layout.contacts() == 0 => 1.0,
-            MethodName::Bn if layout.has_second_tangent() => BN_FACTORIZATIONS_IN_A_PLANE * increments as f64,
-            MethodName::Bn => BN_FACTORIZATIONS * (increments as f64).sqrt(),
-            MethodName::Ip if layout.has_second_tangent() => IP_FACTORIZATIONS_IN_A_PLANE * increments as f64,
-            MethodName::Ip => IP_FACTORIZATIONS * increments as f64,
-        };
-        let work = Work { increments, factorizations, all_free: method == MethodName::Ip };
-        let sparse = cost::sparse(&sizes, &work, whole == LinearBackend::Faer);
-        let condensed = cost::condensed(&sizes, &work);
+    pub fn cheapest(
+        problem: &ContactProblem,
+        method: Method,
+        increments: usize,
+        available: Option<u64>,
+    ) -> Result<Self, LinearError> {
+        let estimates = Estimates::new(problem, method, increments)?;
+        let Estimates { sparse, condensed } = estimates;
         let short_of = available.filter(|&available| condensed.bytes > available as f64);
         let condense = condensed.seconds < sparse.seconds && short_of.is_none();
-        let backend = if condense { LinearBackend::Condensed } else { whole };
-        Ok(Choice { backend, estimates: Some(Estimates { sparse, condensed, short_of }) })
+        let linear = if condense { LinearAlgebra::condensed() } else { LinearAlgebra::default() };
+        Ok(Choice { linear, estimates: Some(estimates), short_of })
+    }
+
+    /// What would have been much faster than this choice, which somebody made and which took `seconds`. Nothing, if
+    /// there is no such way, or if the run was so short that the question would make it longer.
+    ///
+    /// # Errors
+    /// When memory is short for the symbolic analysis.
+    pub fn faster(
+        &self,
+        problem: &ContactProblem,
+        method: Method,
+        increments: usize,
+        seconds: f64,
+    ) -> Result<Option<Faster>, LinearError> {
+        let unknowns = Layout::new(problem).unknowns();
+        if self.estimates.is_some() || seconds < ORDERINGS * cost::order(unknowns) {
+            return Ok(None);
+        }
+        let Estimates { sparse, condensed } = Estimates::new(problem, method, increments)?;
+        let (here, other, solver) = match self.linear {
+            LinearAlgebra::Condensed(_) => (condensed, sparse, LinearAlgebra::default()),
+            LinearAlgebra::Whole(_) => (sparse, condensed, LinearAlgebra::condensed()),
+        };
+        let faster = Faster { solver, seconds: other.seconds, here_seconds: here.seconds };
+        Ok((here.seconds > MUCH * other.seconds && solver.is_built_in()).then_some(faster))
     }
 
     /// The choice and its reason in a line, if there was anything to choose.
     pub fn reason(&self) -> Option<String> {
-        let Estimates { sparse, condensed, short_of } = self.estimates?;
-        if let Some(available) = short_of {
+        let Estimates { sparse, condensed } = self.estimates?;
+        if let Some(available) = self.short_of {
             let gigabytes = |bytes: f64| bytes * 1e-9;
             let (needed, free) = (gigabytes(condensed.bytes), gigabytes(available as f64));
             return Some(format!(
                 "{} (condensed would take {needed:.1} GB of memory, {free:.1} GB are free)",
-                self.backend
+                self.linear
             ));
         }
-        let (taken, other, name) = match self.backend {
-            LinearBackend::Condensed => (condensed, sparse, LinearBackend::default()),
-            _ => (sparse, condensed, LinearBackend::Condensed),
+        let (taken, other, name) = match self.linear {
+            LinearAlgebra::Condensed(_) => (condensed, sparse, LinearAlgebra::default()),
+            LinearAlgebra::Whole(_) => (sparse, condensed, LinearAlgebra::condensed()),
         };
         Some(format!(
             "{} (estimated {:.2} s against {:.2} s for {name}; {:.1e} flops an iteration against {:.1e})",
-            self.backend, taken.seconds, other.seconds, taken.flops, other.flops
+            self.linear, taken.seconds, other.seconds, taken.flops, other.flops
         ))
+    }
+}
+
+impl Estimates {
+    fn new(problem: &ContactProblem, method: Method, increments: usize) -> Result<Self, LinearError> {
+        let layout = Layout::new(problem);
+        let sizes = Sizes {
+            unknowns: layout.unknowns(),
+            contact_displacements: problem.contact_displacements().len(),
+            stiffness: Cholesky::predict(problem.stiffness())?,
+        };
+        let factorizations = match method {
+            // Without contact the problem is linear: one matrix.
+            _ if layout.contacts() == 0 => 1.0,
+            method if method.is_interior() => match layout.has_second_tangent() {
+                true => IP_FACTORIZATIONS_IN_A_PLANE * increments as f64,
+                false => IP_FACTORIZATIONS * increments as f64,
+            },
+            _ if layout.has_second_tangent() => BN_FACTORIZATIONS_IN_A_PLANE * increments as f64,
+            _ => BN_FACTORIZATIONS * (increments as f64).sqrt(),
+        };
+        let work = Work { increments, factorizations, all_free: method.is_interior() };
+        Ok(Estimates {
+            sparse: cost::sparse(&sizes, &work, SparseLu::default() == SparseLu::Faer),
+            condensed: cost::condensed(&sizes, &work),
+        })
+    }
+}
+
+impl std::fmt::Display for Faster {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Faster { solver, seconds, here_seconds } = self;
+        write!(
+            f,
+            "the linear algebra is estimated to take {here_seconds:.1} s, with {solver} {seconds:.1} s: \
+             solver.linear = \"auto\" chooses the faster"
+        )
     }
 }

@@ -1,37 +1,29 @@
 //! The command line: the only place that prints.
 //!
 //! Exit status: 0 converged, 1 not converged (what was reached is written), 2 bad input,
-//! 3 the machine failed (memory, disk).
+//! 3 the machine failed (memory, disk), or this program did.
 
-#![allow(clippy::print_stderr)]
-
-/// Prints a line on standard output. A reader who has gone, as in `stickslip ... | head`, is no
-/// reason to stop a run.
+/// Prints a line on standard output.
 macro_rules! say {
-    ($($arg:tt)*) => { super::print_line(format_args!($($arg)*)) };
+    ($($arg:tt)*) => { crate::cli::output::line(format_args!($($arg)*)) };
 }
 
+mod bug;
 mod check;
 mod compare;
-mod extremes;
-mod figures;
 mod interrupt;
-mod jobs;
+mod output;
 mod progress;
 mod run;
-mod tables;
 mod uniqueness;
-mod verdict;
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use stickslip::formulation::Layout;
 use stickslip::linear::LinearError;
-use stickslip::model::Model;
-use stickslip::report::available_bytes;
+use stickslip::model::ModelError;
+use stickslip::run::RunError;
 use stickslip::scene::{Override, Scene, SceneError};
 
 /// Quasi-static elastic contact with Coulomb friction.
@@ -52,12 +44,6 @@ enum Command {
     Run(run::RunArgs),
     /// Read and explain a scene without solving it
     Check(check::CheckArgs),
-    /// Compute a table of the paper and set it beside the published one
-    Tables(tables::TablesArgs),
-    /// Draw the figures of the paper
-    Figures(figures::FiguresArgs),
-    /// Run the suite of extreme scenes, data/extremes.toml
-    Extremes(extremes::ExtremesArgs),
     /// Compare methods, linear algebra, increments and meshes on a scene: error against time
     Compare(compare::CompareArgs),
 }
@@ -97,32 +83,6 @@ impl SceneArgs {
     }
 }
 
-/// Discretises a scene, unless the machine has no room for it or its method does not know such a problem.
-fn discretise(scene: &Scene) -> Result<Model, Failure> {
-    // The matrices alone, 16 bytes an entry, and for each unknown 27 of them in two dimensions and 81 in
-    // three; the factors take more. Asking first is kinder than being killed half-way.
-    let bytes = |(nodes, d): (usize, usize)| (nodes * d * 3_usize.pow(d as u32 + 1) * 16) as u64;
-    let needed = scene.description.mesh.nodes().map_or(0, bytes);
-    if let Some(available) = available_bytes().filter(|&available| available < needed) {
-        let gigabytes = |bytes: u64| bytes as f64 * 1e-9;
-        return Err(Failure::Machine(miette::miette!(
-            help = "use a coarser mesh or a machine with more memory",
-            "the matrices of this mesh need {:.1} GB and the factors more, but {:.1} GB are free",
-            gigabytes(needed),
-            gigabytes(available)
-        )));
-    }
-    let model = Model::new(scene)?;
-    if let Some(key) = scene.one_tangent_key
-        && Layout::new(&model.problem).has_second_tangent()
-    {
-        let message = "this interior point method knows one tangent a node, but nodes of this scene slide in a plane";
-        let help = "leave solver.setting and solver.newton out, or use the method \"bn\"";
-        return Err(scene.error_at(key, message, help).into());
-    }
-    Ok(model)
-}
-
 /// Why a command ended without a result.
 enum Failure {
     /// The input is to blame: exit status 2.
@@ -131,8 +91,14 @@ enum Failure {
     Machine(miette::Report),
 }
 
-impl<E: miette::Diagnostic + Send + Sync + 'static> From<E> for Failure {
-    fn from(error: E) -> Self {
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Failure::Input(error.into())
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
         Failure::Input(error.into())
     }
 }
@@ -149,13 +115,24 @@ impl Failure {
     }
 }
 
-fn print_line(line: std::fmt::Arguments<'_>) {
-    match writeln!(std::io::stdout(), "{line}") {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            eprintln!("standard output cannot be written: {error}");
-            std::process::exit(3);
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        let of_the_input = error.is_of_the_input();
+        let report = miette::Report::from(error);
+        if of_the_input { Failure::Input(report) } else { Failure::Machine(report) }
+    }
+}
+
+impl Command {
+    fn run(&self) -> Result<ExitCode, Failure> {
+        match self {
+            Command::Run(args) => run::run(args),
+            Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
+            Command::Tables(args) => tables::tables(args),
+            Command::Figures(args) => figures::figures(args),
+            Command::Extremes(args) => extremes::extremes(args),
+            Command::Compare(args) => compare::compare(args),
         }
-        _ => {}
     }
 }
 
@@ -177,29 +154,34 @@ fn version() -> &'static str {
 }
 
 pub(crate) fn main() -> ExitCode {
-    let matches = Cli::command().version(version()).get_matches();
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let json = std::env::args_os().any(|argument| argument == "--json");
+    let matches = Cli::command().version(version()).try_get_matches();
+    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
+        Ok(cli) => cli,
+        Err(error) => {
+            if json && error.use_stderr() {
+                output::failure_as_json("bad-input", &error.render().to_string());
+            }
+            error.exit()
+        }
+    };
     #[cfg(feature = "umfpack")]
     if stickslip::linear::process::set_blas_threads(cli.threads as usize).is_none() {
-        eprintln!("note: the BLAS in use is not OpenBLAS, BLIS or MKL; factorisations may take several times longer");
+        output::note(
+            "note: the BLAS in use is not OpenBLAS, BLIS or MKL; factorisations may take several times longer",
+        );
     }
-    let result = match &cli.command {
-        Command::Run(args) => run::run(args),
-        Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
-        Command::Tables(args) => tables::tables(args),
-        Command::Figures(args) => figures::figures(args),
-        Command::Extremes(args) => extremes::extremes(args),
-        Command::Compare(args) => compare::compare(args),
-    };
-    match result {
-        Ok(code) => code,
-        Err(Failure::Input(report)) => {
-            eprintln!("{report:?}");
-            ExitCode::from(2)
-        }
-        Err(Failure::Machine(report)) => {
-            eprintln!("{report:?}");
+    let code = match bug::caught(|| cli.command.run()) {
+        Ok(Ok(code)) => code,
+        Ok(Err(failure)) => output::failure(&failure, json),
+        Err(bug) => {
+            output::note(&bug);
+            if json {
+                output::failure_as_json("bug", &bug);
+            }
             ExitCode::from(3)
         }
-    }
+    };
+    // Whatever the command found: who reads it has not got it.
+    if output::failed() { ExitCode::from(3) } else { code }
 }

@@ -2,7 +2,7 @@
 //! much time.
 //!
 //! Three errors are kept apart. The *algebraic* one is the error measure, iteration by iteration
-//! ([`Run::iterates`]). That of *time stepping* is the distance to a reference on the same mesh with many
+//! ([`Trial::iterates`]). That of *time stepping* is the distance to a reference on the same mesh with many
 //! more increments ([`TimeErrors`]); the difference to half the increments does not serve, for a node that
 //! closes and sticks in the first half comes out the same with either. That of the *mesh* is the
 //! distance of such a reference to that on the finest mesh ([`MeshErrors`]). Time is CPU time of the
@@ -26,9 +26,8 @@ pub use tractions::{Interior, Tractions};
 use cases::Study;
 
 use crate::history::Status;
-use crate::linear::LinearError;
-use crate::model::ModelError;
-use crate::scene::{LinearBackend, MethodName, Scene, SceneError, Setting};
+use crate::run::RunError;
+use crate::scene::{LinearBackend, MethodName, Scene, Setting};
 
 /// A way to solve a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,7 +92,7 @@ pub struct Iterate {
 
 /// A history, solved.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Run {
+pub struct Trial {
     /// How.
     pub path: SolverPath,
     /// The first number of elements of the mesh.
@@ -153,24 +152,7 @@ pub struct Comparison {
     /// The meshes, from coarse to fine.
     pub meshes: Vec<MeshResult>,
     /// The runs, mesh by mesh.
-    pub runs: Vec<Run>,
-}
-
-/// Why scenes could not be compared.
-#[derive(Debug, thiserror::Error)]
-pub enum CompareError {
-    /// A mesh of the plan could not be built.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// The linear algebra failed.
-    #[error(transparent)]
-    Linear(#[from] LinearError),
-}
-
-impl From<SceneError> for CompareError {
-    fn from(error: SceneError) -> Self {
-        CompareError::Model(error.into())
-    }
+    pub runs: Vec<Trial>,
 }
 
 impl fmt::Display for SolverPath {
@@ -206,7 +188,7 @@ impl Plan {
 ///
 /// # Errors
 /// When a mesh of the plan cannot be built, or the linear algebra cannot go on.
-pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> Result<Comparison, CompareError> {
+pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> Result<Comparison, RunError> {
     let sorted = |numbers: &[usize]| {
         let mut numbers = numbers.to_vec();
         numbers.sort_unstable();
@@ -241,14 +223,14 @@ pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> 
 
 impl Comparison {
     /// The runs on a mesh.
-    pub fn on(&self, mesh: usize) -> impl Iterator<Item = &Run> {
+    pub fn on(&self, mesh: usize) -> impl Iterator<Item = &Trial> {
         self.runs.iter().filter(move |run| run.mesh == mesh)
     }
 
     /// Those of them that no other beats in time and error in the contact forces, the cheapest first.
-    pub fn front(&self, mesh: usize) -> Vec<&Run> {
-        let points = |run| Some((run, Run::point(run, |errors| errors.forces, self.tolerance)?));
-        let (runs, points): (Vec<&Run>, Vec<[f64; 2]>) = self.on(mesh).filter_map(points).unzip();
+    pub fn front(&self, mesh: usize) -> Vec<&Trial> {
+        let points = |run| Some((run, Trial::point(run, |errors| errors.forces, self.tolerance)?));
+        let (runs, points): (Vec<&Trial>, Vec<[f64; 2]>) = self.on(mesh).filter_map(points).unzip();
         front(&points).into_iter().map(|k| runs[k]).collect()
     }
 
@@ -264,7 +246,7 @@ impl Comparison {
     }
 }
 
-impl Run {
+impl Trial {
     /// CPU time (s) and one of the errors, at least `floor`; none if the error is not known.
     pub fn point(&self, error: fn(&TimeErrors) -> f64, floor: f64) -> Option<[f64; 2]> {
         let error = error(self.errors.as_ref()?);

@@ -17,9 +17,9 @@
 
 use std::sync::Arc;
 
-use crate::linear::{Cholesky, FactorInfo, LinearError, Reduced, times_transposed};
+use crate::linear::{Cholesky, SparseCholesky, FactorInfo, LinearError, Reduced, times_transposed};
 use crate::loading::{LoadCase, Loading};
-use crate::problem::{ContactProblem, State};
+use crate::problem::{ContactProblem, Parts, State};
 use crate::sparse::{Csc, Csr, Pattern, Symmetric};
 
 /// A condensed body.
@@ -41,27 +41,26 @@ impl Condensed {
     /// # Errors
     /// [`LinearError::Singular`] when a part of the body moves freely while the contact nodes are held;
     /// when memory is short.
-    pub fn new(problem: &ContactProblem, loading: &Loading) -> Result<Self, LinearError> {
+    pub fn new(problem: &ContactProblem, loading: &Loading, cholesky: SparseCholesky) -> Result<Self, LinearError> {
         let border = problem.contact_displacements();
-        let (factor, stiffness) = schur_complement(&problem.stiffness, &border)?;
-        let cases = loading.cases.iter().map(|case| factor.reduce(&case.force)).collect::<Result<Vec<_>, _>>()?;
-        let reduced = |(case, reduced): (&LoadCase, &Reduced)| LoadCase {
-            force: reduced.border.clone(),
-            history: case.history.clone(),
-        };
+        let (factor, stiffness) = schur_complement(problem.stiffness(), &border, cholesky)?;
+        let cases = loading.cases().iter().map(|case| factor.reduce(case.force())).collect::<Result<Vec<_>, _>>()?;
+        let reduced = |(case, reduced): (&LoadCase, &Reduced)| case.on(reduced.border.clone());
         Ok(Condensed {
-            problem: ContactProblem {
+            problem: ContactProblem::of(Parts {
                 stiffness,
-                c_n: restrict(&problem.c_n, &border, |_| true),
-                c_t: restrict(&problem.c_t, &border, |i| problem.mu[i] > 0.0),
-                c_o: restrict(&problem.c_o, &border, |i| problem.mu[i] > 0.0),
-                mu: problem.mu.clone(),
-                weight: problem.weight.clone(),
-                free_motions: (problem.free_motions.iter())
-                    .map(|motion| border.iter().map(|&dof| motion[dof]).collect())
-                    .collect(),
-            },
-            loading: Loading { cases: loading.cases.iter().zip(&cases).map(reduced).collect(), ..loading.clone() },
+                c_n: restrict(problem.c_n(), &border, |_| true),
+                c_t: restrict(problem.c_t(), &border, |i| problem.mu()[i] > 0.0),
+                c_o: restrict(problem.c_o(), &border, |i| problem.mu()[i] > 0.0),
+                mu: problem.mu().to_vec(),
+                weight: problem.weight().map(<[f64]>::to_vec),
+                free_motions: Some(
+                    (problem.free_motions().iter())
+                        .map(|motion| border.iter().map(|&dof| motion[dof]).collect())
+                        .collect(),
+                ),
+            }),
+            loading: loading.with_cases(loading.cases().iter().zip(&cases).map(reduced).collect()),
             factor,
             border,
             cases,
@@ -78,7 +77,7 @@ impl Condensed {
     /// # Errors
     /// When memory is short.
     pub fn state(&self, time: f64, contact: &State) -> Result<State, LinearError> {
-        let factors: Vec<f64> = self.loading.cases.iter().map(|case| case.factor(time)).collect();
+        let factors: Vec<f64> = self.loading.cases().iter().map(|case| case.factor(time)).collect();
         let u = self.displacements(&self.factor.combine(&self.cases, &factors), &contact.u)?;
         let mut u_rest = Vec::new();
         if !contact.u_rest.is_empty() {
@@ -108,14 +107,18 @@ impl Condensed {
 }
 
 /// The factors of `K`, and `S`.
-fn schur_complement(stiffness: &Symmetric, border: &[usize]) -> Result<(Cholesky, Symmetric), LinearError> {
+fn schur_complement(
+    stiffness: &Symmetric,
+    border: &[usize],
+    cholesky: SparseCholesky,
+) -> Result<(Cholesky, Symmetric), LinearError> {
     let mut shift = Vec::new();
-    let factor = match Cholesky::factor(stiffness, border) {
+    let factor = match cholesky.factor(stiffness, border) {
         Err(LinearError::Singular { .. }) if !border.is_empty() => {
             let (mut held, diagonal) = (stiffness.clone(), stiffness.diagonal());
             shift.extend(border.iter().map(|&dof| diagonal[dof]));
-            border.iter().zip(&shift).filter(|entry| *entry.1 > 0.0).for_each(|(&dof, rho)| held.add(dof, dof, *rho));
-            Cholesky::factor(&held, border)?
+            border.iter().zip(&shift).filter(|entry| *entry.1 > 0.0).for_each(|(&dof, rho)| held.add(dof, dof, *rho).expect("a diagonal entry above 0"));
+            cholesky.factor(&held, border)?
         }
         factor => factor?,
     };
@@ -127,18 +130,15 @@ fn schur_complement(stiffness: &Symmetric, border: &[usize]) -> Result<(Cholesky
     let m = border.len();
     let mut values = times_transposed(&factor.trailing(), m);
     shift.iter().enumerate().for_each(|(i, rho)| values[i * m + i] -= rho);
-    let lower = Pattern::from_entries(m, m, |take| (0..m).for_each(|j| (j..m).for_each(|i| take(i, j))));
-    let values = (0..m).flat_map(|j| values[j * m + j..(j + 1) * m].iter().copied()).collect();
-    Ok((factor, Symmetric::from_lower(Csc { pattern: Arc::new(lower), values })))
+    let mut lower = Csc::zeros(Arc::new(Pattern::full_lower(m)));
+    let columns = (0..m).flat_map(|j| &values[j * m + j..(j + 1) * m]);
+    lower.values_mut().iter_mut().zip(columns).for_each(|(entry, value)| *entry = *value);
+    Ok((factor, Symmetric::from_lower(lower).expect("a lower triangle")))
 }
 
 /// The rows of `map` that are `wanted`, on the contact displacements; the others are empty.
 fn restrict(map: &Csr, border: &[usize], wanted: impl Fn(usize) -> bool) -> Csr {
-    let mut restricted = Csr::new(border.len());
-    for i in 0..map.rows() {
-        let place = |dof: &usize| border.binary_search(dof).ok();
-        let row = map.row(i).iter().filter(|_| wanted(i));
-        restricted.push_row(row.filter_map(|(dof, c)| place(dof).map(|k| (k, *c))));
-    }
-    restricted
+    let place = |dof: &usize| border.binary_search(dof).ok();
+    let row = |i: usize| map.row(i).iter().filter_map(move |(dof, c)| place(dof).map(|k| (k, *c)));
+    Csr::of_rows(border.len(), (0..map.rows()).map(|i| row(i).filter(|_| wanted(i)).collect::<Vec<_>>()))
 }

@@ -14,6 +14,7 @@ mod surface;
 pub use description::{GapDirection, Obstacle, Rotation, Shape};
 pub use gap_table::{GapTable, TableError};
 pub use kinematics::{ContactBoundary, ContactNode, Row, contact_nodes, share_edges, unreachable};
+pub(crate) use kkt::judge;
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, rounding_level, statuses};
 pub use motion::{ObstacleMotion, Rates};
 pub use obstacle::{Facing, ObstacleError, PlacedObstacle};

@@ -1,6 +1,36 @@
 //! A load history: one contact problem after the other, each starting from the last solution.
+//!
+//! | what | file |
+//! | --- | --- |
+//! | what a history asks of a method ([`IncrementSolver`]), and what it hands over ([`Task`]) | `task.rs` |
+//! | BN; the paper's interior point method; the default one; BN with that for its rescue | `bn.rs`, `ip.rs`, `predictor_corrector.rs`, `rescue.rs` |
+//! | which of them a [`Method`] names | `method.rs` |
+//! | from one time to the next, in parts if need be | `path.rs` |
+//! | the interior at the start of an increment, and at the end of a condensed one | `held.rs`, `whole.rs` |
+//!
+//! ```
+//! use stickslip::history::{self, HistorySettings, Method, Status, System};
+//! use stickslip::loading::{LoadCase, Loading};
+//! use stickslip::problem::{ContactProblem, Parts};
+//! use stickslip::sparse::{Csr, Symmetric};
+//!
+//! // A node on two springs of 2 N/m, pressed on a floor with 1 N and pulled along it with 0.1 N; friction 0.3.
+//! let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 1, 2.0)])?;
+//! let c_n = Csr::from_rows(2, [[(1, -1.0)]])?;
+//! let c_t = Csr::from_rows(2, [[(0, 1.0)]])?;
+//! let problem = ContactProblem::new(Parts { c_t, mu: vec![0.3], ..Parts::new(stiffness, c_n) })?;
+//! let load = LoadCase::new(vec![0.1, -1.0], vec![[0.0, 0.0], [1.0, 1.0]])?;
+//! let loading = Loading::new(vec![load], vec![0.0])?;
+//!
+//! let settings = HistorySettings::new(&problem, &loading, Method::BN)?;
+//! let outcome = history::run(&problem, &loading, &[0.5, 1.0], &settings, System::default(), &mut ())?;
+//! assert_eq!(outcome.status, Status::Converged);
+//! assert!((outcome.state.p_n[0] - 1.0).abs() < 1e-12 && (outcome.state.p_t[0] - 0.1).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod bn;
+mod error;
 mod held;
 mod ip;
 mod method;
@@ -9,24 +39,33 @@ mod observer;
 mod path;
 mod predictor_corrector;
 mod record;
+mod rescue;
 mod settings;
+mod solver;
+mod system;
+mod task;
 mod whole;
 
 use std::time::Instant;
 
+pub use error::Error;
 pub use observer::{Observer, Step};
 pub use record::{ContactCounts, IncrementRecord, Seconds, Status};
-pub use settings::{FirstGuess, HistorySettings, Method, Start};
+pub use settings::{HistorySettings, Method, Start};
+pub use solver::Solver;
+pub use system::{LinearAlgebra, System};
+pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
 
-use crate::condense::Condensed;
 use crate::contact::{KktScales, Violation, rounding_level, statuses};
 use crate::formulation::Layout;
-use crate::linear::{Direct, LinearError, Statistics};
+use crate::linear::{LinearError, Statistics};
 use crate::loading::Loading;
 use crate::nonlinear::{Flow, Stop};
-use crate::problem::{ContactProblem, State};
+use crate::problem::error::{expect_finite, expect_increasing};
+use crate::problem::{ContactProblem, ProblemError, State};
 use held::HeldBody;
 use path::{Path, Walked};
+use system::statistics;
 
 /// The result of a history.
 #[derive(Debug, Clone)]
@@ -46,7 +85,7 @@ pub struct HistoryOutcome {
     /// The equilibrium error that rounding the displacements makes in the last increment.
     pub rounding: f64,
     /// If a rigid motion is to blame, one that nothing stops or that the loads drive against all
-    /// contact forces: the weights of the problem's `free_motions` in it.
+    /// contact forces: the weights of the problem's free motions in it.
     pub free_motion: Option<Vec<f64>>,
     /// Which unknowns there were.
     pub layout: Layout,
@@ -60,19 +99,36 @@ pub struct HistoryOutcome {
 /// does not converge.
 ///
 /// # Errors
-/// When the linear algebra cannot go on. If memory runs out in an increment, that is its verdict.
-///
-/// # Panics
-/// If the arrays of `problem`, `loading` and `settings` do not have the lengths they say.
+/// When an array does not fit the problem or holds what it must not, and when the linear algebra cannot go on. If
+/// memory runs out in an increment, that is its verdict.
 pub fn run(
     problem: &ContactProblem,
     loading: &Loading,
     times: &[f64],
     settings: &HistorySettings,
-    linear: &mut Direct,
+    system: System,
     observer: &mut dyn Observer,
-) -> Result<HistoryOutcome, LinearError> {
+) -> Result<HistoryOutcome, Error> {
+    run_with(problem, loading, times, settings, settings, system, observer)
+}
+
+/// As [`run`], with a method of one's own in place of the one that `settings` name.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_with(
+    problem: &ContactProblem,
+    loading: &Loading,
+    times: &[f64],
+    algorithm: &dyn Algorithm,
+    settings: &HistorySettings,
+    system: System,
+    observer: &mut dyn Observer,
+) -> Result<HistoryOutcome, Error> {
     let start = Instant::now();
+    loading.check(problem)?;
+    settings.check(problem)?;
+    check_times(times)?;
     let mut outcome = HistoryOutcome {
         status: Status::Converged,
         records: Vec::with_capacity(times.len()),
@@ -83,31 +139,29 @@ pub fn run(
         rounding: 0.0,
         free_motion: None,
         layout: Layout::new(problem),
-        linear: *linear.statistics(),
+        linear: Statistics::default(),
         setup_seconds: 0.0,
     };
-    if outcome.layout.has_second_tangent() && !settings.method.knows_two_tangents() {
+    if !algorithm.knows(&outcome.layout) {
         return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
     }
-    let condensed = match linear.condenses().then(|| Condensed::new(problem, loading)).transpose() {
-        Ok(condensed) => condensed,
+    let (mut linear, condensed) = match system.set_up(problem, loading) {
+        Ok(set_up) => set_up,
         Err(LinearError::Singular { .. }) => {
-            let free_motion = method::new(problem, loading, settings).hold_contacts().err();
+            let free_motion = algorithm.start(problem, loading).hold_contacts().err();
             return Ok(HistoryOutcome { status: Status::Singular, free_motion, ..outcome });
         }
-        Err(error) => return Err(error),
+        Err(error) => return Err(error.into()),
     };
-    let (small, loads) = match &condensed {
-        Some(condensed) => {
-            linear.stand_on(condensed.info());
-            (&condensed.problem, &condensed.loading)
-        }
-        None => (problem, loading),
+    let (small, loads, body) = match &condensed {
+        Some(condensed) => (&condensed.problem, &condensed.loading, Some(condensed.info())),
+        None => (problem, loading, None),
     };
-    let mut method = method::new(small, loads, settings);
-    linear.analyze(&method.matrix().pattern)?;
-    outcome.linear = *linear.statistics();
-    let held = match HeldBody::new(method.as_mut(), small, loads, &settings.scaling, linear)? {
+    let mut method = algorithm.start(small, loads);
+    linear.analyze(method.matrix().pattern())?;
+    let held = HeldBody::new(method.as_mut(), small, loads, &settings.scaling, &mut linear)?;
+    outcome.linear = statistics(&linear, body, 0.0);
+    let held = match held {
         Ok(held) => held,
         Err(free_motion) => {
             return Ok(HistoryOutcome { status: Status::Singular, free_motion, ..outcome });
@@ -121,18 +175,21 @@ pub fn run(
         let index = k + 1;
         let start = Instant::now();
         let before = *linear.statistics();
-        let increment = match path.increment(time, linear, &mut |record| observer.iteration(index, record)) {
+        let increment = match path.increment(time, &mut linear, &mut |iteration| {
+            let flow = iteration.system.map_or(Flow::Continue, |system| observer.linear_system(index, &system));
+            if flow == Flow::Stop { flow } else { observer.iteration(index, &iteration.record) }
+        }) {
             Ok(increment) => increment,
             Err(LinearError::OutOfMemory { .. }) => {
                 outcome.status = Status::OutOfMemory;
                 break;
             }
-            Err(error) => return Err(error),
+            Err(error) => return Err(error.into()),
         };
         let Walked { solved, attempt, kkt, status, parts, friction_work } = increment;
         let statuses = statuses(problem, &path.data(), &attempt.state, &attempt.scales);
-        let after = *linear.statistics();
-        let seconds = Seconds::between(&before, &after, solved.assembly_seconds, start.elapsed().as_secs_f64());
+        let seconds =
+            Seconds::between(&before, linear.statistics(), solved.assembly_seconds, start.elapsed().as_secs_f64());
         let record = IncrementRecord {
             index,
             time,
@@ -152,7 +209,7 @@ pub fn run(
         let flow =
             observer.increment(&Step { record: &record, increment: &data, state: &attempt.state, statuses: &statuses });
         outcome.records.push(record);
-        outcome.linear = after;
+        outcome.linear = statistics(&linear, body, path.worst_backward_error);
         if status != Status::Converged || index == times.len() {
             outcome.rounding = rounding_level(problem, &attempt.state, &attempt.scales);
         }
@@ -173,4 +230,13 @@ pub fn run(
         }
     }
     Ok(outcome)
+}
+
+/// The ends of increments: at least one, finite, increasing.
+fn check_times(times: &[f64]) -> Result<(), ProblemError> {
+    if times.is_empty() {
+        return Err(ProblemError::Nothing { array: "times".to_string() });
+    }
+    expect_finite("times", times)?;
+    expect_increasing("times", times.iter().copied())
 }

@@ -33,17 +33,12 @@
 //! ```
 
 pub mod auto;
-#[cfg(feature = "studies")]
 pub mod compare;
 pub mod condense;
 pub mod contact;
 pub mod description;
-#[cfg(feature = "studies")]
-pub mod extremes;
 pub mod fault;
 pub mod fem;
-#[cfg(feature = "studies")]
-pub mod figures;
 pub mod formula;
 pub mod formulation;
 pub mod history;
@@ -55,11 +50,10 @@ pub mod nonlinear;
 pub mod null_space;
 pub mod problem;
 pub mod report;
+pub mod run;
 pub mod scene;
 pub mod solvability;
 pub mod sparse;
-#[cfg(feature = "studies")]
-pub mod tables;
 pub mod timeline;
 pub mod uniqueness;
 pub mod units;

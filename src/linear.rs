@@ -12,6 +12,7 @@ use crate::sparse::Pattern;
 
 pub mod built_in;
 mod cholesky;
+mod choice;
 #[cfg(feature = "umfpack")]
 mod cholmod;
 pub mod cost;
@@ -20,6 +21,7 @@ mod direct;
 mod error;
 #[cfg(feature = "faer")]
 mod faer;
+mod kernel;
 #[cfg(feature = "umfpack")]
 mod ordering;
 pub mod process;
@@ -31,10 +33,12 @@ mod umfpack;
 
 #[cfg(feature = "faer")]
 pub use self::faer::FaerLu;
+pub use choice::{SparseCholesky, SparseLu};
 pub use cholesky::{Cholesky, Reduced};
 pub use dense::{Dense, times_transposed};
 pub use direct::{Direct, Statistics};
 pub use error::LinearError;
+pub use kernel::null_space_of;
 pub use refine::{SolveInfo, backward_error, componentwise_error};
 #[cfg(feature = "umfpack")]
 pub use umfpack::{Strategy, Umfpack, suitesparse_version, umfpack_version};

@@ -2,51 +2,52 @@
 
 use std::ops::Range;
 
+use crate::problem::error::{expect_finite, expect_history, expect_increasing, expect_length};
+use crate::problem::{ContactProblem, ProblemError};
+
+const PER_NODE: &str = "one for each node in front of the obstacle";
+
 /// Nodal forces of one load at factor 1, and the factor's history.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadCase {
-    /// Nodal forces, n_u, N.
-    pub force: Vec<f64>,
-    /// Points `[time (s), factor]` with increasing times; linear between them, constant outside.
-    pub history: Vec<[f64; 2]>,
+    force: Vec<f64>,
+    history: Vec<[f64; 2]>,
 }
 
 /// A motion of an obstacle in one direction, or about one axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
-    /// The contact nodes in front of it.
-    pub nodes: Range<usize>,
-    /// What a unit of it adds to the gap of each of them, m per unit.
-    pub gap: Vec<f64>,
-    /// The displacement of the surface at each of them along both tangents, m per unit.
-    pub drift: Vec<[f64; 2]>,
-    /// Points `[time (s), distance (m) or angle (rad)]` with increasing times; linear between, constant
-    /// outside.
-    pub history: Vec<[f64; 2]>,
+    nodes: Range<usize>,
+    gap: Vec<f64>,
+    drift: Vec<[f64; 2]>,
+    history: Vec<[f64; 2]>,
 }
 
 /// What the rates of a [`Motion`] leave out of the gaps, as an obstacle that is round passes or one that is oblique turns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bend {
-    /// The contact nodes in front of the obstacle.
-    pub nodes: Range<usize>,
-    /// Times, s, increasing.
-    pub times: Vec<f64>,
-    /// What to add to the gap of each node at each of them, m; linear between, constant outside.
-    pub gap: Vec<Vec<f64>>,
+    nodes: Range<usize>,
+    times: Vec<f64>,
+    gap: Vec<Vec<f64>>,
 }
 
 /// The external forces and gaps of a history.
+///
+/// ```
+/// use stickslip::loading::{LoadCase, Loading};
+///
+/// // 2 N on the first of two displacements, raised over a second; one node, 1 mm from its obstacle.
+/// let load = LoadCase::new(vec![2.0, 0.0], vec![[0.0, 0.0], [1.0, 1.0]])?;
+/// let loading = Loading::new(vec![load], vec![1e-3])?;
+/// assert_eq!(loading.force_at(0.5), [1.0, 0.0]);
+/// # Ok::<(), stickslip::problem::ProblemError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Loading {
-    /// The loads, which add up.
-    pub cases: Vec<LoadCase>,
-    /// `g`, gaps before any obstacle moves, n_c, m.
-    pub gap: Vec<f64>,
-    /// The motions of obstacles, which add up.
-    pub motions: Vec<Motion>,
-    /// What goes beyond their rates.
-    pub bends: Vec<Bend>,
+    cases: Vec<LoadCase>,
+    gap: Vec<f64>,
+    motions: Vec<Motion>,
+    bends: Vec<Bend>,
 }
 
 /// The value at time `t` of a history: linear between its points, constant outside.
@@ -60,6 +61,32 @@ pub(crate) fn piecewise_linear(history: &[[f64; 2]], t: f64) -> Option<f64> {
 }
 
 impl LoadCase {
+    /// A load of `force` (n_u, N) at factor 1, whose factor goes through the points `[time (s), factor]` of `history`, linear
+    /// between them and constant outside; it is 1 throughout where there is none.
+    ///
+    /// # Errors
+    /// When a number is not finite, or the times do not increase.
+    pub fn new(force: Vec<f64>, history: Vec<[f64; 2]>) -> Result<Self, ProblemError> {
+        expect_finite("force", &force)?;
+        expect_history("history", &history)?;
+        Ok(LoadCase { force, history })
+    }
+
+    /// The nodal forces at factor 1, n_u, N.
+    pub fn force(&self) -> &[f64] {
+        &self.force
+    }
+
+    /// The points of the factor's history.
+    pub fn history(&self) -> &[[f64; 2]] {
+        &self.history
+    }
+
+    /// The same factor on other forces.
+    pub(crate) fn on(&self, force: Vec<f64>) -> Self {
+        LoadCase { force, history: self.history.clone() }
+    }
+
     /// The factor at time `t`.
     pub fn factor(&self, t: f64) -> f64 {
         piecewise_linear(&self.history, t).unwrap_or(1.0)
@@ -67,6 +94,31 @@ impl LoadCase {
 }
 
 impl Motion {
+    /// The motion of an obstacle in front of the contact nodes `nodes`: a unit of it adds `gap` (m per unit) to the gap of
+    /// each and moves the surface by `drift` (m per unit) along its tangents; the points `[time (s), distance (m) or angle
+    /// (rad)]` of `history` tell how far it has gone, linear between them and constant outside.
+    ///
+    /// # Errors
+    /// When there is not one gap and one drift for each node, a number is not finite, or the times do not increase.
+    pub fn new(
+        nodes: Range<usize>,
+        gap: Vec<f64>,
+        drift: Vec<[f64; 2]>,
+        history: Vec<[f64; 2]>,
+    ) -> Result<Self, ProblemError> {
+        expect_length("gap", nodes.len(), gap.len(), PER_NODE)?;
+        expect_length("drift", nodes.len(), drift.len(), PER_NODE)?;
+        expect_finite("gap", &gap)?;
+        drift.iter().enumerate().try_for_each(|(k, drift)| expect_finite(&format!("drift[{k}]"), drift))?;
+        expect_history("history", &history)?;
+        Ok(Motion { nodes, gap, drift, history })
+    }
+
+    /// The points of its history.
+    pub fn history(&self) -> &[[f64; 2]] {
+        &self.history
+    }
+
     /// How far it has gone at time `t`.
     fn at(&self, t: f64) -> f64 {
         piecewise_linear(&self.history, t).unwrap_or(0.0)
@@ -74,6 +126,29 @@ impl Motion {
 }
 
 impl Bend {
+    /// What to add to the gaps of the contact nodes `nodes`, m: a row of `gap` for each of the `times` (s), linear between
+    /// them and constant outside.
+    ///
+    /// # Errors
+    /// When there is not a row for each time and a number for each node, a number is not finite, or the times do not
+    /// increase.
+    pub fn new(nodes: Range<usize>, times: Vec<f64>, gap: Vec<Vec<f64>>) -> Result<Self, ProblemError> {
+        expect_length("gap", times.len(), gap.len(), "one row for each time")?;
+        expect_finite("times", &times)?;
+        expect_increasing("times", times.iter().copied())?;
+        for (k, row) in gap.iter().enumerate() {
+            let name = format!("gap[{k}]");
+            expect_length(&name, nodes.len(), row.len(), PER_NODE)?;
+            expect_finite(&name, row)?;
+        }
+        Ok(Bend { nodes, times, gap })
+    }
+
+    /// The times, s.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
     /// Adds what belongs to time `t` to the `gap` of its nodes.
     fn add(&self, t: f64, gap: &mut [f64]) {
         let Some(last) = self.times.len().checked_sub(1) else { return };
@@ -91,8 +166,80 @@ impl Bend {
 }
 
 impl Loading {
+    /// Loads, which add up, and `gap`, the gaps before any obstacle moves, n_c, m.
+    ///
+    /// # Errors
+    /// When the loads have forces of different lengths, or a gap is not finite.
+    pub fn new(cases: Vec<LoadCase>, gap: Vec<f64>) -> Result<Self, ProblemError> {
+        let first = cases.first().map_or(0, |case| case.force.len());
+        for (k, case) in cases.iter().enumerate() {
+            expect_length(format!("force of load {k}"), first, case.force.len(), "as many as the first load has")?;
+        }
+        expect_finite("gap", &gap)?;
+        Ok(Loading { cases, gap, motions: Vec::new(), bends: Vec::new() })
+    }
+
+    /// The same with obstacles that move. The motions add up, and so does what goes beyond their rates.
+    ///
+    /// # Errors
+    /// When one names a contact node that there is not.
+    pub fn with_motions(self, motions: Vec<Motion>, bends: Vec<Bend>) -> Result<Self, ProblemError> {
+        let n_c = self.gap.len();
+        let ends = motions.iter().map(|motion| ("motion", &motion.nodes)).chain(bends.iter().map(|bend| ("bend", &bend.nodes)));
+        for (what, nodes) in ends {
+            if nodes.end > n_c {
+                return expect_length(format!("nodes of a {what}"), n_c, nodes.end, "at most one for each gap")
+                    .map(|()| self);
+            }
+        }
+        Ok(Loading { motions, bends, ..self })
+    }
+
+    /// The loads.
+    pub fn cases(&self) -> &[LoadCase] {
+        &self.cases
+    }
+
+    /// `g`, the gaps before any obstacle moves, n_c, m.
+    pub fn gap(&self) -> &[f64] {
+        &self.gap
+    }
+
+    /// The motions of obstacles.
+    pub fn motions(&self) -> &[Motion] {
+        &self.motions
+    }
+
+    /// What goes beyond their rates.
+    pub fn bends(&self) -> &[Bend] {
+        &self.bends
+    }
+
+    /// Other loads on the same contact nodes.
+    pub(crate) fn with_cases(&self, cases: Vec<LoadCase>) -> Self {
+        Loading { cases, ..self.clone() }
+    }
+
+    /// Whether it fits `problem`.
+    ///
+    /// # Errors
+    /// When its forces or gaps are more or fewer than the displacements or contact nodes of `problem`.
+    pub fn check(&self, problem: &ContactProblem) -> Result<(), ProblemError> {
+        if let Some(case) = self.cases.first() {
+            expect_length("force of a load", problem.displacements(), case.force.len(), "one for each displacement")?;
+        }
+        expect_length("gap", problem.contacts(), self.gap.len(), "one for each contact node")
+    }
+
+    /// The external forces (n_u, N) at time `t`; none where there is no load.
+    pub fn force_at(&self, t: f64) -> Vec<f64> {
+        let mut force = vec![0.0; self.cases.first().map_or(0, |case| case.force.len())];
+        self.force(t, &mut force);
+        force
+    }
+
     /// The external forces (n_u, N) at time `t`.
-    pub fn force(&self, t: f64, force: &mut [f64]) {
+    pub(crate) fn force(&self, t: f64, force: &mut [f64]) {
         force.fill(0.0);
         for case in &self.cases {
             let factor = case.factor(t);
@@ -103,7 +250,7 @@ impl Loading {
     }
 
     /// The gaps (n_c, m) at time `t`.
-    pub fn gap_at(&self, t: f64, gap: &mut [f64]) {
+    pub(crate) fn gap_at(&self, t: f64, gap: &mut [f64]) {
         gap.copy_from_slice(&self.gap);
         for motion in &self.motions {
             let distance = motion.at(t);

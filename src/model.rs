@@ -7,17 +7,16 @@ mod stress;
 
 use std::sync::Arc;
 
-use crate::contact::{ContactBoundary, ContactNode, Facing, ObstacleMotion, PlacedObstacle, share_edges};
+use crate::contact::{ContactBoundary, ContactNode, Facing, ObstacleMotion, PlacedObstacle, Row, share_edges};
 use crate::description::Description;
 use crate::fault::Fault;
 use crate::fem::{
     Dofs, Elasticity, Element, InvertedElement, Plane, RigidMotion, assemble, facet_load, rigid_motions,
 };
-use crate::linear::{Direct, built_in};
 use crate::loading::{Bend, LoadCase, Loading, Motion};
 use crate::mesh::{Boundary, Mesh, MeshFileError};
-use crate::problem::ContactProblem;
-use crate::scene::{LinearBackend, Scene, SceneError};
+use crate::problem::{ContactProblem, Parts, ProblemError};
+use crate::scene::{Scene, SceneError};
 use crate::sparse::Csr;
 use crate::timeline::within;
 use crate::units::Scaling;
@@ -43,7 +42,7 @@ pub struct Model {
     pub problem: ContactProblem,
     /// The loads and gaps over time.
     pub loading: Loading,
-    /// The rigid motions behind `problem.free_motions`.
+    /// The rigid motions behind `problem.free_motions()`.
     pub rigid_motions: Vec<RigidMotion>,
 }
 
@@ -62,6 +61,10 @@ pub enum ModelError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Mesh(#[from] MeshFileError),
+    /// What the mesh makes of the description is no sound problem, as where its numbers overflow.
+    #[error(transparent)]
+    #[diagnostic(help("moduli, loads or lengths leave the range of double precision: check their units"))]
+    Problem(#[from] ProblemError),
     /// An element of the mesh is not sound.
     #[error(transparent)]
     Element(#[from] InvertedElement),
@@ -113,38 +116,34 @@ impl Model {
             let facings: Vec<Facing> = contacts.iter().map(|contact| contact.facing).collect();
             for (rates, history) in motion.rates(&positions, &facings) {
                 let (gap, drift) = rates.iter().map(|rates| (rates.gap, rates.drift)).unzip();
-                motions.push(Motion { nodes: nodes.clone(), gap, drift, history });
+                motions.push(Motion::new(nodes.clone(), gap, drift, history)?);
             }
             if let Some(gap) = motion.bends(obstacle, &positions, &facings, &times) {
-                bends.push(Bend { nodes: nodes.clone(), times: times.clone(), gap });
+                bends.push(Bend::new(nodes.clone(), times.clone(), gap)?);
             }
         }
-        let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(dofs.free()));
-        for contact in &contacts {
-            c_n.push_row(contact.normal.iter().copied());
-            c_t.push_row(contact.tangents[0].iter().copied());
-            c_o.push_row(contact.tangents[1].iter().copied());
-        }
-
-        let mut loading =
-            Loading { cases: Vec::new(), gap: contacts.iter().map(|c| c.facing.gap).collect(), motions, bends };
+        let map = |row: fn(&ContactNode) -> &Row| {
+            Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))
+        };
+        let (mut cases, end) = (Vec::with_capacity(description.loads.len()), description.end());
         for (k, load) in description.loads.iter().enumerate() {
             let boundary = find(&mesh, &load.boundary, &format!("load[{k}]"))?;
             let force = facet_load(&mesh, &dofs, boundary, body::traction(description, &mesh, k)?);
-            let end = description.end();
-            loading.cases.push(LoadCase { force, history: within(end, &load.factors(end)) });
+            cases.push(LoadCase::new(force, within(end, &load.factors(end)))?);
         }
+        let gap = contacts.iter().map(|contact| contact.facing.gap).collect();
+        let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?;
 
         let rigid_motions = rigid_motions(&mesh, &dofs);
-        let problem = ContactProblem {
+        let problem = ContactProblem::new(Parts {
             stiffness,
-            c_n,
-            c_t,
-            c_o,
+            c_n: map(|contact| &contact.normal),
+            c_t: map(|contact| &contact.tangents[0]),
+            c_o: map(|contact| &contact.tangents[1]),
             mu,
-            weight: contacts.iter().map(|c| c.weight).collect(),
-            free_motions: rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect(),
-        };
+            weight: Some(contacts.iter().map(|contact| contact.weight).collect()),
+            free_motions: Some(rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect()),
+        })?;
         Ok(Model {
             description: description.clone(),
             mesh,
@@ -182,15 +181,6 @@ impl Model {
     /// Whether the body is a thin plate, in plane stress.
     pub fn is_thin(&self) -> bool {
         self.description.material.plane == Some(Plane::Stress)
-    }
-
-    /// The linear algebra that a scene names.
-    pub fn linear(&self, backend: LinearBackend) -> Direct {
-        match backend {
-            LinearBackend::Umfpack => Direct::new(built_in::umfpack()),
-            LinearBackend::Faer => Direct::new(built_in::faer()),
-            LinearBackend::Condensed => Direct::condensing(self.problem.contact_displacements().len()),
-        }
     }
 
     /// Units for the numbers inside, see [`ContactProblem::scaling`].

@@ -3,15 +3,21 @@
 mod armijo;
 mod bn;
 mod clock;
+mod cycle;
+mod end;
 mod ip;
 mod predictor_corrector;
 
 pub use armijo::Armijo;
-pub use bn::{Bn, BnSettings, End};
+pub use bn::Bn;
+pub use end::{End, Measure};
 pub use ip::{Centring, Ip, IpSettings};
 pub use predictor_corrector::{PredictorCorrector, PredictorCorrectorSettings};
 
+use crate::formulation::Layout;
 use crate::linear::LinearError;
+use crate::sparse::Csc;
+use crate::units::Scaling;
 
 /// How the iteration of one increment ended, by the solver's own stop test.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,6 +125,41 @@ impl Outcome {
 }
 
 /// One iteration, as it happens.
+#[derive(Debug, Clone, Copy)]
+pub struct Iteration<'a> {
+    /// Its record.
+    pub record: IterationRecord,
+    /// The linear system that gave the step; there is none at the start.
+    pub system: Option<LinearSystem<'a>>,
+}
+
+/// The linearised equations of an iteration, as they were solved: `matrix · solution = rhs`.
+///
+/// The unknowns begin with `(u, p_t, p_o, p_n)` in the order of `layout`, forces and displacements in the units of
+/// `scaling`. Rows of contact are scaled or combined where that keeps them well conditioned; the solution is that of
+/// (22), or of (14) with what is eliminated left out.
+#[derive(Debug, Clone, Copy)]
+pub struct LinearSystem<'a> {
+    /// The matrix.
+    pub matrix: &'a Csc,
+    /// The right-hand side.
+    pub rhs: &'a [f64],
+    /// The direction `dz`, before it is multiplied by the step size.
+    pub solution: &'a [f64],
+    /// Which unknowns there are, and where they stand.
+    pub layout: &'a Layout,
+    /// The units of the unknowns.
+    pub scaling: Scaling,
+}
+
+impl Iteration<'_> {
+    /// The start, before any iteration.
+    fn start(theta: f64, error: Option<f64>) -> Self {
+        Iteration { record: IterationRecord { error, ..IterationRecord::start(theta) }, system: None }
+    }
+}
+
+/// What is recorded of an iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IterationRecord {
     /// Its number in the increment, from 1; 0 stands for the start.
@@ -140,7 +181,7 @@ pub struct IterationRecord {
 
 impl IterationRecord {
     /// The start, before any iteration.
-    pub fn start(theta: f64) -> Self {
+    fn start(theta: f64) -> Self {
         IterationRecord {
             iteration: 0,
             theta,

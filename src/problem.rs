@@ -8,16 +8,45 @@
 //! A contact node has two tangents in three dimensions (any orthonormal pair), one in two, and fewer
 //! where supports leave it less: a row of `C_t` or `C_o` is empty where there is no such freedom.
 
+mod check;
 mod contact_stiffness;
+pub(crate) mod error;
 
 use std::collections::BTreeSet;
 
+pub use error::ProblemError;
+use serde::Serialize;
+
+use crate::linear::null_space_of;
 use crate::sparse::{Csr, Symmetric, Twofold};
 use crate::units::Scaling;
 
-/// One body against rigid obstacles, in SI units.
+/// One body against rigid obstacles, in SI units; sound, because [`ContactProblem::new`] lets nothing else pass.
+///
+/// ```
+/// use stickslip::problem::{ContactProblem, Parts, ProblemError};
+/// use stickslip::sparse::{Csr, Symmetric};
+///
+/// // A node on two springs, above a floor that it meets along -y; friction 0.3.
+/// let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2e6), (1, 1, 2e6)])?;
+/// let c_n = Csr::from_rows(2, [[(1, -1.0)]])?;
+/// let c_t = Csr::from_rows(2, [[(0, 1.0)]])?;
+/// let problem = ContactProblem::new(Parts { c_t, mu: vec![0.3], ..Parts::new(stiffness, c_n) })?;
+/// assert_eq!((problem.displacements(), problem.contacts()), (2, 1));
+///
+/// let error = ContactProblem::new(Parts { mu: vec![-0.3], ..problem.into_parts() }).unwrap_err();
+/// assert_eq!(error.to_string(), "mu[0] is -0.3, but must be 0 or more");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ContactProblem {
+    parts: Parts,
+    free_motions: Vec<Vec<f64>>,
+}
+
+/// What a [`ContactProblem`] is made of, in SI units.
+#[derive(Debug, Clone)]
+pub struct Parts {
     /// `K`, symmetric positive semidefinite, n_u × n_u, N/m.
     pub stiffness: Symmetric,
     /// `C_n`, n_c × n_u: contact displacements, positive towards the obstacle.
@@ -30,11 +59,21 @@ pub struct ContactProblem {
     pub c_o: Csr,
     /// `μ`, friction coefficients, n_c.
     pub mu: Vec<f64>,
-    /// `l`, integration weights of the contact nodes, n_c, m (per unit depth): `σ = p / l` (32).
-    pub weight: Vec<f64>,
+    /// `l`, integration weights of the contact nodes, n_c, m (m² in space): `σ = p / l` (32). Stresses and the
+    /// constants of the paper need them, the equations do not.
+    pub weight: Option<Vec<f64>>,
     /// A basis of the null space of `K`, each of length n_u: the rigid motions that no support
-    /// stops. Empty for a body that is held.
-    pub free_motions: Vec<Vec<f64>>,
+    /// stops, none for a body that is held. Without it they are found from `K`.
+    pub free_motions: Option<Vec<Vec<f64>>>,
+}
+
+impl Parts {
+    /// A body without friction: no tangents, no weights, the free motions to be found from `stiffness`.
+    pub fn new(stiffness: Symmetric, c_n: Csr) -> Self {
+        let none = Csr::empty(c_n.rows(), c_n.columns());
+        let mu = vec![0.0; c_n.rows()];
+        Parts { stiffness, c_t: none.clone(), c_o: none, mu, c_n, weight: None, free_motions: None }
+    }
 }
 
 /// What drives one increment, in SI units.
@@ -51,7 +90,7 @@ pub struct Increment<'a> {
 }
 
 /// A state of the body, in SI units.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct State {
     /// `u`, free displacements, n_u, m.
     pub u: Vec<f64>,
@@ -67,33 +106,97 @@ pub struct State {
 }
 
 impl ContactProblem {
+    /// The problem of these parts.
+    ///
+    /// # Errors
+    /// [`ProblemError`] names the array that has another length than the others ask for, holds a number that is not
+    /// finite, or breaks what [`Parts`] says of it: `μ ≥ 0`, weights above 0, no displacement that takes energy out of
+    /// `K`, `K r = 0` for each free motion `r`. [`ProblemError::Linear`] when the free motions cannot be found.
+    pub fn new(parts: Parts) -> Result<Self, ProblemError> {
+        check::parts(&parts)?;
+        let free_motions = match &parts.free_motions {
+            Some(motions) => {
+                check::free_motions(&parts.stiffness, motions)?;
+                motions.clone()
+            }
+            None => null_space_of(&parts.stiffness)?,
+        };
+        Ok(Self::of(Parts { free_motions: Some(free_motions), ..parts }))
+    }
+
+    /// The problem of parts that this crate has made of a sound one.
+    pub(crate) fn of(mut parts: Parts) -> Self {
+        let free_motions = parts.free_motions.take().unwrap_or_default();
+        ContactProblem { parts, free_motions }
+    }
+
+    /// What it is made of, to make another one of.
+    pub fn into_parts(self) -> Parts {
+        Parts { free_motions: Some(self.free_motions), ..self.parts }
+    }
+
+    /// `K`, n_u × n_u, N/m.
+    pub fn stiffness(&self) -> &Symmetric {
+        &self.parts.stiffness
+    }
+
+    /// `C_n`, n_c × n_u.
+    pub fn c_n(&self) -> &Csr {
+        &self.parts.c_n
+    }
+
+    /// `C_t`, n_c × n_u.
+    pub fn c_t(&self) -> &Csr {
+        &self.parts.c_t
+    }
+
+    /// `C_o`, n_c × n_u.
+    pub fn c_o(&self) -> &Csr {
+        &self.parts.c_o
+    }
+
+    /// `μ`, n_c.
+    pub fn mu(&self) -> &[f64] {
+        &self.parts.mu
+    }
+
+    /// `l`, n_c, m (m² in space), if they are known.
+    pub fn weight(&self) -> Option<&[f64]> {
+        self.parts.weight.as_deref()
+    }
+
+    /// A basis of the null space of `K`, each of length n_u.
+    pub fn free_motions(&self) -> &[Vec<f64>] {
+        &self.free_motions
+    }
+
     /// n_u, the number of free displacements.
     pub fn displacements(&self) -> usize {
-        self.stiffness.order()
+        self.stiffness().order()
     }
 
     /// n_c, the number of contact nodes.
     pub fn contacts(&self) -> usize {
-        self.c_n.rows()
+        self.c_n().rows()
     }
 
     /// `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f`, N; in twice the working precision if the state has a `u_rest`.
-    pub fn imbalance(&self, force: &[f64], state: &State) -> Vec<f64> {
+    pub(crate) fn imbalance(&self, force: &[f64], state: &State) -> Vec<f64> {
         if state.u_rest.is_empty() {
             let mut balance = vec![0.0; state.u.len()];
-            self.stiffness.mul(&state.u, &mut balance);
-            self.c_n.add_transposed(&state.p_n, &mut balance);
-            self.c_t.add_transposed(&state.p_t, &mut balance);
-            self.c_o.add_transposed(&state.p_o, &mut balance);
+            self.stiffness().mul(&state.u, &mut balance);
+            self.c_n().add_transposed(&state.p_n, &mut balance);
+            self.c_t().add_transposed(&state.p_t, &mut balance);
+            self.c_o().add_transposed(&state.p_o, &mut balance);
             balance.iter_mut().zip(force).for_each(|(sum, force)| *sum -= force);
             return balance;
         }
         let mut balance = vec![Twofold::default(); state.u.len()];
-        for (row, column, value) in self.stiffness.entries() {
+        for (row, column, value) in self.stiffness().entries() {
             balance[row].add_product(value, state.u[column]);
             balance[row].add(value * state.u_rest[column]);
         }
-        for (map, forces) in [(&self.c_n, &state.p_n), (&self.c_t, &state.p_t), (&self.c_o, &state.p_o)] {
+        for (map, forces) in [(self.c_n(), &state.p_n), (self.c_t(), &state.p_t), (self.c_o(), &state.p_o)] {
             for (i, p) in forces.iter().enumerate() {
                 map.row(i).iter().for_each(|&(dof, c)| balance[dof].add_product(c, *p));
             }
@@ -104,14 +207,14 @@ impl ContactProblem {
 
     /// `w_T - w̄_T` of contact node `i`, the slip increment (m), with the `u_rest` of `state`: a slip may be that small
     /// beside the displacements that its direction is lost in their rounding.
-    pub fn slip(&self, increment: &Increment<'_>, state: &State, i: usize) -> [f64; 2] {
+    pub(crate) fn slip(&self, increment: &Increment<'_>, state: &State, i: usize) -> [f64; 2] {
         let last = [increment.w_t_last[i], increment.w_o_last[i]];
         [0, 1].map(|d| self.tangential_maps()[d].difference(i, &state.u, &state.u_rest, last[d]))
     }
 
     /// The work that friction dissipates in one increment, `p_Tᵀ (w_T - w̄_T)`, J, or J per m of depth: by (8) no node
     /// has a negative share in it.
-    pub fn friction_work(&self, increment: &Increment<'_>, state: &State) -> f64 {
+    pub(crate) fn friction_work(&self, increment: &Increment<'_>, state: &State) -> f64 {
         let of_node = |i: usize| {
             let [slip_t, slip_o] = self.slip(increment, state, i);
             state.p_t[i] * slip_t + state.p_o[i] * slip_o
@@ -122,22 +225,22 @@ impl ContactProblem {
     /// The displacements that contact forces act on, ascending. There are none along an obstacle
     /// without friction.
     pub fn contact_displacements(&self) -> Vec<usize> {
-        let normal = (0..self.contacts()).flat_map(|i| self.c_n.row(i));
-        let rough = (0..self.contacts()).filter(|&i| self.mu[i] > 0.0);
+        let normal = (0..self.contacts()).flat_map(|i| self.c_n().row(i));
+        let rough = (0..self.contacts()).filter(|&i| self.mu()[i] > 0.0);
         let tangential = rough.flat_map(|i| self.tangential_maps().map(|map| map.row(i))).flatten();
         normal.chain(tangential).map(|&(dof, _)| dof).collect::<BTreeSet<_>>().into_iter().collect()
     }
 
     /// `(C_t, C_o)`.
     pub fn tangential_maps(&self) -> [&Csr; 2] {
-        [&self.c_t, &self.c_o]
+        [self.c_t(), self.c_o()]
     }
 
     /// Units of order one for a run whose external nodal forces reach `largest_force` (N) and whose
     /// obstacles reach `interference` (m) into the body: the stiffness of a typical node, and the
     /// displacement that either makes.
     pub fn scaling(&self, largest_force: f64, interference: f64) -> Scaling {
-        let mut diagonal = self.stiffness.diagonal();
+        let mut diagonal = self.stiffness().diagonal();
         let middle = diagonal.len() / 2;
         let stiffness = match diagonal.len() {
             0 => 1.0,

@@ -35,10 +35,10 @@ use std::path::Path;
 
 pub use error::{Located, SceneError};
 pub use overrides::{Override, OverrideSyntax};
-pub use solver::{LinearBackend, Method, MethodName, NewtonSystem, Partition, Setting, Solver, Start};
 
 use crate::description::Description;
 use crate::fault::Fault;
+use crate::history::Solver;
 use crate::timeline::equal_increments;
 use error::Source;
 
@@ -105,7 +105,17 @@ impl Scene {
     /// # Errors
     /// As [`Scene::parse`].
     pub fn with(&self, overrides: &[Override]) -> Result<Self, SceneError> {
-        Self::parse(self.source.name.trim_end_matches(overrides::MARK), &self.source.text, overrides)
+        Self::parse(self.file(), self.text(), overrides)
+    }
+
+    /// The file it was read from, or what stood for that.
+    pub fn file(&self) -> &str {
+        self.source.name.trim_end_matches(overrides::MARK)
+    }
+
+    /// Its text in TOML, with all overrides in place.
+    pub fn text(&self) -> &str {
+        &self.source.text
     }
 
     /// The error of the value at `key`, for what only a later stage can see.

@@ -60,7 +60,7 @@ impl Conditions {
 pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<(), Vec<f64>> {
     let free = Free::new(problem);
     let (mut load, mut size) = (Vec::new(), Vec::new());
-    for (motion, largest) in problem.free_motions.iter().zip(&free.largest) {
+    for (motion, largest) in problem.free_motions().iter().zip(&free.largest) {
         let work = motion.iter().zip(force).map(|(u, f)| u * f);
         size.push(work.clone().map(f64::abs).sum::<f64>() / largest);
         load.push(work.sum::<f64>() / largest);
@@ -105,8 +105,8 @@ impl FrictionCone {
     fn of(problem: &ContactProblem, free: &Free, i: usize) -> Self {
         let rows = problem.tangential_maps().map(|map| map.row(i));
         FrictionCone {
-            mu: problem.mu[i],
-            normal: free.felt(problem.c_n.row(i)),
+            mu: problem.mu()[i],
+            normal: free.felt(problem.c_n().row(i)),
             tangents: rows.into_iter().filter(|row| !row.is_empty()).map(|row| free.felt(row)).collect(),
         }
     }
@@ -140,8 +140,8 @@ impl FrictionCone {
 /// are none but zero if and only if that cone is the whole space, and so holds every direction.
 fn leaving(problem: &ContactProblem) -> Option<Vec<f64>> {
     let free = Free::new(problem);
-    let rows: Vec<Vec<f64>> = (0..problem.contacts()).map(|i| free.felt(problem.c_n.row(i))).collect();
-    let dimension = problem.free_motions.len();
+    let rows: Vec<Vec<f64>> = (0..problem.contacts()).map(|i| free.felt(problem.c_n().row(i))).collect();
+    let dimension = problem.free_motions().len();
     // First the way out of all of them at once: where it exists it is the plainest to tell.
     let away: Vec<f64> = (0..dimension).map(|k| -rows.iter().map(|row| row[k]).sum::<f64>()).collect();
     let size: f64 = rows.iter().map(|row| norm(row)).sum();
@@ -161,7 +161,7 @@ struct Free<'a> {
 
 impl<'a> Free<'a> {
     fn new(problem: &'a ContactProblem) -> Self {
-        let motions = problem.free_motions.as_slice();
+        let motions = problem.free_motions();
         let largest = motions.iter().map(|motion| motion.iter().fold(0.0_f64, |m, u| m.max(u.abs()))).collect();
         Free { motions, largest }
     }
@@ -192,8 +192,8 @@ fn dependent(problem: &ContactProblem) -> Vec<usize> {
     let rows: Vec<Row> = (0..problem.contacts())
         .flat_map(|i| {
             let tangential = problem.tangential_maps().map(|map| map.row(i));
-            let sliding = tangential.into_iter().filter(move |row| problem.mu[i] > 0.0 && !row.is_empty());
-            [problem.c_n.row(i)].into_iter().chain(sliding).map(move |row| (i, row))
+            let sliding = tangential.into_iter().filter(move |row| problem.mu()[i] > 0.0 && !row.is_empty());
+            [problem.c_n().row(i)].into_iter().chain(sliding).map(move |row| (i, row))
         })
         .collect();
     let mut found = BTreeSet::new();

@@ -19,7 +19,8 @@ use serde::Serialize;
 
 use crate::contact::coulomb::{NormalCase, TangentialCase};
 use crate::contact::{ContactStatus, KktScales, statuses};
-use crate::formulation::{Bdiff, Conventions, Formulation, Layout};
+use crate::formulation::{Bdiff, Conventions, Layout};
+use crate::history::Error;
 use crate::linear::{Direct, LinearError};
 use crate::problem::{ContactProblem, Increment, State};
 use crate::units::Scaling;
@@ -59,10 +60,8 @@ struct Slider {
 /// the rate, and `J(κ)` is another one.
 ///
 /// # Errors
-/// When the linear algebra cannot go on, as for want of memory. A singular matrix is no error.
-///
-/// # Panics
-/// If the arrays do not have the lengths that `problem` says.
+/// When an array does not fit the problem, and when the linear algebra cannot go on, as for want of memory. A singular
+/// matrix is no error.
 pub fn critical_friction(
     problem: &ContactProblem,
     increment: &Increment<'_>,
@@ -70,7 +69,9 @@ pub fn critical_friction(
     scales: &KktScales,
     scaling: Scaling,
     linear: &mut Direct,
-) -> Result<Option<CriticalFriction>, LinearError> {
+) -> Result<Option<CriticalFriction>, Error> {
+    increment.check(problem)?;
+    state.check(problem)?;
     let layout = Layout::new(problem);
     if (0..problem.contacts()).any(|i| layout.slides_in_a_plane(i)) {
         return Ok(None);
@@ -90,7 +91,7 @@ pub fn critical_friction(
         .filter_map(|i| {
             let mut forces = layout.tangential(i).into_iter().zip([state.p_t[i], state.p_o[i]]);
             let (p_t, force) = forces.find_map(|(place, force)| Some((place?, force)))?;
-            Some(Slider { p_t, p_n: layout.p_n(i), drive: problem.mu[i] * force.signum() })
+            Some(Slider { p_t, p_n: layout.p_n(i), drive: problem.mu()[i] * force.signum() })
         })
         .collect();
     let factor = match sliders.as_slice() {
@@ -98,7 +99,7 @@ pub fn critical_friction(
         sliders => match response(&tangent, sliders, linear) {
             Ok(Some(response)) => 1.0 / largest_real(&response)?,
             Ok(None) | Err(LinearError::Singular { .. } | LinearError::NotFinite) => 0.0,
-            Err(error) => return Err(error),
+            Err(error) => return Err(error.into()),
         },
     };
     Ok(Some(CriticalFriction { factor, slipping: sliders.len() }))
@@ -110,7 +111,7 @@ fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut Direct) -> Result<
         return Ok(None);
     }
     let jacobian = tangent.jacobian();
-    linear.analyze(&jacobian.pattern)?;
+    linear.analyze(jacobian.pattern())?;
     // In units in which stiffness and compliance are of order one, such a pivot is a zero with
     // rounding in it.
     if linear.factorize(jacobian)?.pivot_ratio < f64::EPSILON {

@@ -135,7 +135,7 @@ impl LinearSolver for Naive {
 
 /// The matrix without its explicit zeros.
 pub fn prune(a: &Csc) -> (Arc<Pattern>, Vec<f64>) {
-    let pattern = Pattern::from_entries(a.pattern.rows(), a.pattern.columns(), |take| {
+    let pattern = Pattern::from_entries(a.pattern().rows(), a.pattern().columns(), |take| {
         a.entries().filter(|&(_, _, value)| value != 0.0).for_each(|(i, j, _)| take(i, j));
     });
     let values = a.values.iter().copied().filter(|&value| value != 0.0).collect();

@@ -141,7 +141,10 @@ fn run(case: Case, who: &str, setting: Setting) -> Measured {
     let (scaling, mut linear, tolerance, condensed) = if who == "naive" {
         (Scaling::SI, Direct::new(Box::new(Naive::default())), 1e-3, false)
     } else {
-        let backend = Choice::new(&scene, &model, available_bytes()).unwrap().backend;
+        let backend =
+            Choice::cheapest(&model.problem, scene.solver.method.name(), scene.time.increments, available_bytes())
+                .unwrap()
+                .backend;
         let condensed = backend == LinearBackend::Condensed;
         (model.scaling(), model.linear(backend), scene.solver.tolerance, condensed)
     };

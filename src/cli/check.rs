@@ -11,11 +11,12 @@ use stickslip::formulation::Layout;
 use stickslip::mesh::{CellKind, HalfPlane, MeshSource, Segment};
 use stickslip::model::Model;
 use stickslip::report::Warning;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::vector::Vector;
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 
-use super::{Failure, SceneArgs, discretise};
+use super::{Failure, SceneArgs};
 use histories::points;
 
 #[derive(Args)]

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::de::value::Error as NameError;
 use serde::de::{DeserializeOwned, IntoDeserializer};
-use stickslip::compare::{self, CompareError, Comparison, End, MeshResult, Phases, Plan, Run, SolverPath};
+use stickslip::compare::{self, Comparison, End, MeshResult, Phases, Plan, SolverPath, Trial};
 use stickslip::history::Status;
 use stickslip::linear;
 use stickslip::report::{Table, csv_table, write_file};
@@ -71,10 +71,7 @@ pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
         started = true;
         bar.set_message(what);
     };
-    let comparison = compare::compute(&scene, &plan, &mut progress).map_err(|error| match error {
-        CompareError::Model(error) => Failure::from(error),
-        CompareError::Linear(error) => Failure::linear(&error),
-    })?;
+    let comparison = compare::compute(&scene, &plan, &mut progress)?;
     bar.finish_and_clear();
 
     if args.csv {
@@ -232,7 +229,7 @@ const RUN_COLUMNS: [&str; 25] = [
 ];
 
 fn runs_csv(comparison: &Comparison) -> String {
-    let row = |run: &Run| {
+    let row = |run: &Trial| {
         let mut row = named_path(run);
         row.extend([run.status.to_string(), run.converged.to_string()]);
         row.extend([run.iterations, run.factorizations].map(|count| count.to_string()));
@@ -251,7 +248,7 @@ fn runs_csv(comparison: &Comparison) -> String {
     csv_table(&RUN_COLUMNS, comparison.runs.iter().map(row))
 }
 
-fn named_path(run: &Run) -> Vec<String> {
+fn named_path(run: &Trial) -> Vec<String> {
     let SolverPath { method, setting, linear } = run.path;
     let numbers = [run.mesh, run.increments].map(|number| number.to_string());
     [method.to_string(), setting.to_string(), linear.to_string()].into_iter().chain(numbers).collect()

@@ -3,24 +3,22 @@
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Instant;
 
 use clap::Args;
-use stickslip::auto::Choice;
 use stickslip::formulation::Layout;
-use stickslip::history::{self, HistorySettings, Method, Observer, Start, Status, Step};
+use stickslip::history::{Observer, Status, Step};
 use stickslip::linear;
 use stickslip::model::Model;
-use stickslip::nonlinear::{Flow, IpSettings, IterationRecord, PredictorCorrectorSettings};
+use stickslip::nonlinear::{Flow, IterationRecord};
 use stickslip::report::{
-    ComponentSums, ContactLine, ContactSurface, ForceRecord, LeftOut, Measured, ResultFolder, Resultant, RunReport,
-    Unknowns, Validity, Warning, available_bytes, cpu_seconds, fields, peak_rss_bytes,
+    ComponentSums, ContactLine, ContactSurface, ForceRecord, LeftOut, ResultFolder, Resultant, RunReport, Unknowns,
+    Warning, fields,
 };
-use stickslip::scene::{self, NewtonSystem, Scene, Solver};
+use stickslip::run::Run;
+use stickslip::scene::{LinearBackend, Method, NewtonSystem, Scene};
 
 use super::progress::Progress;
-use super::uniqueness::LastIncrement;
-use super::{Failure, SceneArgs, discretise, interrupt, uniqueness, verdict};
+use super::{Failure, SceneArgs, interrupt, uniqueness};
 
 #[derive(Args)]
 pub(super) struct RunArgs {
@@ -38,57 +36,34 @@ pub(super) struct RunArgs {
 }
 
 pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
-    let start = Instant::now();
     interrupt::listen();
     let scene = args.scene.read()?;
-    let model = discretise(&scene)?;
-    let model_seconds = start.elapsed().as_secs_f64();
-    if args.uniqueness {
-        uniqueness::applies(&model)?;
-    }
-    let folder = args.out.as_deref().map(|path| open_folder(path, &model)).transpose()?;
-    let choice = Choice::new(&scene, &model, available_bytes()).map_err(|error| Failure::linear(&error))?;
     if !args.json {
-        print_head(&scene, &model, &choice);
+        say!("{}", scene.title);
+        say!("set-up       mesh, stiffness, contact");
     }
-
-    let times = scene.time.all();
+    let mut run = Run::new(&scene)?;
+    if args.uniqueness {
+        run = run.with_uniqueness()?;
+    }
+    let folder = args.out.as_deref().map(|path| open_folder(path, run.model())).transpose()?;
+    if !args.json {
+        print_head(&scene, &run);
+        say!("set-up       symbolic analysis");
+    }
     let mut watcher = Watcher {
-        model: &model,
+        model: run.model(),
         title: &scene.title,
-        wanted: wanted_increments(&scene.output.times, &times),
+        wanted: wanted_increments(&scene.output.times, run.times()),
         fields: scene.output.fields,
-        validity: Validity::new(&model),
-        forces: Vec::new(),
         folder,
-        progress: Progress::new(times.len(), !args.json),
+        progress: Progress::new(run.times().len(), !args.json),
         failed_write: None,
-        last: args.uniqueness.then(LastIncrement::default),
     };
-    let settings = settings(&scene, &model);
-    let mut linear = model.linear(choice.backend);
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut watcher);
+    let report = run.solve(&mut watcher);
     watcher.progress.finish();
-    let Watcher { folder, failed_write, last, validity, forces, .. } = watcher;
-    let outcome = outcome.map_err(|error| Failure::linear(&error))?;
-    let critical_friction = match last {
-        Some(last) => last.critical_friction(&model, &outcome).map_err(|error| Failure::linear(&error))?,
-        None => None,
-    };
-    let measured = Measured {
-        cpu_seconds: cpu_seconds(),
-        wall_seconds: start.elapsed().as_secs_f64(),
-        model_seconds,
-        peak_rss_bytes: peak_rss_bytes(),
-    };
-    let explanation = verdict::explain(&scene, &model, &outcome);
-    let name = args.scene.scene.display().to_string();
-    let mut report = RunReport::new(&name, &scene, &model, &choice, &outcome, explanation, measured);
-    report.critical_friction = critical_friction;
-    report.warnings.extend(validity.warnings(&model));
-    report.largest_displacement = validity.largest;
-    report.range_left = validity.range_left;
-    report.forces = forces;
+    let Watcher { folder, failed_write, .. } = watcher;
+    let report = report?;
     let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     if let Some(folder) = &folder
         && let Err(error) = failed_write.map_or_else(|| folder.write("run.json", &json), Err)
@@ -98,18 +73,18 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     if args.json {
         say!("{json}");
     } else {
-        print_verdict(&report, times.len());
-        for warning in validity.warnings(&model) {
+        print_verdict(&report, run.times().len());
+        for warning in report.warnings.iter().filter(|warning| warning.kind.needs_the_solution()) {
             say!("warning      {}", warning.message);
         }
         if let Some(critical) = &report.critical_friction {
-            say!("uniqueness   {}", uniqueness::explain(critical, &model.problem.mu));
+            say!("uniqueness   {}", uniqueness::explain(critical, &run.model().problem.mu));
         }
         if let Some(folder) = &folder {
             say!("results      {}", folder.path().display());
         }
     }
-    Ok(match outcome.status {
+    Ok(match report.status {
         Status::Converged => ExitCode::SUCCESS,
         Status::OutOfMemory => ExitCode::from(3),
         _ => ExitCode::from(1),
@@ -124,14 +99,9 @@ struct Watcher<'a> {
     wanted: Vec<usize>,
     /// Whether the fields of the body are written, too.
     fields: bool,
-    validity: Validity,
-    /// The resultants so far.
-    forces: Vec<ForceRecord>,
     folder: Option<ResultFolder>,
     progress: Progress,
     failed_write: Option<io::Error>,
-    /// Kept where the uniqueness is asked for.
-    last: Option<LastIncrement>,
 }
 
 impl Observer for Watcher<'_> {
@@ -147,13 +117,8 @@ impl Observer for Watcher<'_> {
 
     fn increment(&mut self, step: &Step<'_>) -> Flow {
         self.progress.increment(step.record);
-        if let Some(last) = &mut self.last {
-            last.keep(step);
-        }
-        self.validity.see(self.model, step);
-        let forces = ForceRecord::all(self.model, step);
-        self.forces.extend_from_slice(&forces);
         let Some(folder) = &mut self.folder else { return Flow::Continue };
+        let forces = ForceRecord::all(self.model, step);
         let mut written = folder.add_increment(step.record).and_then(|()| folder.add_forces(&forces));
         // What a failed increment reached is worth a look, too.
         if self.wanted.contains(&step.record.index) || step.record.status != Status::Converged {
@@ -174,34 +139,6 @@ impl Observer for Watcher<'_> {
                 self.failed_write = Some(error);
                 Flow::Stop
             }
-        }
-    }
-}
-
-fn settings(scene: &Scene, model: &Model) -> HistorySettings {
-    let Solver { method, max_iterations, tolerance, .. } = scene.solver;
-    let problem = &model.problem;
-    match method {
-        scene::Method::Bn { r_factor } => {
-            let mut settings = HistorySettings::bn(problem, model.scaling(), max_iterations, tolerance);
-            settings.conventions.scale_r(r_factor);
-            settings
-        }
-        scene::Method::PaperBn => HistorySettings::paper_bn(problem, model.scaling(), max_iterations, tolerance),
-        scene::Method::PaperIp { start, partition, newton } => {
-            let start = match start {
-                scene::Start::Safe => Start::Safe,
-                scene::Start::Prev => Start::PREV,
-            };
-            let method = Method::Ip { settings: IpSettings::paper(max_iterations), start, partition, newton };
-            HistorySettings { method, ..HistorySettings::paper_ip(problem, start, max_iterations, tolerance) }
-        }
-        scene::Method::Ip { newton } => {
-            let method = Method::PredictorCorrector {
-                settings: PredictorCorrectorSettings { tolerance, max_iterations },
-                newton,
-            };
-            HistorySettings { method, ..HistorySettings::ip(problem, model.scaling(), max_iterations, tolerance) }
         }
     }
 }
@@ -233,31 +170,30 @@ fn disk_failure(path: &Path, error: &io::Error) -> Failure {
     Failure::Machine(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
 }
 
-fn print_head(scene: &Scene, model: &Model, choice: &Choice) {
-    let method = scene.solver.method;
+fn print_head(scene: &Scene, run: &Run<'_>) {
+    let (model, choice, method) = (run.model(), run.choice(), scene.solver.method);
     let Unknowns { u, p_t, p_o, p_n, v_n, s, lambda } = Unknowns::new(&Layout::new(&model.problem), method.name());
     let blocks = [(u, "u"), (p_t, "p_t"), (p_o, "p_o"), (p_n, "p_n"), (v_n, "v_n"), (s, "s"), (lambda, "lambda")];
     let present = blocks.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}"));
     let reduced = match method {
-        scene::Method::PaperIp { newton, .. } | scene::Method::Ip { newton } if newton == NewtonSystem::Reduced => {
+        Method::PaperIp { newton, .. } | Method::Ip { newton } if newton == NewtonSystem::Reduced => {
             format!(", reduced to {} in the matrix", u + p_t + p_o + p_n)
         }
         _ => String::new(),
     };
-    say!("{}", scene.title);
     say!("method       {}, setting {}", method.name(), method.setting());
     if let Some(reason) = choice.reason() {
         say!("solver       auto: {reason}");
     }
     let total: usize = blocks.iter().map(|(count, _)| count).sum();
     say!("unknowns     {total} = {}{reduced}", present.collect::<Vec<_>>().join(" + "));
-    for (k, LeftOut { count, unknown, reason }) in LeftOut::all(model, choice.backend).iter().enumerate() {
+    let left_out = LeftOut::all(model, choice.backend == LinearBackend::Condensed);
+    for (k, LeftOut { count, unknown, reason }) in left_out.iter().enumerate() {
         say!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
     }
     for warning in Warning::of_model(model) {
         say!("warning      {}", warning.message);
     }
-    say!("");
 }
 
 fn print_verdict(report: &RunReport, increments: usize) {
@@ -294,4 +230,7 @@ fn print_verdict(report: &RunReport, increments: usize) {
     );
     let memory = totals.peak_rss_bytes.map_or(String::new(), |bytes| format!(", {:.0} MB", bytes as f64 * 1e-6));
     say!("took         {:.2} s ({:.2} s CPU){memory}", totals.wall_seconds, totals.cpu_seconds);
+    if let Some(faster) = &report.faster_solver {
+        say!("faster       {faster}");
+    }
 }

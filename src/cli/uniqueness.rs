@@ -1,59 +1,6 @@
 //! `stickslip run --uniqueness`: how far friction is from making the last increment ambiguous.
 
-use stickslip::formulation::Layout;
-use stickslip::history::{HistoryOutcome, Status, Step};
-use stickslip::linear::{Direct, LinearError};
-use stickslip::model::Model;
-use stickslip::problem::Increment;
-use stickslip::uniqueness::{self, CriticalFriction};
-
-use super::Failure;
-
-/// Refuses what [`uniqueness::critical_friction`] does not cover, before anything is solved.
-pub(super) fn applies(model: &Model) -> Result<(), Failure> {
-    let layout = Layout::new(&model.problem);
-    if (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i)) {
-        return Err(Failure::Input(miette::miette!(
-            help = "leave out --uniqueness, or let supports leave one direction to slide in",
-            "--uniqueness needs nodes that slide along a line: where they slide in a plane, friction turns with the slip"
-        )));
-    }
-    Ok(())
-}
-
-/// The data of the last converged increment.
-#[derive(Default)]
-pub(super) struct LastIncrement(Option<Data>);
-
-struct Data {
-    force: Vec<f64>,
-    gap: Vec<f64>,
-    w_t_last: Vec<f64>,
-    w_o_last: Vec<f64>,
-}
-
-impl LastIncrement {
-    pub(super) fn keep(&mut self, step: &Step<'_>) {
-        if step.record.status == Status::Converged {
-            let Increment { force, gap, w_t_last, w_o_last } = *step.increment;
-            let [force, gap, w_t_last, w_o_last] = [force, gap, w_t_last, w_o_last].map(<[f64]>::to_vec);
-            self.0 = Some(Data { force, gap, w_t_last, w_o_last });
-        }
-    }
-
-    /// The critical friction along the statuses at its end, if there is such an increment.
-    pub(super) fn critical_friction(
-        &self,
-        model: &Model,
-        outcome: &HistoryOutcome,
-    ) -> Result<Option<CriticalFriction>, LinearError> {
-        let Some(Data { force, gap, w_t_last, w_o_last }) = &self.0 else { return Ok(None) };
-        let increment = Increment { force, gap, w_t_last, w_o_last };
-        let HistoryOutcome { state, scales, .. } = outcome;
-        let mut linear = Direct::default();
-        uniqueness::critical_friction(&model.problem, &increment, state, scales, model.scaling(), &mut linear)
-    }
-}
+use stickslip::uniqueness::CriticalFriction;
 
 /// What a critical friction means, in words; `mu` are the friction coefficients of all contact nodes.
 pub(super) fn explain(critical: &CriticalFriction, mu: &[f64]) -> String {

@@ -1,6 +1,6 @@
 //! What a comparison says: the cheapest way to an error, BN beside IP, growth with the mesh.
 
-use super::{Comparison, MeshResult, Run, SolverPath};
+use super::{Comparison, MeshResult, SolverPath, Trial};
 use crate::history::Status;
 use crate::scene::{LinearBackend, MethodName, Setting};
 
@@ -38,8 +38,8 @@ pub struct Lead {
 impl Comparison {
     /// The run on a mesh that takes least CPU time for an error in the contact forces of at most `target`, of the
     /// paths that are `wanted`.
-    pub fn cheapest(&self, mesh: usize, target: f64, wanted: impl Fn(&SolverPath) -> bool) -> Option<&Run> {
-        let near = |run: &&Run| run.errors.is_some_and(|errors| errors.forces <= target);
+    pub fn cheapest(&self, mesh: usize, target: f64, wanted: impl Fn(&SolverPath) -> bool) -> Option<&Trial> {
+        let near = |run: &&Trial| run.errors.is_some_and(|errors| errors.forces <= target);
         let runs = self.on(mesh).filter(|run| wanted(&run.path)).filter(near);
         runs.min_by(|a, b| a.seconds.cpu.total_cmp(&b.seconds.cpu))
     }
@@ -48,7 +48,7 @@ impl Comparison {
     /// finest histories of each.
     pub fn estimate(&self, mesh: usize, target: f64) -> Option<Estimate> {
         let of = |path| {
-            let runs: Vec<&Run> = self.on(mesh).filter(|run| run.path == path && run.errors.is_some()).collect();
+            let runs: Vec<&Trial> = self.on(mesh).filter(|run| run.path == path && run.errors.is_some()).collect();
             let [.., coarse, fine] = runs[..] else { return None };
             let [before, after] = [coarse, fine].map(|run| run.errors.map_or(f64::NAN, |errors| errors.forces));
             let order = (before / after).ln() / (fine.increments as f64 / coarse.increments as f64).ln();
@@ -73,7 +73,7 @@ impl Comparison {
     /// The CPU time of path `a` over that of `b`, for the histories on a mesh that both got through.
     fn ratio(&self, mesh: usize, a: SolverPath, b: SolverPath) -> Option<f64> {
         let solved = |path| self.on(mesh).filter(move |run| run.path == path && run.status == Status::Converged);
-        let partner = |run: &Run| solved(b).find(|other| other.increments == run.increments);
+        let partner = |run: &Trial| solved(b).find(|other| other.increments == run.increments);
         let pairs = solved(a).filter_map(|run| Some([run.seconds.cpu, partner(run)?.seconds.cpu]));
         let [of_a, of_b] = pairs.fold([0.0; 2], |sum, pair| [sum[0] + pair[0], sum[1] + pair[1]]);
         (of_b > 0.0).then_some(of_a / of_b)
@@ -84,7 +84,7 @@ impl Comparison {
     pub fn growth(&self, path: SolverPath) -> Option<f64> {
         let [coarsest, .., finest] = &self.meshes[..] else { return None };
         let most = self.runs.iter().map(|run| run.increments).max()?;
-        let solved = |run: &&Run| run.path == path && run.increments == most && run.status == Status::Converged;
+        let solved = |run: &&Trial| run.path == path && run.increments == most && run.status == Status::Converged;
         let seconds = |result: &MeshResult| Some(self.on(result.mesh).find(solved)?.seconds.cpu);
         let size = finest.displacements as f64 / coarsest.displacements as f64;
         Some((seconds(finest)? / seconds(coarsest)?).ln() / size.ln())
@@ -111,7 +111,7 @@ impl Comparison {
 
     fn about_target(&self, mesh: usize, target: f64) -> String {
         let describe =
-            |run: &Run| format!("{} with {} increments, {} s", run.path, run.increments, round(run.seconds.cpu));
+            |run: &Trial| format!("{} with {} increments, {} s", run.path, run.increments, round(run.seconds.cpu));
         let head = format!("Contact forces to {target:.0e}, n = {mesh}:");
         let whole = |path: &SolverPath| path.linear != LinearBackend::Condensed;
         let Some(run) = self.cheapest(mesh, target, |_| true) else {

@@ -3,13 +3,14 @@
 use std::time::Instant;
 
 use super::errors::{End, TimeErrors};
-use super::{CompareError, Iterate, MeshResult, Phases, Run, SolverPath};
-use crate::history::{self, HistoryOutcome, HistorySettings, Observer, Start, Status, Step};
+use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
+use crate::history::{HistoryOutcome, Observer, Status, Step};
 use crate::mesh::{HalfPlane, MeshSource, Segment};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::report::cpu_seconds;
-use crate::scene::{LinearBackend, MethodName, Override, Scene, Setting};
+use crate::run::{Run, RunError};
+use crate::scene::{LinearBackend, Method, MethodName, Override, Scene, Setting, Solver};
 
 /// What the reference is computed with. With many increments the condensed path is the cheapest.
 const REFERENCE: SolverPath =
@@ -40,7 +41,7 @@ struct Solved {
 
 impl Study {
     /// `scene` with `mesh` elements in the first direction, and its reference of so many increments.
-    pub(super) fn new(scene: &Scene, mesh: usize, reference: usize) -> Result<Self, CompareError> {
+    pub(super) fn new(scene: &Scene, mesh: usize, reference: usize) -> Result<Self, RunError> {
         // The gaps of obstacles that move are exact at the ends of the reference's increments, and so for all histories
         // whose increments those divide.
         let scene = scene.with(&scene.description.mesh.refined(mesh))?.with(&[increments_of(reference)])?;
@@ -52,12 +53,12 @@ impl Study {
     }
 
     /// The history by `path` in so many increments.
-    pub(super) fn run(&self, path: SolverPath, increments: usize) -> Result<Run, CompareError> {
+    pub(super) fn run(&self, path: SolverPath, increments: usize) -> Result<Trial, RunError> {
         let Solved { outcome, end, seconds, iterates, .. } =
             solve(&self.scene, &self.model, self.built, path, increments)?;
         let records = &outcome.records;
         let sound = outcome.status == Status::Converged && self.reference.outcome.status == Status::Converged;
-        Ok(Run {
+        Ok(Trial {
             path,
             mesh: self.mesh,
             increments,
@@ -69,7 +70,7 @@ impl Study {
             factor_entries: outcome.linear.factor.entries,
             factor_peak_bytes: outcome.linear.factor.peak_bytes,
             kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
-            errors: sound.then(|| TimeErrors::new(&end, &self.reference.end, &self.model.problem.weight)),
+            errors: sound.then(|| TimeErrors::new(&end, &self.reference.end, self.model.problem.weight())),
             iterates,
         })
     }
@@ -101,14 +102,11 @@ fn solve(
     built: [f64; 2],
     path: SolverPath,
     increments: usize,
-) -> Result<Solved, CompareError> {
+) -> Result<Solved, RunError> {
     let scene = scene.with(&[increments_of(increments)])?;
     let (wall, cpu) = (Instant::now(), cpu_seconds());
-    let settings = path.settings(&scene, model);
-    let mut linear = model.linear(path.linear);
     let mut recorder = Recorder { last: cpu_seconds(), iterates: Vec::new() };
-    let outcome =
-        history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut recorder)?;
+    let outcome = Run::of(model, scene.time.all(), path.solver(&scene.solver))?.history(&mut recorder)?;
     let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
     let [analysis, factorization, solve] =
         [outcome.linear.analysis_seconds, outcome.linear.factor_seconds, outcome.linear.solve_seconds];
@@ -129,18 +127,12 @@ fn solve(
 }
 
 impl SolverPath {
-    /// The settings of a history, with the tolerance and the limit of iterations of `scene`.
-    fn settings(self, scene: &Scene, model: &Model) -> HistorySettings {
-        let (problem, scaling) = (&model.problem, model.scaling());
-        let (limit, tolerance) = (scene.solver.max_iterations, scene.solver.tolerance);
-        match (self.method, self.setting) {
-            (MethodName::Bn, Setting::Default) => HistorySettings::bn(problem, scaling, limit, tolerance),
-            (MethodName::Bn, Setting::Paper) => HistorySettings::paper_bn(problem, scaling, limit, tolerance),
-            (MethodName::Ip, Setting::Default) => HistorySettings::ip(problem, scaling, limit, tolerance),
-            (MethodName::Ip, Setting::Paper) => {
-                HistorySettings::paper_ip(problem, Start::Safe, limit, tolerance.max(PAPER_IP_TOLERANCE))
-            }
-        }
+    /// The solver, with the tolerance and the limit of iterations of the scene's.
+    fn solver(self, of_scene: &Solver) -> Solver {
+        let Solver { max_iterations, tolerance, .. } = *of_scene;
+        let method = Method::of(self.method, self.setting);
+        let tolerance = if let Method::PaperIp { .. } = method { tolerance.max(PAPER_IP_TOLERANCE) } else { tolerance };
+        Solver { method, linear: Some(self.linear), max_iterations, tolerance }
     }
 }
 

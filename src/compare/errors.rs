@@ -55,7 +55,7 @@ impl End {
     pub(super) fn new(model: &Model, state: &State, work: f64) -> Self {
         let problem = &model.problem;
         let mut force = vec![0.0; state.u.len()];
-        problem.stiffness.mul(&state.u, &mut force);
+        problem.stiffness().mul(&state.u, &mut force);
         let told = |(i, contact): (usize, &ContactNode)| contact.in_frame([state.p_t[i], state.p_o[i]]);
         let (p_t, p_o) = model.contacts.iter().enumerate().map(told).map(|[p_t, p_o]| (p_t, p_o)).unzip();
         End {

@@ -1,6 +1,6 @@
 //! A comparison as charts: error against time, growth with the mesh, the error within an increment.
 
-use super::{Comparison, Iterate, Run, SolverPath, TimeErrors, front};
+use super::{Comparison, Iterate, SolverPath, TimeErrors, Trial, front};
 use crate::history::Status;
 use crate::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale};
 use crate::scene::{LinearBackend, MethodName, Setting};
@@ -71,7 +71,7 @@ fn stroke(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 fn growth(comparison: &Comparison) -> Chart {
     let most = comparison.runs.iter().map(|run| run.increments).max().unwrap_or(0);
     let point = |path: SolverPath, mesh: usize, size: usize| {
-        let solved = |run: &&Run| run.path == path && run.increments == most && run.status == Status::Converged;
+        let solved = |run: &&Trial| run.path == path && run.increments == most && run.status == Status::Converged;
         Some([size as f64, comparison.on(mesh).find(solved)?.seconds.cpu])
     };
     let points = |path| comparison.meshes.iter().filter_map(|m| point(path, m.mesh, m.displacements)).collect();
@@ -91,7 +91,7 @@ fn growth(comparison: &Comparison) -> Chart {
 fn increment(comparison: &Comparison) -> Chart {
     let mesh = comparison.meshes.last().map_or(0, |result| result.mesh);
     let most = comparison.runs.iter().map(|run| run.increments).max().unwrap_or(0);
-    let runs: Vec<&Run> = comparison.on(mesh).filter(|run| run.increments == most).collect();
+    let runs: Vec<&Trial> = comparison.on(mesh).filter(|run| run.increments == most).collect();
     let effort =
         |k: usize| runs.iter().map(|run| run.iterates.iter().filter(|i| i.increment == k).count()).sum::<usize>();
     let mut by_effort: Vec<usize> = (1..=most).collect();

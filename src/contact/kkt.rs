@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use super::coulomb::{direction, length, positive, project};
-use crate::problem::{ContactProblem, Increment, State};
+use crate::problem::{ContactProblem, Increment, ProblemError, State};
 
 /// What forces and displacements are compared with.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -36,7 +36,7 @@ impl KktScales {
     pub fn with_load(self, problem: &ContactProblem, increment: &Increment<'_>) -> Self {
         let interference = increment.gap.iter().fold(0.0_f64, |m, g| m.max(-g));
         let force = largest(increment.force);
-        let stiffest = largest(&problem.stiffness.diagonal());
+        let stiffest = largest(&problem.stiffness().diagonal());
         let least = if stiffest > 0.0 { force / stiffest } else { 0.0 };
         KktScales { force: self.force.max(force), length: self.length.max(interference).max(least) }
     }
@@ -161,8 +161,8 @@ fn violations(
         visit(Law::Equilibrium, dof, scales.force(imbalance));
     }
     for i in 0..problem.contacts() {
-        let (p_n, p_t, radius) = (state.p_n[i], friction(state, i), problem.mu[i] * positive(state.p_n[i]));
-        let distance = increment.gap[i] - problem.c_n.dot(i, &state.u);
+        let (p_n, p_t, radius) = (state.p_n[i], friction(state, i), problem.mu()[i] * positive(state.p_n[i]));
+        let distance = increment.gap[i] - problem.c_n().dot(i, &state.u);
         visit(Law::Penetration, i, scales.length(positive(-distance)));
         visit(Law::Tension, i, scales.force(positive(-p_n)));
         let (pressed, apart) = (scales.force(positive(p_n)), scales.length(positive(distance)));
@@ -184,9 +184,41 @@ fn friction(state: &State, i: usize) -> [f64; 2] {
     [state.p_t[i], state.p_o[i]]
 }
 
+/// The error measure. Near the `tolerance` the rounding of the imbalance itself would count, so there it is
+/// worked out in twice the precision.
+pub(crate) fn judge(
+    problem: &ContactProblem,
+    increment: &Increment<'_>,
+    state: &State,
+    scales: &KktScales,
+    tolerance: f64,
+) -> KktErrors {
+    let errors = KktErrors::of_state(problem, increment, state, scales);
+    let near = 0.1 * tolerance..10.0 * tolerance;
+    if !state.u_rest.is_empty() || !near.contains(&errors.equilibrium) {
+        return errors;
+    }
+    let exact = State { u_rest: vec![0.0; state.u.len()], ..state.clone() };
+    KktErrors::of_state(problem, increment, &exact, scales)
+}
+
 impl KktErrors {
-    /// Measures `state` against the law of one increment, relative to `scales`.
-    pub fn measure(problem: &ContactProblem, increment: &Increment<'_>, state: &State, scales: &KktScales) -> Self {
+    /// Measures `state` against the law of one increment, relative to `scales`: whoever has found it.
+    ///
+    /// # Errors
+    /// When an array of `increment` or `state` has another length than `problem` asks for.
+    pub fn measure(
+        problem: &ContactProblem,
+        increment: &Increment<'_>,
+        state: &State,
+        scales: &KktScales,
+    ) -> Result<Self, ProblemError> {
+        increment.check(problem)?;
+        state.check(problem)?;
+        Ok(Self::of_state(problem, increment, state, scales))
+    }
+
+    fn of_state(problem: &ContactProblem, increment: &Increment<'_>, state: &State, scales: &KktScales) -> Self {
         let mut errors = KktErrors::default();
         violations(problem, increment, state, scales, |law, _, error| raise(errors.of_mut(law), error));
         errors
@@ -249,7 +281,7 @@ fn exceeds(a: f64, b: f64) -> bool {
 /// force scale: `ε |K| |u| / F`. In slender bodies it is far above ε, and no solver can do better.
 pub fn rounding_level(problem: &ContactProblem, state: &State, scales: &KktScales) -> f64 {
     let mut sums = vec![0.0; state.u.len()];
-    problem.stiffness.add_sizes(&state.u, &mut sums);
+    problem.stiffness().add_sizes(&state.u, &mut sums);
     f64::EPSILON * sums.into_iter().fold(0.0, f64::max) / scales.force
 }
 
@@ -274,11 +306,11 @@ pub fn statuses(
     scales: &KktScales,
 ) -> Vec<ContactStatus> {
     let status = |i: usize| {
-        let distance = increment.gap[i] - problem.c_n.dot(i, &state.u);
+        let distance = increment.gap[i] - problem.c_n().dot(i, &state.u);
         if scales.force(positive(state.p_n[i])) <= scales.length(positive(distance)) {
             return ContactStatus::Open;
         }
-        let reserve = positive(problem.mu[i] * state.p_n[i] - length(friction(state, i)));
+        let reserve = positive(problem.mu()[i] * state.p_n[i] - length(friction(state, i)));
         let slip = length(problem.slip(increment, state, i));
         if scales.force(reserve) > scales.length(slip) { ContactStatus::Stick } else { ContactStatus::Slip }
     };

@@ -34,7 +34,7 @@ pub fn assemble(
     element: Element,
     material: impl Fn(usize) -> Elasticity,
 ) -> Result<Symmetric, InvertedElement> {
-    let mut k = Symmetric::from_entries(dofs.free(), |take| {
+    let mut k = Symmetric::of(dofs.free(), |take| {
         for cell in &mesh.cells {
             let unknowns = dofs.element(&cell.nodes);
             for &column in unknowns.iter().flatten() {
@@ -50,8 +50,10 @@ pub fn assemble(
         let unknowns = dofs.element(&cell.nodes);
         for (row, values) in unknowns.iter().zip(&stiffness) {
             for (column, value) in unknowns.iter().zip(values) {
-                if let (Some(row), Some(column)) = (*row, *column) {
-                    k.add(row, column, *value);
+                if let (Some(row), Some(column)) = (*row, *column)
+                    && row >= column
+                {
+                    k.add(row, column, *value).expect("an entry of an element, named above");
                 }
             }
         }

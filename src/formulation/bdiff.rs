@@ -4,7 +4,7 @@ use super::mixed::{MixedMatrix, TangentialRow};
 use super::natural::Pressure;
 use super::natural::{NaturalRows, half_square};
 use super::scaled::Scaled;
-use super::{Conventions, Formulation, Layout};
+use super::{Assembled, Conventions, Layout};
 use crate::contact::coulomb::{
     Germ, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case, tangential_case_ahead,
 };
@@ -27,13 +27,19 @@ type Case = (NormalCase, Option<TangentialCase>);
 impl Bdiff {
     /// Sets up `H_N` of `problem`.
     pub fn new(problem: &ContactProblem, scaling: Scaling, conventions: &Conventions) -> Self {
-        let data = Scaled::new(problem, scaling);
-        Bdiff {
-            rows: NaturalRows::new(conventions, &scaling),
-            matrix: MixedMatrix::new(problem, &data.layout, &scaling),
-            cases: vec![None; problem.contacts()],
-            data,
-        }
+        Self::on(Assembled::new(problem, scaling), conventions)
+    }
+
+    /// `H_N` of a problem that is set up already.
+    pub fn on(assembled: Assembled, conventions: &Conventions) -> Self {
+        let Assembled { data, matrix } = assembled;
+        let cases = vec![None; data.layout.contacts()];
+        Bdiff { rows: NaturalRows::new(conventions, &data.scaling), matrix, cases, data }
+    }
+
+    /// The same problem for another formulation.
+    pub fn assembled(&self) -> Assembled {
+        Assembled { data: self.data.clone(), matrix: self.matrix.clone() }
     }
 
     /// The layout of `z`.
@@ -144,19 +150,19 @@ impl Bdiff {
         }
         true
     }
-}
 
-impl Formulation for Bdiff {
-    fn unknowns(&self) -> usize {
+    /// The length of `z`.
+    pub fn unknowns(&self) -> usize {
         self.layout().unknowns()
     }
 
-    fn begin(&mut self, increment: &Increment<'_>) {
+    /// Sets the data of a new increment.
+    pub fn begin(&mut self, increment: &Increment<'_>) {
         self.data.begin(increment);
     }
 
-    /// (19).
-    fn residual(&self, z: &[f64], h: &mut [f64]) {
+    /// `h = H_N(z)` (19).
+    pub fn residual(&self, z: &[f64], h: &mut [f64]) {
         let data = &self.data;
         // The equilibrium rows of the Jacobian are constant: K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f.
         self.matrix.matrix().mul(z, h);
@@ -166,7 +172,8 @@ impl Formulation for Bdiff {
         self.contact_rows(z, None, h);
     }
 
-    fn residual_beyond(&self, z: &[f64], rest: &[f64], h: &mut [f64]) {
+    /// `h = H_N(z + rest)`, the linear rows in twice the working precision; `rest` is below the rounding of `z`.
+    pub fn residual_beyond(&self, z: &[f64], rest: &[f64], h: &mut [f64]) {
         let mut sums = vec![Twofold::default(); h.len()];
         for (row, column, value) in self.matrix.matrix().entries() {
             sums[row].add_product(value, z[column]);
@@ -177,20 +184,21 @@ impl Formulation for Bdiff {
         self.contact_rows(z, Some(rest), h);
     }
 
-    /// (10), `½ Hᵀ H` with every row in its unit of [`Conventions`], SI.
-    fn merit(&self, h: &[f64]) -> f64 {
+    /// `Theta` (10) of a residual, `½ Hᵀ H` with every row in its unit of [`Conventions`], SI.
+    pub fn merit(&self, h: &[f64]) -> f64 {
         self.rows.theta_of(&self.data, h)
     }
 
-    /// The equilibrium rows are linear and `dz` solves them, so along it they shrink by `1 - t`:
-    /// a trial step costs O(n_c).
-    fn merit_along<'a>(&'a self, z: &'a [f64], dz: &'a [f64], h: &[f64]) -> impl Fn(f64) -> f64 + 'a {
+    /// `t ↦ Theta(z + t dz)` along a Newton direction `dz` from `z` with `h = H(z)`. The equilibrium rows are linear and
+    /// `dz` solves them, so along it they shrink by `1 - t`: a trial step costs O(n_c).
+    pub fn merit_along<'a>(&'a self, z: &'a [f64], dz: &'a [f64], h: &[f64]) -> impl Fn(f64) -> f64 + 'a {
         let equilibrium = half_square(&h[..self.layout().displacements()]);
         move |t| self.rows.theta(&self.data, (1.0 - t).powi(2) * equilibrium, z, dz, t)
     }
 
-    /// (21). Where slip can turn, its coefficients are kept while they are the same to eight digits.
-    fn linearize(&mut self, z: &[f64]) -> bool {
+    /// Linearises at `z` (21): rewrites the values of [`Bdiff::jacobian`] that depend on it, and tells whether any of them
+    /// changed. Where slip can turn, its coefficients are kept while they are the same to eight digits.
+    pub fn linearize(&mut self, z: &[f64]) -> bool {
         let mut changed = false;
         for i in 0..self.layout().contacts() {
             changed |= self.write_rows(i, self.case(i, z));
@@ -198,8 +206,10 @@ impl Formulation for Bdiff {
         changed
     }
 
-    /// (20), branch by branch.
-    fn linearize_towards(&mut self, z: &[f64], dz: &[f64]) -> bool {
+    /// Linearises at `z` as seen from `z + t dz`, `t → 0+`: where several cases meet in `z`, each node
+    /// takes the one that `dz` leads into. A `dz` that solves with it and is met by it again, unchanged,
+    /// is the direction of the B-derivative itself (20). Tells whether any case changed.
+    pub fn linearize_towards(&mut self, z: &[f64], dz: &[f64]) -> bool {
         let mut changed = false;
         for i in 0..self.layout().contacts() {
             changed |= self.write_rows(i, self.case_ahead(i, z, dz));
@@ -207,9 +217,10 @@ impl Formulation for Bdiff {
         changed
     }
 
-    /// The slip rows of (21) have no `C_n du`. With the trial pressure the derivative has, `μ n r C_n du`,
+    /// Turns a residual into the right-hand side of [`Bdiff::jacobian`], whose rows are those of the derivative up to row
+    /// operations. The slip rows of (21) have no `C_n du`. With the trial pressure the derivative has, `μ n r C_n du`,
     /// and the normal row of the closed node, taken away `μ n` times, removes it.
-    fn right_hand_side(&self, h: &mut [f64]) {
+    pub fn right_hand_side(&self, h: &mut [f64]) {
         if self.rows.kind == Pressure::Unknown {
             return;
         }
@@ -223,7 +234,8 @@ impl Formulation for Bdiff {
         }
     }
 
-    fn cases(&self) -> Vec<u8> {
+    /// The case of every contact node in the last linearisation, to be compared with others.
+    pub fn cases(&self) -> Vec<u8> {
         let tangential = |case: &Option<TangentialCase>| match case {
             None => 0,
             Some(TangentialCase::NoPressure) => 1,
@@ -235,17 +247,21 @@ impl Formulation for Bdiff {
         cases.flat_map(|(normal, case)| [u8::from(*normal == NormalCase::Closed), tangential(case)]).collect()
     }
 
-    fn hold_contacts(&mut self) {
+    /// Linearises as if every contact node were held where it is: closed, and sticking where there
+    /// is friction. With that matrix the other displacements follow a change of the load alone.
+    pub fn hold_contacts(&mut self) {
         self.set_cases(vec![(NormalCase::Closed, TangentialCase::Stick); self.layout().contacts()]);
     }
 
-    fn jacobian(&self) -> &Csc {
+    /// The matrix of the last linearisation. Its pattern never changes.
+    pub fn jacobian(&self) -> &Csc {
         self.matrix.matrix()
     }
 
-    /// A rigid motion stays free if no closed node stops it along the normal and no sticking node
+    /// Weights of a combination of the problem's free motions that the last linearisation leaves
+    /// free, so that its matrix is singular; `None` if there is none. A rigid motion stays free if no closed node stops it along the normal and no sticking node
     /// along a tangent; a slipping one resists across its slip, as friction would turn.
-    fn unheld_motion(&self) -> Option<Vec<f64>> {
+    pub fn unheld_motion(&self) -> Option<Vec<f64>> {
         let motions = &self.data.free_motions;
         let row = |c: &Csr, i: usize| motions.iter().map(|motion| c.dot(i, motion)).collect::<Vec<f64>>();
         let closed = |i: usize| matches!(self.cases[i], Some((NormalCase::Closed, _)));
@@ -264,7 +280,8 @@ impl Formulation for Bdiff {
         null_space(motions.len(), normal.chain(tangential)).into_iter().next()
     }
 
-    fn is_affine(&self) -> bool {
+    /// Whether `H` is affine, so that a single step solves it.
+    pub fn is_affine(&self) -> bool {
         self.layout().contacts() == 0
     }
 }

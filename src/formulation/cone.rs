@@ -21,7 +21,7 @@ use super::interior::{InteriorPoint, Pair};
 use super::mixed::{MixedMatrix, TangentialRow};
 use super::natural::{NaturalRows, half_square};
 use super::scaled::Scaled;
-use super::{Conventions, Face, Layout};
+use super::{Assembled, Conventions, Face, Layout};
 use crate::problem::{ContactProblem, Increment};
 use crate::sparse::Csc;
 use crate::units::Scaling;
@@ -63,7 +63,12 @@ fn dot([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
 impl Cone {
     /// Sets up the equations of `problem`. The `conventions` are for [`InteriorPoint::theta`] alone.
     pub fn new(problem: &ContactProblem, scaling: Scaling, conventions: &Conventions) -> Self {
-        let data = Scaled::new(problem, scaling);
+        Self::on(Assembled::new(problem, scaling), conventions)
+    }
+
+    /// The equations of a problem that is set up already.
+    pub fn on(assembled: Assembled, conventions: &Conventions) -> Self {
+        let Assembled { data, matrix } = assembled;
         let (first, contacts) = (data.layout.unknowns(), data.layout.contacts());
         let normal = (0..contacts).map(|i| Pair { force: data.layout.p_n(i), length: first + i });
         let mut pairs: Vec<Pair> = normal.collect();
@@ -79,8 +84,8 @@ impl Cone {
         let friction: Vec<Option<Pair>> = (0..contacts).map(&mut place).collect();
         pairs.extend(friction.iter().flatten());
         Cone {
-            natural: NaturalRows::new(conventions, &scaling),
-            matrix: MixedMatrix::new(problem, &data.layout, &scaling),
+            natural: NaturalRows::new(conventions, &data.scaling),
+            matrix,
             row_scale: vec![[1.0; 2]; contacts],
             pairs,
             friction,
@@ -130,7 +135,7 @@ impl InteriorPoint for Cone {
 
     fn residual(&self, z: &[f64], h: &mut [f64]) {
         let (data, matrix) = (&self.data, self.matrix.matrix());
-        let n = matrix.pattern.rows();
+        let n = matrix.pattern().rows();
         // The equilibrium rows of the matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f.
         matrix.mul(&z[..n], &mut h[..n]);
         h.iter_mut().zip(&data.force).for_each(|(row, force)| *row -= force);

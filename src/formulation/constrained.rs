@@ -26,16 +26,39 @@ pub use layout::SlackLayout;
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use super::interior::{InteriorPoint, Pair, largest_step, least, reach};
 use super::natural::{NaturalRows, half_square};
 use super::scaled::Scaled;
-use super::{Conventions, Layout};
+use super::{Assembled, Conventions, Layout};
 use crate::problem::{ContactProblem, Increment};
-use crate::scene::{NewtonSystem, Partition};
 use crate::sparse::Csc;
 use crate::units::Scaling;
 use extended::Extended;
 use reduced::Reduced;
+
+/// Which equations stay positive, besides the unknowns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Partition {
+    /// The products, `(F̃, G̃)` (29)–(31).
+    #[default]
+    Products,
+    /// The products and the friction cone, `(F, G)` (26)–(28).
+    Cone,
+}
+
+/// The linear system behind a direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NewtonSystem {
+    /// Slacks and multipliers eliminated row by row: the unknowns `(u, p_t, p_n)`.
+    #[default]
+    Reduced,
+    /// All unknowns, `(u, p_t, p_n, v_n, s, λ)`.
+    Extended,
+}
 
 enum System {
     Reduced(Reduced),
@@ -62,14 +85,27 @@ impl Constrained {
         partition: Partition,
         newton: NewtonSystem,
     ) -> Self {
-        let data = Scaled::new(problem, scaling);
+        match newton {
+            NewtonSystem::Reduced => Self::on(Assembled::new(problem, scaling), conventions, partition),
+            NewtonSystem::Extended => {
+                let data = Scaled::new(problem, scaling);
+                let system = System::Extended(Extended::new(problem, &data));
+                Self::with(data, conventions, partition, system)
+            }
+        }
+    }
+
+    /// `H_I`, in the reduced Newton system, of a problem that is set up already.
+    pub fn on(assembled: Assembled, conventions: &Conventions, partition: Partition) -> Self {
+        let Assembled { data, matrix } = assembled;
+        let system = System::Reduced(Reduced::new(matrix, data.layout.contacts()));
+        Self::with(data, conventions, partition, system)
+    }
+
+    fn with(data: Scaled, conventions: &Conventions, partition: Partition, system: System) -> Self {
         let layout = SlackLayout::new(&data.layout);
-        let system = match newton {
-            NewtonSystem::Reduced => System::Reduced(Reduced::new(problem, &data)),
-            NewtonSystem::Extended => System::Extended(Extended::new(problem, &data, &layout)),
-        };
         let pairs = layout.pairs().collect();
-        Constrained { natural: NaturalRows::new(conventions, &scaling), data, layout, pairs, partition, system }
+        Constrained { natural: NaturalRows::new(conventions, &data.scaling), data, layout, pairs, partition, system }
     }
 
     /// The layout of `z`.
@@ -168,7 +204,7 @@ impl InteriorPoint for Constrained {
         let Constrained { data, layout, .. } = self;
         // The equilibrium rows of either matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t - f.
         let matrix = self.matrix();
-        let n = matrix.pattern.rows();
+        let n = matrix.pattern().rows();
         matrix.mul(&z[..n], &mut h[..n]);
         for (row, force) in h.iter_mut().zip(&data.force) {
             *row -= force;

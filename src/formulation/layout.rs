@@ -21,7 +21,7 @@ impl Layout {
         let mut tangential = vec![[None; 2]; problem.contacts()];
         for (direction, map) in problem.tangential_maps().into_iter().enumerate() {
             for (i, places) in tangential.iter_mut().enumerate() {
-                if problem.mu[i] > 0.0 && !map.row(i).is_empty() {
+                if problem.mu()[i] > 0.0 && !map.row(i).is_empty() {
                     places[direction] = Some(next);
                     next += 1;
                 }

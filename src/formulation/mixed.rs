@@ -8,10 +8,11 @@ use crate::problem::ContactProblem;
 use crate::sparse::{Csc, Pattern};
 use crate::units::Scaling;
 
-/// `[K C_tᵀ C_oᵀ C_nᵀ; tangential rows; normal rows]` on one fixed pattern.
+/// `[K C_tᵀ C_oᵀ C_nᵀ; tangential rows; normal rows]` on one fixed pattern, which clones share.
+#[derive(Clone)]
 pub(super) struct MixedMatrix {
     matrix: Csc,
-    slots: Vec<Slots>,
+    slots: Arc<[Slots]>,
 }
 
 /// Where the values of one contact node's rows are stored.
@@ -41,13 +42,10 @@ pub(super) struct TangentialRow {
 
 impl MixedMatrix {
     /// Sets up the pattern, the constant entries and the places of the others.
-    ///
-    /// # Panics
-    /// If the union pattern lacked an entry that it was made with: never.
     pub(super) fn new(problem: &ContactProblem, layout: &Layout, scaling: &Scaling) -> Self {
         let mut matrix = Csc::zeros(Arc::new(union_pattern(problem, layout)));
         write_equilibrium(&mut matrix, problem, layout, scaling);
-        let slot = |row, column| slot(&matrix.pattern, row, column);
+        let slot = |row, column| slot(matrix.pattern(), row, column);
         let slots = (0..layout.contacts()).map(|i| {
             let p_n = layout.p_n(i);
             let places = layout.tangential(i);
@@ -59,7 +57,7 @@ impl MixedMatrix {
                 })
             });
             Slots {
-                normal_u: problem.c_n.row(i).iter().map(|&(dof, c)| (slot(p_n, dof), c)).collect(),
+                normal_u: problem.c_n().row(i).iter().map(|&(dof, c)| (slot(p_n, dof), c)).collect(),
                 normal_p_n: slot(p_n, p_n),
                 tangential,
             }
@@ -74,14 +72,14 @@ impl MixedMatrix {
 
     /// Writes the normal row of node `i`: `by_w_n C_n du + by_p_n dp_n`.
     pub(super) fn set_normal(&mut self, i: usize, by_w_n: f64, by_p_n: f64) {
-        let (values, slots) = (&mut self.matrix.values, &self.slots[i]);
+        let (values, slots) = (self.matrix.values_mut(), &self.slots[i]);
         slots.normal_u.iter().for_each(|&(k, c)| values[k] = by_w_n * c);
         values[slots.normal_p_n] = by_p_n;
     }
 
     /// Writes the row of node `i` at its `p_t` (0) or `p_o` (1), if it has that.
     pub(super) fn set_tangential(&mut self, i: usize, direction: usize, row: &TangentialRow) {
-        let (values, slots) = (&mut self.matrix.values, &self.slots[i]);
+        let (values, slots) = (self.matrix.values_mut(), &self.slots[i]);
         if let Some(slots) = &slots.tangential[direction] {
             let [by_w_t, by_w_o] = row.w;
             slots.u.iter().for_each(|&(k, [c_t, c_o])| values[k] = by_w_t * c_t + by_w_o * c_o);
@@ -118,9 +116,9 @@ fn sliding(problem: &ContactProblem, layout: &Layout, i: usize) -> Vec<(usize, [
 
 /// Names the entries of the equilibrium rows, `K`, `C_nᵀ`, `C_tᵀ` and `C_oᵀ`.
 pub(super) fn take_equilibrium(problem: &ContactProblem, layout: &Layout, take: &mut dyn FnMut(usize, usize)) {
-    problem.stiffness.entries().for_each(|(row, column, _)| take(row, column));
+    problem.stiffness().entries().for_each(|(row, column, _)| take(row, column));
     for i in 0..layout.contacts() {
-        problem.c_n.row(i).iter().for_each(|&(dof, _)| take(dof, layout.p_n(i)));
+        problem.c_n().row(i).iter().for_each(|&(dof, _)| take(dof, layout.p_n(i)));
         for (map, place) in problem.tangential_maps().into_iter().zip(layout.tangential(i)) {
             if let Some(p) = place {
                 map.row(i).iter().for_each(|&(dof, _)| take(dof, p));
@@ -131,17 +129,17 @@ pub(super) fn take_equilibrium(problem: &ContactProblem, layout: &Layout, take: 
 
 /// Writes the equilibrium rows, which are constant.
 pub(super) fn write_equilibrium(matrix: &mut Csc, problem: &ContactProblem, layout: &Layout, scaling: &Scaling) {
-    let Csc { pattern, values } = matrix;
+    let (pattern, values) = matrix.parts_mut();
     // The rows of each column come in ascending order, and those of K are the first: no search, which would
     // take longest of all in the set-up where K is dense.
     let mut next: Vec<usize> = pattern.column_starts().iter().map(|&start| start as usize).collect();
-    for (row, column, value) in problem.stiffness.entries() {
+    for (row, column, value) in problem.stiffness().entries() {
         debug_assert_eq!(pattern.row_indices()[next[column]], row as i64);
         values[next[column]] = value / scaling.stiffness();
         next[column] += 1;
     }
     for i in 0..layout.contacts() {
-        for &(dof, c) in problem.c_n.row(i) {
+        for &(dof, c) in problem.c_n().row(i) {
             values[slot(pattern, dof, layout.p_n(i))] = c;
         }
         for (map, place) in problem.tangential_maps().into_iter().zip(layout.tangential(i)) {
@@ -156,11 +154,11 @@ pub(super) fn write_equilibrium(matrix: &mut Csc, problem: &ContactProblem, layo
 /// multipliers are eliminated: what a case does not use holds an explicit zero.
 fn union_pattern(problem: &ContactProblem, layout: &Layout) -> Pattern {
     let n = layout.unknowns();
-    Pattern::from_entries(n, n, |take| {
+    Pattern::of(n, n, |take| {
         take_equilibrium(problem, layout, take);
         for i in 0..layout.contacts() {
             let p_n = layout.p_n(i);
-            problem.c_n.row(i).iter().for_each(|&(dof, _)| take(p_n, dof));
+            problem.c_n().row(i).iter().for_each(|&(dof, _)| take(p_n, dof));
             take(p_n, p_n);
             let places = layout.tangential(i).into_iter().flatten();
             for row in places.clone() {

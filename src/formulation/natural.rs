@@ -42,10 +42,10 @@ const SHARES_IN_A_PLANE: [f64; 2] = [0.5, 1.0];
 
 impl Conventions {
     /// The paper's: `r_i = 10¹² l_i`, and contact rows as stresses (Pa) beside equilibrium rows as
-    /// forces (N).
-    pub fn paper(problem: &ContactProblem) -> Self {
-        let r: Vec<f64> = problem.weight.iter().map(|l| 1e12 * l).collect();
-        Conventions { r_n: r.clone(), r_t: r, pressure: Pressure::Unknown, row_unit: problem.weight.clone() }
+    /// forces (N). `weight` are the `l_i`, n_c.
+    pub fn paper(weight: &[f64]) -> Self {
+        let r: Vec<f64> = weight.iter().map(|l| 1e12 * l).collect();
+        Conventions { r_n: r.clone(), r_t: r, pressure: Pressure::Unknown, row_unit: weight.to_vec() }
     }
 
     /// Those that the problem itself gives, by its [`ContactProblem::contact_stiffness`].

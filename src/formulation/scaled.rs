@@ -1,5 +1,7 @@
 //! A problem and the data of its increment in the units of a scaling: what every formulation reads.
 
+use std::sync::Arc;
+
 use super::Layout;
 use crate::null_space::null_space;
 use crate::problem::{ContactProblem, Increment};
@@ -7,18 +9,19 @@ use crate::sparse::Csr;
 use crate::units::Scaling;
 
 /// The contact maps, and the data of the current increment, scaled.
+#[derive(Clone)]
 pub(super) struct Scaled {
     pub layout: Layout,
     pub scaling: Scaling,
-    pub c_n: Csr,
-    pub c_t: Csr,
-    pub c_o: Csr,
-    pub mu: Vec<f64>,
+    pub c_n: Arc<Csr>,
+    pub c_t: Arc<Csr>,
+    pub c_o: Arc<Csr>,
+    pub mu: Arc<[f64]>,
     pub force: Vec<f64>,
     pub gap: Vec<f64>,
     pub w_t_last: Vec<f64>,
     pub w_o_last: Vec<f64>,
-    pub free_motions: Vec<Vec<f64>>,
+    pub free_motions: Arc<[Vec<f64>]>,
 }
 
 impl Scaled {
@@ -31,11 +34,11 @@ impl Scaled {
             w_o_last: vec![0.0; layout.contacts()],
             layout,
             scaling,
-            c_n: problem.c_n.clone(),
-            c_t: problem.c_t.clone(),
-            c_o: problem.c_o.clone(),
-            mu: problem.mu.clone(),
-            free_motions: problem.free_motions.clone(),
+            c_n: Arc::new(problem.c_n().clone()),
+            c_t: Arc::new(problem.c_t().clone()),
+            c_o: Arc::new(problem.c_o().clone()),
+            mu: problem.mu().into(),
+            free_motions: problem.free_motions().into(),
         }
     }
 
@@ -86,6 +89,7 @@ impl Scaled {
     /// and sticking.
     pub(super) fn unheld_motion(&self) -> Option<Vec<f64>> {
         let Scaled { layout, c_n, c_t, c_o, free_motions, .. } = self;
+        let [c_n, c_t, c_o] = [c_n, c_t, c_o].map(|map| &**map);
         let normal = (0..layout.contacts()).map(|i| (c_n, i));
         let tangential = (0..layout.contacts()).flat_map(|i| {
             let maps = [c_t, c_o].into_iter().zip(layout.tangential(i));

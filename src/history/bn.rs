@@ -1,57 +1,86 @@
 //! BN along a history: every increment starts from the last solution.
 
-use super::method::{IncrementSolver, Task};
-use super::predictor_corrector::PredictorCorrectorMethod;
 use super::settings::{FirstGuess, HistorySettings};
-use crate::formulation::{Bdiff, Formulation};
+use super::task::{IncrementSolver, Observe, Task};
+use crate::formulation::{Assembled, Bdiff};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
-use crate::nonlinear::{Bn, BnSettings, Flow, IterationRecord, Outcome, PredictorCorrectorSettings, Stop};
+use crate::nonlinear::{Armijo, Bn, End, Outcome};
 use crate::problem::{ContactProblem, State};
-use crate::scene::NewtonSystem;
 use crate::sparse::Csc;
+
+/// `Theta ≤ ε`, the paper's test: N² and Pa² added up.
+const PAPER_MERIT: f64 = 1e-2;
 
 pub(super) struct BnMethod<'a> {
     problem: &'a ContactProblem,
     formulation: Bdiff,
     bn: Bn,
+    /// Whether it ends by the error measure, and not by the paper's merit.
+    measured: bool,
     start: FirstGuess,
-    rescue: Option<Rescue<'a>>,
     z: Vec<f64>,
     /// What rounding leaves off `z`.
     rest: Vec<f64>,
 }
 
-/// The interior point method that solves what BN does not.
-struct Rescue<'a> {
-    settings: PredictorCorrectorSettings,
-    history: HistorySettings,
-    /// Made when it is first needed.
-    method: Option<PredictorCorrectorMethod<'a>>,
-}
-
 impl<'a> BnMethod<'a> {
-    pub(super) fn new(
+    /// BN with the constants of the paper.
+    pub(super) fn paper(problem: &'a ContactProblem, loading: &Loading, history: &HistorySettings) -> Self {
+        // `p_n = 1 MPa · l` to start from, 10 MPa from 100 contact nodes on.
+        let start = FirstGuess::Pressure(if problem.contacts() < 100 { 1e6 } else { 1e7 });
+        let method = Self::new(problem, loading, history, start, Armijo::PAPER, history.max_iterations);
+        BnMethod { measured: false, ..method }
+    }
+
+    /// BN that ends by the error measure, after so many iterations at most.
+    pub(super) fn measured(
         problem: &'a ContactProblem,
         loading: &Loading,
         history: &HistorySettings,
-        settings: BnSettings,
+        max_iterations: usize,
+    ) -> Self {
+        Self::new(problem, loading, history, FirstGuess::Held, Armijo::HALVING, max_iterations)
+    }
+
+    fn new(
+        problem: &'a ContactProblem,
+        loading: &Loading,
+        history: &HistorySettings,
         start: FirstGuess,
-        rescue: Option<PredictorCorrectorSettings>,
+        armijo: Armijo,
+        max_iterations: usize,
     ) -> Self {
         let formulation = Bdiff::new(problem, history.scaling, &history.conventions);
         let p_n = start_forces(problem, loading, history, start);
         let z = formulation.layout().pack(&State { p_n, ..State::zero(problem) }, &history.scaling);
-        let rescue = rescue.map(|settings| Rescue { settings, history: history.clone(), method: None });
         BnMethod {
-            bn: Bn::new(settings, formulation.unknowns()),
+            bn: Bn::new(armijo, max_iterations, formulation.unknowns()),
             problem,
             formulation,
+            measured: true,
             start,
-            rescue,
             rest: vec![0.0; z.len()],
             z,
         }
+    }
+
+    /// The problem with its pattern, for a method that works beside this one.
+    pub(super) fn assembled(&self) -> Assembled {
+        self.formulation.assembled()
+    }
+
+    /// The solution that an increment starts from. Before the first there is none, only a guess.
+    pub(super) fn last_solution(&self, task: &Task<'_>) -> State {
+        if task.first { State::zero(self.problem) } else { self.state() }
+    }
+
+    /// Takes over the state of another method.
+    pub(super) fn go_on_from(&mut self, state: &State) {
+        let (layout, scaling) = (self.formulation.layout(), *self.formulation.scaling());
+        self.z.copy_from_slice(&layout.pack(state, &scaling));
+        self.rest.fill(0.0);
+        self.rest.iter_mut().zip(&state.u_rest).for_each(|(rest, u_rest)| *rest = u_rest / scaling.length);
     }
 }
 
@@ -69,45 +98,21 @@ impl IncrementSolver for BnMethod<'_> {
         self.formulation.unheld_motion().map_or(Ok(()), Err)
     }
 
-    fn solve(
-        &mut self,
-        task: &Task<'_>,
-        linear: &mut Direct,
-        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
-    ) -> Result<Outcome, LinearError> {
-        let BnMethod { problem, formulation, bn, start, rescue, z, rest } = self;
+    fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError> {
+        let BnMethod { problem, formulation, bn, measured, start, z, rest } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
-        // Before the first increment there is no solution to go on from, only a guess.
-        let last = if task.first { State::zero(problem) } else { layout.unpack(z, &scaling) };
         formulation.begin(task.increment);
         task.response.add_to(z);
         if task.first && *start == FirstGuess::Held {
             task.response.add_forces_to(z);
         }
         let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpack_with(z, rest, &scaling));
-        let mut outcome = bn.solve(formulation, linear, z, &mut error, observe)?;
+        let end = match measured {
+            true => End::Measured { tolerance: task.tolerance, error: &mut error },
+            false => End::Merit(PAPER_MERIT),
+        };
+        let outcome = bn.solve(formulation, linear, z, end, observe)?;
         rest.copy_from_slice(bn.rest());
-        let unsolved = !matches!(outcome.stop, Stop::Met | Stop::Interrupted);
-        let left = |rescue: &Rescue| rescue.settings.max_iterations.saturating_sub(outcome.iterations);
-        if let Some(rescue) = rescue.as_mut().filter(|rescue| unsolved && left(rescue) > 0) {
-            let left = left(rescue);
-            let method = rescue.method.get_or_insert_with(|| {
-                PredictorCorrectorMethod::new(problem, &rescue.history, rescue.settings, NewtonSystem::Reduced)
-            });
-            method.go_on_from(&last, left);
-            let mut rescued = method.solve(task, linear, observe)?;
-            if rescued.stop == Stop::Met {
-                rescued.rescued = true;
-                let state = method.state();
-                z.copy_from_slice(&layout.pack(&state, &scaling));
-                rest.fill(0.0);
-                rest.iter_mut().zip(&state.u_rest).for_each(|(rest, u_rest)| *rest = u_rest / scaling.length);
-            } else if rescued.stop != Stop::Interrupted {
-                // How the first attempt ended tells more.
-                rescued.stop.clone_from(&outcome.stop);
-            }
-            outcome = outcome.then(rescued);
-        }
         Ok(outcome)
     }
 
@@ -129,15 +134,15 @@ fn start_forces(
     settings: &HistorySettings,
     start: FirstGuess,
 ) -> Vec<f64> {
+    let n_c = problem.contacts();
     if loading.largest_force() == 0.0 && loading.largest_interference() == 0.0 {
-        return vec![0.0; problem.contacts()];
+        return vec![0.0; n_c];
     }
-    let held = problem.free_motions.is_empty();
-    let closing = |i: usize| if held { 0.0 } else { 2.0 * settings.conventions.r_n[i] * loading.gap[i] };
-    let pressure = match start {
-        FirstGuess::Pressure(pressure) => pressure,
-        FirstGuess::Held => 0.0,
+    let held = problem.free_motions().is_empty();
+    let closing = |i: usize| if held { 0.0 } else { 2.0 * settings.conventions.r_n[i] * loading.gap()[i] };
+    let guess = |i: usize| match (start, problem.weight()) {
+        (FirstGuess::Pressure(pressure), Some(l)) => l[i] * pressure,
+        _ => 0.0,
     };
-    let guess = problem.weight.iter().map(|l| l * pressure);
-    guess.enumerate().map(|(i, p_n)| p_n.max(closing(i))).collect()
+    (0..n_c).map(|i| guess(i).max(closing(i))).collect()
 }

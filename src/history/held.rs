@@ -6,7 +6,7 @@
 //! distance) and the interior follows the new load. Loads are combinations of a few cases, so the
 //! interior's answer to each is worked out once a run.
 
-use super::method::IncrementSolver;
+use super::task::{IncrementSolver, Response};
 use crate::contact::coulomb::length;
 use crate::formulation::Layout;
 use crate::linear::{Direct, LinearError};
@@ -20,29 +20,6 @@ pub(super) struct HeldBody {
     answers: Vec<Vec<f64>>,
     layout: Layout,
     scaling: Scaling,
-}
-
-/// What the change of the load from one increment to the next does to the held body, scaled.
-pub(super) struct Response {
-    u: Vec<f64>,
-    /// The changes of the contact forces that hold the nodes, `(p_t, p_n)`.
-    forces: Vec<f64>,
-    /// The largest change of a contact force that holds a node, `p_n` or `|p_T|`.
-    pub contact_force: f64,
-    /// The largest change of a gap.
-    pub gap_change: f64,
-}
-
-impl Response {
-    /// Moves the displacements at the beginning of `z`.
-    pub(super) fn add_to(&self, z: &mut [f64]) {
-        z.iter_mut().zip(&self.u).for_each(|(u, du)| *u += du);
-    }
-
-    /// Adds the contact forces, which follow the displacements in `z`.
-    pub(super) fn add_forces_to(&self, z: &mut [f64]) {
-        z[self.u.len()..].iter_mut().zip(&self.forces).for_each(|(p, dp)| *p += dp);
-    }
 }
 
 impl HeldBody {
@@ -59,18 +36,18 @@ impl HeldBody {
             return Ok(Err(Some(motion)));
         }
         let layout = Layout::new(problem);
-        let mut answers = Vec::with_capacity(loading.cases.len());
+        let mut answers = Vec::with_capacity(loading.cases().len());
         // Without contact nodes a Newton step does all there is to do.
-        if problem.contacts() > 0 && !loading.cases.is_empty() {
+        if problem.contacts() > 0 && !loading.cases().is_empty() {
             match linear.factorize(method.matrix()) {
                 Ok(_) => {}
                 Err(LinearError::Singular { .. }) => return Ok(Err(None)),
                 Err(error) => return Err(error),
             }
-            let n = method.matrix().pattern.rows();
+            let n = method.matrix().pattern().rows();
             let (mut rhs, mut z) = (vec![0.0; n], vec![0.0; n]);
-            for case in &loading.cases {
-                for (to, from) in rhs.iter_mut().zip(&case.force) {
+            for case in loading.cases() {
+                for (to, from) in rhs.iter_mut().zip(case.force()) {
                     *to = from / scaling.force;
                 }
                 match linear.solve(method.matrix(), &rhs, &mut z) {
@@ -87,7 +64,7 @@ impl HeldBody {
     /// What the change of the load from one time to another does; `None` stands for the unloaded body.
     pub(super) fn response(&self, loading: &Loading, from: Option<f64>, to: f64) -> Response {
         let mut u = vec![0.0; self.answers.first().map_or(0, Vec::len)];
-        for (case, answer) in loading.cases.iter().zip(&self.answers) {
+        for (case, answer) in loading.cases().iter().zip(&self.answers) {
             let change = case.factor(to) - from.map_or(0.0, |from| case.factor(from));
             for (u, a) in u.iter_mut().zip(answer) {
                 *u += change * a;
@@ -100,7 +77,7 @@ impl HeldBody {
         };
         let contact_force = (0..contacts).map(force).fold(0.0, f64::max);
         let forces = u.split_off(self.layout.displacements().min(u.len()));
-        let (mut before, mut after) = (loading.gap.clone(), loading.gap.clone());
+        let (mut before, mut after) = (loading.gap().to_vec(), loading.gap().to_vec());
         if let Some(from) = from {
             loading.gap_at(from, &mut before);
         }

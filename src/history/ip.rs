@@ -1,12 +1,11 @@
 //! IP along a history: the paper's starting points.
 
-use super::method::{IncrementSolver, Task};
 use super::settings::{HistorySettings, Start};
-use crate::formulation::{Constrained, InteriorPoint, Pair, SlackLayout};
+use super::task::{IncrementSolver, Observe, Task};
+use crate::formulation::{Constrained, InteriorPoint, NewtonSystem, Pair, Partition, SlackLayout};
 use crate::linear::{Direct, LinearError};
-use crate::nonlinear::{Flow, Ip, IpSettings, IterationRecord, Outcome, Stop};
+use crate::nonlinear::{Ip, IpSettings, Outcome, Stop};
 use crate::problem::{ContactProblem, State};
-use crate::scene::{NewtonSystem, Partition};
 use crate::sparse::Csc;
 
 pub(super) struct IpMethod {
@@ -22,16 +21,16 @@ impl IpMethod {
     pub(super) fn new(
         problem: &ContactProblem,
         history: &HistorySettings,
-        settings: IpSettings,
         start: Start,
         partition: Partition,
         newton: NewtonSystem,
     ) -> Self {
         let formulation = Constrained::new(problem, history.scaling, &history.conventions, partition, newton);
-        let mut z = first_point(formulation.layout(), &problem.weight);
+        let mut z = first_point(formulation.layout(), problem.weight().unwrap_or_default());
         if partition == Partition::Cone {
             enter_cone(formulation.layout(), formulation.mu(), &mut z);
         }
+        let settings = IpSettings::paper(history.max_iterations);
         IpMethod { formulation, settings, start, partition, ip: Ip::default(), z }
     }
 
@@ -46,7 +45,7 @@ impl IpMethod {
         &mut self,
         settings: &IpSettings,
         linear: &mut Direct,
-        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+        observe: Observe<'_>,
     ) -> Result<Outcome, LinearError> {
         self.ip.solve(settings, &mut self.formulation, linear, &mut self.z, observe)
     }
@@ -70,7 +69,7 @@ impl IncrementSolver for IpMethod {
         &mut self,
         task: &Task<'_>,
         linear: &mut Direct,
-        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+        observe: Observe<'_>,
     ) -> Result<Outcome, LinearError> {
         self.formulation.begin(task.increment);
         task.response.add_to(&mut self.z);

@@ -4,13 +4,12 @@
 //! them is at times more than the tolerance allows. BN knows no such limit, and from there it needs a
 //! step or two.
 
-use super::method::Task;
-use crate::formulation::{Bdiff, Conventions, Formulation};
+use super::task::{Observe, Task};
+use crate::formulation::{Assembled, Bdiff, Conventions};
 use crate::linear::{Direct, LinearError};
-use crate::nonlinear::{Bn, BnSettings, Flow, IterationRecord, Outcome};
+use crate::nonlinear::{Armijo, Bn, End, Outcome};
 use crate::problem::{ContactProblem, Increment};
 use crate::sparse::Csc;
-use crate::units::Scaling;
 
 /// From near the solution BN takes two or three iterations; more show that it is not near.
 const ITERATIONS: usize = 10;
@@ -22,14 +21,10 @@ pub(super) struct NewtonEnd {
 }
 
 impl NewtonEnd {
-    pub(super) fn new(problem: &ContactProblem, scaling: Scaling, natural: &Conventions, tolerance: f64) -> Self {
-        let formulation = Bdiff::new(problem, scaling, natural);
+    pub(super) fn new(assembled: Assembled, natural: &Conventions) -> Self {
+        let formulation = Bdiff::on(assembled, natural);
         let unknowns = formulation.unknowns();
-        NewtonEnd {
-            formulation,
-            bn: Bn::new(BnSettings::until(tolerance, ITERATIONS), unknowns),
-            z: vec![0.0; unknowns],
-        }
+        NewtonEnd { formulation, bn: Bn::new(Armijo::HALVING, ITERATIONS, unknowns), z: vec![0.0; unknowns] }
     }
 
     /// Sets the data of a new increment.
@@ -45,14 +40,14 @@ impl NewtonEnd {
         linear: &mut Direct,
         z: &[f64],
         left: usize,
-        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+        observe: Observe<'_>,
     ) -> Result<Outcome, LinearError> {
         let NewtonEnd { formulation, bn, z: own } = self;
         bn.limit(left.min(ITERATIONS));
         own.copy_from_slice(&z[..formulation.unknowns()]);
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpack_with(z, rest, &scaling));
-        bn.solve(formulation, linear, own, &mut error, observe)
+        bn.solve(formulation, linear, own, End::Measured { tolerance: task.tolerance, error: &mut error }, observe)
     }
 
     /// Linearises at a `z` that begins with `(u, p_t, p_n)`.

@@ -2,7 +2,7 @@
 
 use super::IncrementRecord;
 use crate::contact::ContactStatus;
-use crate::nonlinear::{Flow, IterationRecord};
+use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
 use crate::problem::{Increment, State};
 
 /// An increment with its data and state, for an observer.
@@ -26,6 +26,12 @@ pub trait Observer {
     fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> Flow {
         Flow::Continue
     }
+    /// After each step of increment `index`, before [`Observer::iteration`]: the linearised equations that gave it, as
+    /// they were solved. Where the body is condensed, they are those of the contact displacements.
+    fn linear_system(&mut self, _index: usize, _system: &LinearSystem<'_>) -> Flow {
+        Flow::Continue
+    }
+
     /// After each increment, the failed one included.
     fn increment(&mut self, _step: &Step<'_>) -> Flow {
         Flow::Continue

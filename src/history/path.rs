@@ -5,15 +5,15 @@
 //! grows back.
 
 use super::held::HeldBody;
-use super::method::{IncrementSolver, Task, judge};
 use super::settings::HistorySettings;
+use super::task::{IncrementSolver, Observe, Task};
 use super::whole::Whole;
 use super::{Status, record};
 use crate::condense::Condensed;
-use crate::contact::{KktErrors, KktScales, rounding_level};
+use crate::contact::{KktErrors, KktScales, judge, rounding_level};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
-use crate::nonlinear::{Flow, IterationRecord, Outcome, Stop};
+use crate::nonlinear::{Outcome, Stop};
 use crate::problem::{ContactProblem, Increment, State};
 use crate::solvability::rigid_equilibrium;
 
@@ -28,6 +28,8 @@ pub(super) struct Path<'a> {
     held: HeldBody,
     /// The time reached; `None` stands for the unloaded body.
     pub reached: Option<f64>,
+    /// The largest backward error of the whole system where the body is condensed.
+    pub worst_backward_error: f64,
     scales: KktScales,
     force: Vec<f64>,
     condensed_force: Vec<f64>,
@@ -81,6 +83,7 @@ impl<'a> Path<'a> {
             method,
             held,
             reached: None,
+            worst_backward_error: 0.0,
             scales: KktScales::default(),
             force: vec![0.0; problem.displacements()],
             condensed_force: vec![0.0; condensed.map_or(0, |condensed| condensed.problem.displacements())],
@@ -103,7 +106,7 @@ impl<'a> Path<'a> {
         &mut self,
         time: f64,
         linear: &mut Direct,
-        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+        observe: Observe<'_>,
     ) -> Result<Walked, LinearError> {
         let start = self.reached.unwrap_or(0.0);
         let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
@@ -146,7 +149,7 @@ impl<'a> Path<'a> {
         &mut self,
         time: f64,
         linear: &mut Direct,
-        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+        observe: Observe<'_>,
     ) -> Result<Attempt, LinearError> {
         let Path { problem, loading, condensed, settings, .. } = *self;
         loading.force(time, &mut self.force);
@@ -185,6 +188,7 @@ impl<'a> Path<'a> {
                 let whole = Whole { problem, condensed, increment: &increment, scales: &before, settings, time };
                 let (state, backward_error) = whole.state(self.method.as_mut(), linear)?;
                 outcome.backward_error = outcome.backward_error.max(backward_error);
+                self.worst_backward_error = self.worst_backward_error.max(backward_error);
                 state
             }
         };
@@ -197,8 +201,8 @@ impl<'a> Path<'a> {
     fn accept(&mut self, time: f64, attempt: &Attempt) {
         self.reached = Some(time);
         self.scales = attempt.scales;
-        self.w_t = self.problem.c_t.mul(&attempt.state.u);
-        self.w_o = self.problem.c_o.mul(&attempt.state.u);
+        self.w_t = self.problem.c_t().mul(&attempt.state.u);
+        self.w_o = self.problem.c_o().mul(&attempt.state.u);
     }
 
     /// Whether a smaller load could make the difference.

@@ -1,14 +1,12 @@
 //! The predictor–corrector method along a history: where an increment starts.
 
-use super::held::Response;
-use super::method::{IncrementSolver, Task};
 use super::newton_end::NewtonEnd;
 use super::settings::HistorySettings;
-use crate::formulation::{Cone, Constrained, Conventions, InteriorPoint, Layout};
+use super::task::{IncrementSolver, Observe, Response, Task};
+use crate::formulation::{Assembled, Cone, Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
 use crate::linear::{Direct, LinearError};
-use crate::nonlinear::{Flow, IterationRecord, Outcome, PredictorCorrector, PredictorCorrectorSettings, Stop};
+use crate::nonlinear::{Outcome, PredictorCorrector, PredictorCorrectorSettings, Stop};
 use crate::problem::{ContactProblem, State};
-use crate::scene::{NewtonSystem, Partition};
 use crate::sparse::Csc;
 
 /// How far inside the attempts at an increment start, in terms of the estimate. The first is the
@@ -40,26 +38,50 @@ impl<'a> PredictorCorrectorMethod<'a> {
     pub(super) fn new(
         problem: &'a ContactProblem,
         history: &HistorySettings,
-        settings: PredictorCorrectorSettings,
         newton: NewtonSystem,
     ) -> Self {
-        let HistorySettings { scaling, conventions, .. } = history;
-        let (formulation, stiffness): (Box<dyn InteriorPoint>, f64) = if Layout::new(problem).has_second_tangent() {
-            (Box::new(Cone::new(problem, *scaling, conventions)), mean_of_compliances(&history.contact_stiffness))
+        let assembled = Assembled::new(problem, history.scaling);
+        match newton {
+            NewtonSystem::Reduced => Self::beside(problem, assembled, history),
+            NewtonSystem::Extended => {
+                let HistorySettings { scaling, conventions, .. } = history;
+                let formulation = Constrained::new(problem, *scaling, conventions, Partition::Products, newton);
+                let stiffness = median(&history.contact_stiffness);
+                Self::with(problem, assembled, history, Box::new(formulation), stiffness)
+            }
+        }
+    }
+
+    /// On a problem that is set up already.
+    pub(super) fn beside(problem: &'a ContactProblem, assembled: Assembled, history: &HistorySettings) -> Self {
+        let (conventions, stiffness) = (&history.conventions, &history.contact_stiffness);
+        if assembled.layout().has_second_tangent() {
+            let formulation = Box::new(Cone::on(assembled.clone(), conventions));
+            Self::with(problem, assembled, history, formulation, mean_of_compliances(stiffness))
         } else {
-            let formulation = Constrained::new(problem, *scaling, conventions, Partition::Products, newton);
-            (Box::new(formulation), median(&history.contact_stiffness))
-        };
+            let formulation = Box::new(Constrained::on(assembled.clone(), conventions, Partition::Products));
+            Self::with(problem, assembled, history, formulation, median(stiffness))
+        }
+    }
+
+    fn with(
+        problem: &'a ContactProblem,
+        assembled: Assembled,
+        history: &HistorySettings,
+        formulation: Box<dyn InteriorPoint>,
+        stiffness: f64,
+    ) -> Self {
+        let HistorySettings { tolerance, max_iterations, .. } = *history;
         let natural = Conventions::of_stiffness(problem, &history.contact_stiffness);
         PredictorCorrectorMethod {
-            stiffness: stiffness / scaling.stiffness(),
+            stiffness: stiffness / history.scaling.stiffness(),
             z: vec![0.0; formulation.unknowns()],
             rest: vec![0.0; formulation.forces().unknowns()],
-            end: NewtonEnd::new(problem, *scaling, &natural, settings.tolerance),
+            end: NewtonEnd::new(assembled, &natural),
             method: PredictorCorrector::default(),
             problem,
             formulation,
-            settings,
+            settings: PredictorCorrectorSettings { tolerance, max_iterations },
         }
     }
 
@@ -125,7 +147,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         &mut self,
         task: &Task<'_>,
         linear: &mut Direct,
-        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+        observe: Observe<'_>,
     ) -> Result<Outcome, LinearError> {
         self.formulation.begin(task.increment);
         self.end.begin(task.increment);

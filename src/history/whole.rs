@@ -4,8 +4,8 @@
 //! rounding, as in slender bodies, the whole system is refined: its imbalance, reduced, is solved for with
 //! the linearisation of that state, and the interior follows the change.
 
-use super::method::IncrementSolver;
 use super::settings::HistorySettings;
+use super::task::IncrementSolver;
 use crate::condense::Condensed;
 use crate::contact::KktScales;
 use crate::formulation::Layout;
@@ -68,7 +68,6 @@ impl Whole<'_> {
             (state, imbalance, error) = (refined, left, reached);
             method.unknowns().iter_mut().zip(&change).for_each(|(z, dz)| *z += dz);
         }
-        linear.count_backward_error(error);
         Ok((state, error))
     }
 
@@ -82,7 +81,7 @@ impl Whole<'_> {
     ) -> Result<Vec<f64>, LinearError> {
         let scaling = self.settings.scaling;
         let forces = self.condensed.reduce(&imbalance.iter().map(|r| -r).collect::<Vec<_>>())?;
-        let n = method.linearization().pattern.columns();
+        let n = method.linearization().pattern().columns();
         let (mut rhs, mut change) = (vec![0.0; n], vec![0.0; n]);
         rhs.iter_mut().zip(&forces.border).for_each(|(b, force)| *b = force / scaling.force);
         linear.solve(method.linearization(), &rhs, &mut change)?;
@@ -106,16 +105,16 @@ impl Whole<'_> {
     fn backward_error(&self, state: &State, imbalance: &[f64]) -> f64 {
         let Whole { problem, increment, .. } = self;
         let mut sizes: Vec<f64> = increment.force.iter().map(|f| f.abs()).collect();
-        problem.stiffness.add_sizes(&state.u, &mut sizes);
-        let largest = problem.stiffness.lower().values.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
-        for (map, forces) in [(&problem.c_n, &state.p_n), (&problem.c_t, &state.p_t), (&problem.c_o, &state.p_o)] {
+        problem.stiffness().add_sizes(&state.u, &mut sizes);
+        let largest = problem.stiffness().lower().values().iter().fold(0.0_f64, |m, value| m.max(value.abs()));
+        for (map, forces) in [(problem.c_n(), &state.p_n), (problem.c_t(), &state.p_t), (problem.c_o(), &state.p_o)] {
             for (i, p) in forces.iter().enumerate() {
                 map.row(i).iter().for_each(|&(dof, c)| sizes[dof] += (c * p).abs());
             }
         }
         componentwise_error(&state.u, imbalance, &sizes, largest, || {
             let mut row_norm = vec![0.0_f64; imbalance.len()];
-            problem.stiffness.entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
+            problem.stiffness().entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
             row_norm
         })
     }

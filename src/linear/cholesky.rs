@@ -19,7 +19,7 @@ pub(super) mod supernodal;
 mod sweep;
 
 use super::error::expect_length;
-use super::{FactorInfo, LinearError};
+use super::{FactorInfo, LinearError, SparseCholesky};
 use crate::sparse::Symmetric;
 use supernodal::{Supernodal, Supernode};
 
@@ -52,19 +52,7 @@ impl Cholesky {
     /// one that does not exist, [`LinearError::NotBuiltIn`] when this build has neither backend, and
     /// when memory is short or the backend fails.
     pub fn factor(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
-        #[cfg(feature = "umfpack")]
-        {
-            Self::cholmod(k, last)
-        }
-        #[cfg(all(feature = "faer", not(feature = "umfpack")))]
-        {
-            Self::faer(k, last)
-        }
-        #[cfg(not(any(feature = "umfpack", feature = "faer")))]
-        {
-            let _ = (k, last);
-            Err(LinearError::NotBuiltIn { backend: "sparse Cholesky factorisation" })
-        }
+        SparseCholesky::default().factor(k, last)
     }
 
     /// As [`Cholesky::factor`], by CHOLMOD: SuiteSparse's supernodal Cholesky, ordered by minimum degree
@@ -74,9 +62,9 @@ impl Cholesky {
     /// As [`Cholesky::factor`].
     #[cfg(feature = "umfpack")]
     pub fn cholmod(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
-        super::error::expect_finite(&k.lower().values)?;
+        super::error::expect_finite(k.lower().values())?;
         let mut session = super::cholmod::Session::new()?;
-        let order = order::with_border(&k.lower().pattern, last, |interior| session.order(interior))?;
+        let order = order::with_border(k.lower().pattern(), last, |interior| session.order(interior))?;
         let factor = session.factor(k.lower(), &order)?;
         Self::new(Box::new(factor), order, last.len())
     }
@@ -87,8 +75,8 @@ impl Cholesky {
     /// As [`Cholesky::factor`].
     #[cfg(feature = "faer")]
     pub fn faer(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
-        super::error::expect_finite(&k.lower().values)?;
-        let order = order::with_border(&k.lower().pattern, last, super::faer::minimum_degree)?;
+        super::error::expect_finite(k.lower().values())?;
+        let order = order::with_border(k.lower().pattern(), last, super::faer::minimum_degree)?;
         let factor = super::faer::Llt::factor(k.lower(), &order)?;
         Self::new(Box::new(factor), order, last.len())
     }
@@ -102,12 +90,12 @@ impl Cholesky {
         #[cfg(feature = "umfpack")]
         {
             let mut session = super::cholmod::Session::new()?;
-            session.order(&k.lower().pattern)?;
+            session.order(k.lower().pattern())?;
             Ok(session.predicted())
         }
         #[cfg(all(feature = "faer", not(feature = "umfpack")))]
         {
-            let order = super::faer::minimum_degree(&k.lower().pattern)?;
+            let order = super::faer::minimum_degree(k.lower().pattern())?;
             super::faer::Llt::predict(k.lower(), &order)
         }
         #[cfg(not(any(feature = "umfpack", feature = "faer")))]
@@ -199,7 +187,7 @@ impl Cholesky {
     }
 
     /// The sum of `parts`, each times its factor.
-    pub fn combine(&self, parts: &[Reduced], factors: &[f64]) -> Reduced {
+    pub(crate) fn combine(&self, parts: &[Reduced], factors: &[f64]) -> Reduced {
         let mut sum = Reduced { border: vec![0.0; self.border], interior: vec![0.0; self.interior()] };
         for (part, factor) in parts.iter().zip(factors) {
             sum.border.iter_mut().zip(&part.border).for_each(|(sum, x)| *sum += factor * x);

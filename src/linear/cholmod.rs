@@ -110,7 +110,7 @@ impl Session {
         common.postorder = FALSE;
         // Even where simplicial factors would be faster: one format to read.
         common.supernodal = sys::CHOLMOD_SUPERNODAL as c_int;
-        let mut matrix = sparse(&lower.pattern, Some(&lower.values));
+        let mut matrix = sparse(lower.pattern(), Some(lower.values()));
         // SAFETY: `matrix` describes the arrays of `lower` and `permutation` has an entry for each
         // column, all of which CHOLMOD reads only; no subset of columns is passed.
         let factor = unsafe {

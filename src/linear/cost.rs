@@ -83,16 +83,17 @@ pub struct Cost {
     pub bytes: f64,
 }
 
+/// Ordering so many unknowns, s: about what an estimate takes itself.
+pub fn order(unknowns: usize) -> f64 {
+    unknowns as f64 * seconds::ORDER
+}
+
 /// The whole system with UMFPACK or, if `faer`, with faer's sparse LU.
 pub fn sparse(sizes: &Sizes, work: &Work, faer: bool) -> Cost {
     let (entries, flops) = (2.0 * sizes.stiffness.entries as f64, 2.0 * sizes.stiffness.flops);
     let factor = if faer { seconds::FAER_LU_ENTRY } else { seconds::LU_ENTRY };
     let iteration = entries * (factor + seconds::LU_SOLVE_ENTRY) + flops * seconds::OPERATION;
-    Cost {
-        seconds: sizes.unknowns as f64 * seconds::ORDER + work.factorizations * iteration,
-        flops,
-        bytes: LU_BYTES * entries,
-    }
+    Cost { seconds: order(sizes.unknowns) + work.factorizations * iteration, flops, bytes: LU_BYTES * entries }
 }
 
 /// The condensed system.

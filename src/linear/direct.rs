@@ -3,8 +3,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::error::expect_length;
 use super::refine::{self, SolveInfo, Workspace};
-use super::{Dense, FactorInfo, LinearError, LinearSolver, built_in};
+use super::{FactorInfo, LinearError, LinearSolver, SparseLu};
 use crate::sparse::{Csc, Pattern};
 
 /// What a [`Direct`] solver has done so far.
@@ -36,15 +37,12 @@ pub struct Direct {
     pattern: Option<Arc<Pattern>>,
     work: Workspace,
     statistics: Statistics,
-    condenses: bool,
-    /// What was factored beforehand, on which all else stands.
-    body: FactorInfo,
 }
 
 impl Default for Direct {
     /// The sparse LU of this build: UMFPACK where it is built in, otherwise faer.
     fn default() -> Self {
-        Direct::new(if cfg!(feature = "umfpack") { built_in::umfpack() } else { built_in::faer() })
+        Direct::new(SparseLu::default().solver())
     }
 }
 
@@ -56,35 +54,12 @@ impl Direct {
             pattern: None,
             work: Workspace::default(),
             statistics: Statistics::default(),
-            condenses: false,
-            body: FactorInfo::default(),
         }
     }
 
-    /// A dense solver for a body that is condensed to so many contact displacements first.
-    pub fn condensing(contact_displacements: usize) -> Self {
-        Direct { condenses: true, ..Direct::new(Box::new(Dense::new(contact_displacements))) }
-    }
-
-    /// Whether it expects a condensed body.
-    pub fn condenses(&self) -> bool {
-        self.condenses
-    }
-
-    /// The name of the path in reports.
+    /// The name of the solver in reports.
     pub fn name(&self) -> &'static str {
-        if self.condenses { "condensed" } else { self.backend.name() }
-    }
-
-    /// Adds the factors of the condensed body to what is reported of the others.
-    pub fn stand_on(&mut self, body: FactorInfo) {
-        self.body = body;
-        self.statistics.factor = body;
-    }
-
-    /// Counts the backward error of a solution of the whole system that was put together elsewhere.
-    pub fn count_backward_error(&mut self, error: f64) {
-        self.statistics.worst_backward_error = self.statistics.worst_backward_error.max(error);
+        self.backend.name()
     }
 
     /// What was done so far.
@@ -110,27 +85,29 @@ impl Direct {
     /// # Errors
     /// As [`LinearSolver::factorize`], and [`LinearError::PatternChanged`].
     pub fn factorize(&mut self, a: &Csc) -> Result<FactorInfo, LinearError> {
-        let pattern = self.pattern.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
-        if !Arc::ptr_eq(pattern, &a.pattern) && *pattern != a.pattern {
-            return Err(LinearError::PatternChanged);
-        }
+        self.expect_analysed(a)?;
         let start = Instant::now();
-        let info = self.backend.factorize(&a.values)?;
+        let info = self.backend.factorize(a.values())?;
         self.statistics.factorizations += 1;
         self.statistics.factor_seconds += start.elapsed().as_secs_f64();
-        self.statistics.factor = FactorInfo {
-            entries: self.body.entries + info.entries,
-            peak_bytes: self.body.peak_bytes + info.peak_bytes,
-            ..info
-        };
+        self.statistics.factor = info;
         Ok(info)
+    }
+
+    /// An error unless `a` stands on the analysed pattern. A formulation shares it, so that nothing is compared.
+    fn expect_analysed(&self, a: &Csc) -> Result<(), LinearError> {
+        let pattern = self.pattern.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
+        if Arc::ptr_eq(pattern, a.pattern()) || pattern == a.pattern() { Ok(()) } else { Err(LinearError::PatternChanged) }
     }
 
     /// Solves `a x = b` with the last factors, refined.
     ///
     /// # Errors
-    /// As [`LinearSolver::solve`], and [`LinearError::NotFinite`].
+    /// As [`LinearSolver::solve`], [`LinearError::PatternChanged`], and [`LinearError::NotFinite`].
     pub fn solve(&mut self, a: &Csc, b: &[f64], x: &mut [f64]) -> Result<SolveInfo, LinearError> {
+        self.expect_analysed(a)?;
+        expect_length("right-hand side", a.pattern().rows(), b.len())?;
+        expect_length("solution", a.pattern().columns(), x.len())?;
         let start = Instant::now();
         let info = refine::solve(self.backend.as_mut(), a, b, x, &mut self.work)?;
         let statistics = &mut self.statistics;

@@ -81,7 +81,7 @@ pub fn backward_error(a: &Csc, b: &[f64], x: &[f64]) -> f64 {
 }
 
 fn largest_entry(a: &Csc) -> f64 {
-    a.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()))
+    a.values().iter().fold(0.0_f64, |m, v| m.max(v.abs()))
 }
 
 /// The error of `x` with residual `r` and scale `s`, where `scale` is the largest entry of `a`.

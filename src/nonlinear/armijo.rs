@@ -12,6 +12,12 @@ pub struct Armijo {
 }
 
 impl Armijo {
+    /// The paper's.
+    pub const PAPER: Armijo = Armijo { beta: 0.9, sigma: 0.1, max_backtracks: 22 };
+
+    /// Steps are halved, down to 1/64: finer ones gain nothing.
+    pub const HALVING: Armijo = Armijo { beta: 0.5, sigma: 0.1, max_backtracks: 6 };
+
     /// `(β^m, m)` with the smallest `m` such that `Theta(β^m) ≤ (1 - 2 σ β^m) Theta(0)`, where
     /// `merit` maps a step length to `Theta` and `theta` is `Theta(0)`.
     pub fn step(&self, theta: f64, merit: impl Fn(f64) -> f64) -> (f64, usize) {

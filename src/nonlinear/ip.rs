@@ -1,7 +1,7 @@
 //! Algorithm IP: the potential reduction interior point method.
 
 use super::clock::Clock;
-use super::{Flow, IterationRecord, Outcome, Stop};
+use super::{Flow, Iteration, IterationRecord, LinearSystem, Outcome, Stop};
 use crate::formulation::{Constrained, InteriorPoint};
 use crate::linear::{Direct, LinearError, SolveInfo};
 
@@ -78,7 +78,7 @@ impl Workspace {
         for vector in [&mut self.h, &mut self.b, &mut self.dz] {
             vector.resize(n, 0.0);
         }
-        self.rhs.resize(formulation.matrix().pattern.rows(), 0.0);
+        self.rhs.resize(formulation.matrix().pattern().rows(), 0.0);
     }
 
     /// Solves `∇H(z) dz = b` with the last factors.
@@ -92,6 +92,12 @@ impl Workspace {
         let info = linear.solve(formulation.matrix(), &self.rhs, &mut self.dz[..self.rhs.len()])?;
         formulation.recover(z, &self.b, &mut self.dz);
         Ok(info)
+    }
+
+    /// The linear system that was solved last.
+    pub(super) fn system<'a>(&'a self, formulation: &'a dyn InteriorPoint) -> LinearSystem<'a> {
+        let (matrix, layout, scaling) = (formulation.matrix(), formulation.forces(), *formulation.scaling());
+        LinearSystem { matrix, rhs: &self.rhs, solution: &self.dz[..self.rhs.len()], layout, scaling }
     }
 }
 
@@ -114,7 +120,7 @@ impl Ip {
         formulation: &mut Constrained,
         linear: &mut Direct,
         z: &mut [f64],
-        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+        observe: &mut dyn FnMut(&Iteration<'_>) -> Flow,
     ) -> Result<Outcome, LinearError> {
         // Step 1: initialisation.
         let mut clock = Clock::default();
@@ -125,7 +131,7 @@ impl Ip {
         clock.time(|| formulation.residual(z, &mut self.work.h));
         let mut theta = formulation.theta(z, &self.work.h);
         let mut outcome = Outcome::new(theta);
-        if observe(&IterationRecord::start(theta)) == Flow::Stop {
+        if observe(&Iteration::start(theta, None)) == Flow::Stop {
             return Ok(Outcome { stop: Stop::Interrupted, ..outcome });
         }
 
@@ -172,7 +178,7 @@ impl Ip {
             // Step 4: termination, and the next σ (36).
             let record =
                 IterationRecord { iteration, theta, step, backtracks, backward_error, factored: true, error: None };
-            let flow = observe(&record);
+            let flow = observe(&Iteration { record, system: Some(self.work.system(formulation)) });
             if outcome.ends(theta <= settings.epsilon || formulation.is_affine(), flow) {
                 break;
             }

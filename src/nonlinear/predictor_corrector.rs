@@ -6,7 +6,7 @@
 
 use super::clock::Clock;
 use super::ip::Workspace;
-use super::{Flow, IterationRecord, Outcome, Stop};
+use super::{Flow, Iteration, IterationRecord, Outcome, Stop};
 use crate::formulation::{Face, InteriorPoint, Pair, largest_step};
 use crate::linear::{Direct, LinearError};
 
@@ -59,14 +59,14 @@ impl PredictorCorrector {
         linear: &mut Direct,
         z: &mut [f64],
         error: &mut dyn FnMut(&[f64]) -> f64,
-        observe: &mut dyn FnMut(&IterationRecord) -> Flow,
+        observe: &mut dyn FnMut(&Iteration<'_>) -> Flow,
     ) -> Result<Outcome, LinearError> {
         let mut clock = Clock::default();
         self.work.resize(formulation);
         clock.time(|| formulation.residual(z, &mut self.work.h));
         let theta = formulation.theta(z, &self.work.h);
         let mut outcome = Outcome::new(theta);
-        if observe(&IterationRecord::start(theta)) == Flow::Stop {
+        if observe(&Iteration::start(theta, None)) == Flow::Stop {
             return Ok(Outcome { stop: Stop::Interrupted, ..outcome });
         }
         // The face ahead, and the last one that a step to it has been tried on.
@@ -84,9 +84,12 @@ impl PredictorCorrector {
                 }
                 _ => {
                     let taken = self.step(curved, formulation, linear, z, error);
-                    let face = formulation.face_ahead(&self.before, z);
-                    settled = ahead == face;
-                    ahead = face;
+                    // A step that fails has gone nowhere.
+                    if taken.is_ok() {
+                        let face = formulation.face_ahead(&self.before, z);
+                        settled = ahead == face;
+                        ahead = face;
+                    }
                     taken
                 }
             };
@@ -113,7 +116,7 @@ impl PredictorCorrector {
                 // A step that is not taken was measured at its end.
                 error: (step > 0.0).then_some(error),
             };
-            let flow = observe(&record);
+            let flow = observe(&Iteration { record, system: Some(self.work.system(formulation)) });
             if outcome.ends(error <= settings.tolerance || formulation.is_affine(), flow) {
                 break;
             }

@@ -4,7 +4,7 @@ use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 
 use super::ContactProblem;
-use crate::sparse::{Csc, Csr, Symmetric};
+use crate::sparse::{Csr, Symmetric};
 
 /// The displacements that share a stiffness entry with the normal motion of a contact node, ascending: with finite
 /// elements, those of the elements at the node.
@@ -24,7 +24,7 @@ impl ContactProblem {
     /// ever meets. Where the patch could move as a rigid body it is a quarter of the node's own `(C_n K C_nᵀ)_ii`,
     /// which in a uniform mesh is about the same.
     pub fn contact_stiffness(&self) -> Vec<f64> {
-        let patches = patches(&self.stiffness, &self.c_n);
+        let patches = patches(self.stiffness(), self.c_n());
         let mut last: Option<(&Patch, Option<Llt<f64>>)> = None;
         let mut stiffness = Vec::with_capacity(patches.len());
         for (i, patch) in patches.iter().enumerate() {
@@ -33,7 +33,7 @@ impl ContactProblem {
                 Some((same, factors)) if same == patch => factors,
                 _ => self.factors(patch),
             };
-            let compliance = factors.as_ref().map(|factors| compliance(factors, patch, self.c_n.row(i)));
+            let compliance = factors.as_ref().map(|factors| compliance(factors, patch, self.c_n().row(i)));
             let own = self.own_stiffness(i);
             let usable = compliance.map(|c| 1.0 / c).filter(|k| k.is_finite() && *k > MERE_ROUNDING * own);
             stiffness.push(usable.unwrap_or(0.25 * own));
@@ -44,9 +44,9 @@ impl ContactProblem {
 
     /// `(C_n K C_nᵀ)_ii`.
     fn own_stiffness(&self, i: usize) -> f64 {
-        let row = self.c_n.row(i);
+        let row = self.c_n().row(i);
         let pairs = row.iter().flat_map(|a| row.iter().map(move |b| (a, b)));
-        pairs.map(|(a, b)| a.1 * b.1 * self.stiffness.get(a.0, b.0)).sum()
+        pairs.map(|(a, b)| a.1 * b.1 * self.stiffness().get(a.0, b.0)).sum()
     }
 
     /// `K_PP`, factored. None where the patch is all that moves and nothing stops it, or where it is singular.
@@ -54,7 +54,7 @@ impl ContactProblem {
         if patch.len() == self.displacements() && !self.free_motions.is_empty() {
             return None;
         }
-        let Csc { pattern, values } = self.stiffness.lower();
+        let (pattern, values) = (self.stiffness().lower().pattern(), self.stiffness().lower().values());
         let mut matrix = Mat::zeros(patch.len(), patch.len());
         for (j, &column) in patch.iter().enumerate() {
             for slot in pattern.column(column) {
@@ -151,7 +151,7 @@ mod tests {
         let mut problem = chain(n, true);
         problem.stiffness = Symmetric::from_entries(n, |take| (0..n).for_each(|i| (0..=i).for_each(|j| take(i, j))));
         for i in 0..n {
-            (0..=i).for_each(|j| problem.stiffness.add(i, j, if i == j { 2.0 } else { 1.0 }));
+            (0..=i).for_each(|j| problem.stiffness().add(i, j, if i == j { 2.0 } else { 1.0 }));
         }
         assert_close(&problem.contact_stiffness(), &[1.2; 5]);
     }

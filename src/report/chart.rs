@@ -1,23 +1,11 @@
 //! Line charts as SVG: panels with common axes, and curves that are told apart without colour.
 
 pub(super) mod axis;
-pub(super) mod pen;
 
 pub use axis::Scale;
 
+use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite, text_width};
 use axis::Ticks;
-use pen::{Anchor, Pen, text_width};
-
-/// Why a chart could not be drawn.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("the plot could not be drawn: {0}")]
-pub struct PlotError(String);
-
-impl PlotError {
-    pub(super) fn not_finite() -> Self {
-        PlotError("a number is not finite".into())
-    }
-}
 
 /// A chart of one or more panels, all with the same axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,41 +57,6 @@ pub struct Curve {
     pub colour: [u8; 3],
 }
 
-/// A line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line {
-    /// How it is broken.
-    pub dash: Dash,
-    /// Its width, px.
-    pub width: f64,
-}
-
-/// How a line is broken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Dash {
-    /// Not at all.
-    Solid,
-    /// Into dots.
-    Dotted,
-    /// Into dashes.
-    Dashed,
-    /// Into dashes and dots in turn.
-    DashDotted,
-}
-
-/// What stands at a point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Marker {
-    /// A filled circle.
-    Disc,
-    /// A hollow circle.
-    Circle,
-    /// A hollow square.
-    Square,
-    /// A hollow triangle.
-    Triangle,
-}
-
 const WIDTH: f64 = 960.0;
 /// Left of the first panel: the axis label and the numbers.
 const LEFT: f64 = 92.0;
@@ -122,9 +75,11 @@ const TITLE_SIZE: f64 = 18.0;
 const LABEL_SIZE: f64 = 15.0;
 const NUMBER_SIZE: f64 = 13.5;
 
-const BLACK: [u8; 3] = [0, 0, 0];
-const GREY: [u8; 3] = [120, 120, 120];
-const GRID: [u8; 3] = [228, 228, 228];
+const THIN: Line = Line { dash: Dash::Solid, width: 1.0 };
+
+const BLACK: Colour = [0, 0, 0];
+const GREY: Colour = [120, 120, 120];
+const GRID: Colour = [228, 228, 228];
 
 /// Where a panel is, px.
 #[derive(Clone, Copy)]
@@ -139,12 +94,10 @@ impl Chart {
     /// The chart as an SVG picture.
     ///
     /// # Errors
-    /// When a number is not finite, or the drawing library refuses.
+    /// When a number is not finite.
     pub fn to_svg(&self) -> Result<String, PlotError> {
         let points = || self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
-        if points().flatten().any(|value| !value.is_finite()) {
-            return Err(PlotError::not_finite());
-        }
+        expect_finite(points().flatten().copied())?;
         let columns = self.columns.max(1);
         let rows = self.panels.len().div_ceil(columns);
         let width = (WIDTH - LEFT - RIGHT - (columns - 1) as f64 * (BETWEEN + RIGHT)) / columns as f64;
@@ -161,74 +114,71 @@ impl Chart {
         let headings = if self.panels.iter().all(|panel| panel.title.is_empty()) { 8.0 } else { HEADING };
         let top = 66.0 + LEGEND_ROW * legend.len() as f64;
         let pitch = headings + height + BELOW;
-        pen::picture([WIDTH, top + rows as f64 * pitch + 34.0], |pen| {
-            pen.text([0.5 * WIDTH, 24.0], &self.title, TITLE_SIZE, Anchor::Bold)?;
-            pen.text([0.5 * WIDTH, 48.0], &self.subtitle, LABEL_SIZE, Anchor::Middle)?;
-            for (row, entries) in legend.iter().enumerate() {
-                draw_legend(pen, 74.0 + LEGEND_ROW * row as f64, entries)?;
+        let mut svg = Svg::new([WIDTH, top + rows as f64 * pitch + 34.0]);
+        svg.text([0.5 * WIDTH, 24.0], &self.title, TITLE_SIZE, Anchor::Bold);
+        svg.text([0.5 * WIDTH, 48.0], &self.subtitle, LABEL_SIZE, Anchor::Middle);
+        for (row, entries) in legend.iter().enumerate() {
+            draw_legend(&mut svg, 74.0 + LEGEND_ROW * row as f64, entries);
+        }
+        for (k, panel) in self.panels.iter().enumerate() {
+            let (row, column) = (k / columns, k % columns);
+            let frame = Frame {
+                left: LEFT + column as f64 * (width + BETWEEN + RIGHT),
+                top: top + row as f64 * pitch + headings,
+                width,
+                height,
+            };
+            self.draw_panel(&mut svg, frame, panel, &x, &y);
+            let Frame { left, top, .. } = frame;
+            if column == 0 {
+                svg.text([22.0, top + 0.5 * height], &self.y.label, LABEL_SIZE, Anchor::Upwards);
             }
-            for (k, panel) in self.panels.iter().enumerate() {
-                let (row, column) = (k / columns, k % columns);
-                let frame = Frame {
-                    left: LEFT + column as f64 * (width + BETWEEN + RIGHT),
-                    top: top + row as f64 * pitch + headings,
-                    width,
-                    height,
-                };
-                self.draw_panel(pen, frame, panel, &x, &y)?;
-                let Frame { left, top, .. } = frame;
-                if column == 0 {
-                    pen.text([22.0, top + 0.5 * height], &self.y.label, LABEL_SIZE, Anchor::Upwards)?;
-                }
-                if k + columns >= self.panels.len() {
-                    let below = [left + 0.5 * width, top + height + BELOW + 14.0];
-                    pen.text(below, &self.x.label, LABEL_SIZE, Anchor::Middle)?;
-                }
+            if k + columns >= self.panels.len() {
+                let below = [left + 0.5 * width, top + height + BELOW + 14.0];
+                svg.text(below, &self.x.label, LABEL_SIZE, Anchor::Middle);
             }
-            Ok(())
-        })
+        }
+        Ok(svg.finish())
     }
 
-    fn draw_panel(&self, pen: &Pen<'_>, frame: Frame, panel: &Panel, x: &Ticks, y: &Ticks) -> Result<(), PlotError> {
+    fn draw_panel(&self, svg: &mut Svg, frame: Frame, panel: &Panel, x: &Ticks, y: &Ticks) {
         let Frame { left, top, width, height } = frame;
         let (right, bottom) = (left + width, top + height);
         let (across, up) = (|t: f64| left + t * width, |t: f64| bottom - t * height);
-        pen.text([left + 0.5 * width, top - 13.0], &panel.title, LABEL_SIZE, Anchor::Middle)?;
+        svg.text([left + 0.5 * width, top - 13.0], &panel.title, LABEL_SIZE, Anchor::Middle);
 
-        let line = |from, to, width, colour| pen.line(&[from, to], Line { dash: Dash::Solid, width }, colour);
         for tick in &x.all {
             let at = across(x.share(tick.value));
             let length = tick.length();
             if let Some(label) = &tick.label {
-                line([at, top], [at, bottom], 1.0, GRID)?;
-                pen.text([at, bottom + 14.0], label, NUMBER_SIZE, Anchor::Middle)?;
+                svg.line(&[[at, top], [at, bottom]], THIN, GRID);
+                svg.text([at, bottom + 14.0], label, NUMBER_SIZE, Anchor::Middle);
             }
-            line([at, bottom], [at, bottom - length], 1.0, BLACK)?;
-            line([at, top], [at, top + length], 1.0, BLACK)?;
+            svg.line(&[[at, bottom], [at, bottom - length]], THIN, BLACK);
+            svg.line(&[[at, top], [at, top + length]], THIN, BLACK);
         }
         for tick in &y.all {
             let at = up(y.share(tick.value));
             let length = tick.length();
             if let Some(label) = &tick.label {
-                line([left, at], [right, at], 1.0, GRID)?;
-                pen.text([left - 8.0, at], label, NUMBER_SIZE, Anchor::End)?;
+                svg.line(&[[left, at], [right, at]], THIN, GRID);
+                svg.text([left - 8.0, at], label, NUMBER_SIZE, Anchor::End);
             }
-            line([left, at], [left + length, at], 1.0, BLACK)?;
-            line([right, at], [right - length, at], 1.0, BLACK)?;
+            svg.line(&[[left, at], [left + length, at]], THIN, BLACK);
+            svg.line(&[[right, at], [right - length, at]], THIN, BLACK);
         }
         if self.y.scale == Scale::Linear && y.from < 0.0 && y.to > 0.0 {
-            line([left, up(y.share(0.0))], [right, up(y.share(0.0))], 1.0, GREY)?;
+            svg.line(&[[left, up(y.share(0.0))], [right, up(y.share(0.0))]], THIN, GREY);
         }
         let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
-        pen.line(&corners, Line { dash: Dash::Solid, width: 1.0 }, BLACK)?;
+        svg.line(&corners, THIN, BLACK);
         for curve in panel.curves.iter().rev() {
             let place = |&[a, b]: &[f64; 2]| {
                 Some([across(x.share(self.x.scale.place(a)?)), up(y.share(self.y.scale.place(b)?))])
             };
             let points: Vec<[f64; 2]> = curve.points.iter().filter_map(place).collect();
-            curve.draw(pen, &points)?;
+            curve.draw(svg, &points);
         }
-        Ok(())
     }
 
     /// The curves of the legend, row by row.
@@ -258,29 +208,27 @@ fn entry_width(curve: &Curve) -> f64 {
 }
 
 /// A row of the legend, in the middle of the picture.
-fn draw_legend(pen: &Pen<'_>, y: f64, entries: &[&Curve]) -> Result<(), PlotError> {
+fn draw_legend(svg: &mut Svg, y: f64, entries: &[&Curve]) {
     let width: f64 = entries.iter().map(|curve| entry_width(curve)).sum::<f64>() - GAP;
     let mut x = 0.5 * (WIDTH - width);
     for curve in entries {
         let sample = [[x, y], [x + SAMPLE, y]];
-        Curve { marker: None, ..(*curve).clone() }.draw(pen, &sample)?;
-        Curve { line: None, ..(*curve).clone() }.draw(pen, &[[x + 0.5 * SAMPLE, y]])?;
-        pen.text([x + SAMPLE + 8.0, y], &curve.label, LABEL_SIZE, Anchor::Start)?;
+        Curve { marker: None, ..(*curve).clone() }.draw(svg, &sample);
+        Curve { line: None, ..(*curve).clone() }.draw(svg, &[[x + 0.5 * SAMPLE, y]]);
+        svg.text([x + SAMPLE + 8.0, y], &curve.label, LABEL_SIZE, Anchor::Start);
         x += entry_width(curve);
     }
-    Ok(())
 }
 
 impl Curve {
     /// Draws the curve through `points` of the picture.
-    fn draw(&self, pen: &Pen<'_>, points: &[[f64; 2]]) -> Result<(), PlotError> {
+    fn draw(&self, svg: &mut Svg, points: &[[f64; 2]]) {
         if let Some(line) = self.line {
-            pen.line(points, line, self.colour)?;
+            svg.line(points, line, self.colour);
         }
         if let Some(marker) = self.marker {
-            points.iter().try_for_each(|&point| pen.marker(point, marker, self.colour))?;
+            points.iter().for_each(|&point| svg.marker(point, marker, self.colour));
         }
-        Ok(())
     }
 }
 
@@ -315,7 +263,10 @@ mod tests {
         assert_eq!(["Title", "Case", "(a)", "(b)", "(c)", "a &lt; b &amp; c"].map(count), [1; 6]);
         assert_eq!((count("Theta, N²"), count("iteration")), (2, 2));
         assert_eq!(count("10¹⁰"), 3);
-        assert!(svg.starts_with("<svg width=\"960\" height=") && svg.ends_with("</svg>\n"), "{svg}");
+        assert!(
+            svg.starts_with("<svg ") && svg.contains(" width=\"960\" height=") && svg.ends_with("</svg>\n"),
+            "{svg}"
+        );
     }
 
     #[test]

@@ -139,8 +139,8 @@ pub(super) fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec
         s += last.replace(position).map_or(0.0, |last| norm(minus(position, last)));
         let [x, y, z] = position;
         let contact = &model.contacts[i];
-        let (p_n, l) = (state.p_n[i], problem.weight[i]);
-        let w_n = problem.c_n.dot(i, &state.u);
+        let (p_n, l) = (state.p_n[i], model.contacts[i].weight);
+        let w_n = problem.c_n().dot(i, &state.u);
         let w = problem.tangential_maps().map(|map| map.dot(i, &state.u));
         let [p_t, p_o] = contact.in_frame([state.p_t[i], state.p_o[i]]);
         let [w_t, w_o] = contact.in_frame(w);
@@ -163,7 +163,7 @@ pub(super) fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec
             slip_t,
             slip_o,
             force: nodal_force(model, state, i),
-            mu: problem.mu[i],
+            mu: problem.mu()[i],
             status: step.statuses[i],
         }
     };

@@ -6,9 +6,8 @@ mod view;
 
 use std::collections::BTreeMap;
 
-use super::chart::pen::{self, Anchor, Pen};
-use super::chart::{Dash, Line, Marker, PlotError};
 use super::contact_surface::{ContactSurface, SurfaceNode};
+use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite};
 use crate::contact::ContactStatus;
 use key::shade;
 use view::View;
@@ -19,39 +18,38 @@ const TITLE_SIZE: f64 = 18.0;
 const LABEL_SIZE: f64 = 15.0;
 const NUMBER_SIZE: f64 = 13.5;
 
-const BLACK: [u8; 3] = [0, 0, 0];
-const GREY: [u8; 3] = [120, 120, 120];
-const WHITE: [u8; 3] = [255, 255, 255];
-const HELD: [u8; 3] = [196, 196, 196];
-const TANGENTIAL: [u8; 3] = [205, 80, 10];
+const BLACK: Colour = [0, 0, 0];
+const GREY: Colour = [120, 120, 120];
+const WHITE: Colour = [255, 255, 255];
+const HELD: Colour = [196, 196, 196];
+const TANGENTIAL: Colour = [205, 80, 10];
 
-const SOLID: Dash = Dash::Solid;
+const THIN: Line = Line { dash: Dash::Solid, width: 1.0 };
 
 impl ContactSurface {
     /// The surface as an SVG picture: the part that is in contact and a little around it. A patch is a node's share of
     /// its facets; its colour is the pressure there. Arrows are the traction of the body on the obstacle.
     ///
     /// # Errors
-    /// When a stress is not finite, or the drawing library refuses.
+    /// When a stress is not finite.
     pub fn to_svg(&self, title: &str) -> Result<String, PlotError> {
         let values = self.nodes.iter().flat_map(|node| [node.pressure, node.traction[0], node.traction[1]]);
-        if values.into_iter().any(|value| !value.is_finite()) {
-            return Err(PlotError::not_finite());
-        }
+        expect_finite(values)?;
         let view = View::new(self);
-        pen::picture([WIDTH, view.end()], |pen| {
-            view.draw_background(pen)?;
-            self.draw_patches(pen, &view)?;
-            self.draw_borders(pen, &view)?;
-            view.draw_frame(pen, &self.axes)?;
-            pen.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold)?;
-            let boundary = self.boundary.as_ref().map_or(String::new(), |name| format!("boundary {name}, "));
-            let subtitle = format!("contact stresses, {boundary}t = {} s", self.time);
-            pen.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle)?;
-            self.draw_nodes(pen, &view)?;
-            view.draw_colours(pen)?;
-            view.draw_legend(pen)
-        })
+        let mut svg = Svg::new([WIDTH, view.end()]);
+        svg.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold);
+        let boundary = self.boundary.as_ref().map_or(String::new(), |name| format!("boundary {name}, "));
+        let subtitle = format!("contact stresses, {boundary}t = {} s", self.time);
+        svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
+        view.draw_legend(&mut svg);
+        view.draw_inside(&mut svg, |svg| {
+            self.draw_patches(svg, &view);
+            self.draw_borders(svg, &view);
+        });
+        view.draw_frame(&mut svg, &self.axes);
+        self.draw_nodes(&mut svg, &view);
+        view.draw_colours(&mut svg);
+        Ok(svg.finish())
     }
 
     /// The corners of each node's share of each facet: the node, the middle of a side, the centre, the middle of
@@ -82,22 +80,21 @@ impl ContactSurface {
         [0, 1].map(|c| facet.iter().map(|&node| self.nodes[node].place[c]).sum::<f64>() / facet.len() as f64)
     }
 
-    fn draw_patches(&self, pen: &Pen<'_>, view: &View) -> Result<(), PlotError> {
+    fn draw_patches(&self, svg: &mut Svg, view: &View) {
         for (node, corners) in self.patches().filter(|(_, corners)| view.shows(corners)) {
             let colour = match node.status {
                 None => HELD,
                 Some(_) if node.pressure > 0.0 => shade(node.pressure / view.most_pressure),
                 Some(_) => WHITE,
             };
-            pen.polygon(&overlapping(corners.map(|corner| view.at(corner))), colour)?;
+            svg.polygon(&overlapping(corners.map(|corner| view.at(corner))), colour);
         }
-        Ok(())
     }
 
     /// The outline of the surface, and lines between patches of nodes that do different things.
-    fn draw_borders(&self, pen: &Pen<'_>, view: &View) -> Result<(), PlotError> {
+    fn draw_borders(&self, svg: &mut Svg, view: &View) {
         for ends in self.outline().filter(|ends| view.shows(ends)) {
-            pen.line(&ends.map(|end| view.at(end)), Line { dash: SOLID, width: 1.0 }, GREY)?;
+            svg.line(&ends.map(|end| view.at(end)), THIN, GREY);
         }
         let closed = |node: &SurfaceNode| node.status.is_some_and(|status| status != ContactStatus::Open);
         for facet in &self.facets {
@@ -110,17 +107,16 @@ impl ContactSurface {
                 // Without friction nothing tells stick from slip.
                 let differ = if view.friction { a.status != b.status } else { closed(a) != closed(b) };
                 if differ && view.shows(&line) {
-                    pen.line(&line.map(|point| view.at(point)), Line { dash: SOLID, width: 1.4 }, BLACK)?;
+                    svg.line(&line.map(|point| view.at(point)), Line { width: 1.4, ..THIN }, BLACK);
                 }
             }
         }
-        Ok(())
     }
 
     /// What each node does, and the traction where there is room for an arrow.
-    fn draw_nodes(&self, pen: &Pen<'_>, view: &View) -> Result<(), PlotError> {
+    fn draw_nodes(&self, svg: &mut Svg, view: &View) {
         if !view.friction {
-            return Ok(());
+            return;
         }
         let mut arrows: Vec<([f64; 2], [f64; 2])> = Vec::new();
         for node in self.nodes.iter().filter(|node| view.shows(&[node.place])) {
@@ -131,7 +127,7 @@ impl ContactSurface {
                 Some(ContactStatus::Open) | None => None,
             };
             if let Some(marker) = marker.filter(|_| view.markers) {
-                pen.marker(at, marker, BLACK)?;
+                svg.marker(at, marker, BLACK);
             }
             // Where nodes are close, not all of them have room.
             let room = arrows.iter().all(|(other, _)| (at[0] - other[0]).hypot(at[1] - other[1]) > 0.7 * view.arrow);
@@ -140,22 +136,22 @@ impl ContactSurface {
                 arrows.push((at, [right, -up]));
             }
         }
-        arrows.into_iter().try_for_each(|(at, along)| arrow(pen, at, along))
+        arrows.into_iter().for_each(|(at, along)| arrow(svg, at, along));
     }
 }
 
 /// An arrow from a point along a vector, px.
-fn arrow(pen: &Pen<'_>, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> Result<(), PlotError> {
+fn arrow(svg: &mut Svg, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) {
     let length = dx.hypot(dy);
     // Less than its own width.
     if length < 1.5 {
-        return Ok(());
+        return;
     }
     let (ex, ey) = (dx / length, dy / length);
     let head = (0.45 * length).min(9.0);
     let at = |along: f64, aside: f64| [x + along * ex - aside * ey, y + along * ey + aside * ex];
-    pen.line(&[at(0.0, 0.0), at(length - 0.7 * head, 0.0)], Line { dash: SOLID, width: 1.8 }, TANGENTIAL)?;
-    pen.polygon(&[at(length, 0.0), at(length - head, 0.4 * head), at(length - head, -0.4 * head)], TANGENTIAL)
+    svg.line(&[at(0.0, 0.0), at(length - 0.7 * head, 0.0)], Line { width: 1.8, ..THIN }, TANGENTIAL);
+    svg.polygon(&[at(length, 0.0), at(length - head, 0.4 * head), at(length - head, -0.4 * head)], TANGENTIAL);
 }
 
 /// The corners moved apart by a third of a pixel, so that no gap shows between neighbours.

@@ -1,7 +1,8 @@
 //! Contact stresses along contact lines.
 
-use super::chart::{Axis, Chart, Curve, Dash, Line, Marker, Panel, PlotError, Scale};
+use super::chart::{Axis, Chart, Curve, Panel, Scale};
 use super::contact_line::{ContactLine, ContactPoint};
+use super::svg::{Dash, Line, Marker, PlotError};
 use crate::contact::ContactStatus;
 
 const NORMAL: [u8; 3] = [31, 90, 160];
@@ -12,7 +13,7 @@ const BLACK: [u8; 3] = [0, 0, 0];
 /// The contact stresses along a contact line as an SVG picture, see [`stress_chart`].
 ///
 /// # Errors
-/// When a stress is not finite, or the drawing library refuses.
+/// When a stress is not finite.
 pub fn contact_stresses(line: &ContactLine, title: &str) -> Result<String, PlotError> {
     let boundary = line.boundary.as_ref().map_or(String::new(), |name| format!("boundary {name}, "));
     let subtitle = format!("contact stresses, {boundary}t = {} s", line.time);

@@ -2,33 +2,46 @@
 
 use serde::Serialize;
 
+use super::explain::Explanation;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
 use super::unknowns::{LeftOut, Unknowns};
-use super::validity::LargestDisplacement;
+use super::validity::{LargestDisplacement, Validity};
 use super::warnings::Warning;
-use crate::auto::Choice;
-use crate::contact::{Law, RangeLeft};
-use crate::history::{HistoryOutcome, IncrementRecord, Status};
+use crate::auto::{Choice, Faster};
+use crate::contact::RangeLeft;
+use crate::history::{HistoryOutcome, IncrementRecord, Solver, Status};
 use crate::model::Model;
-use crate::scene::{LinearBackend, MethodName, Scene, Setting};
+use crate::scene::Scene;
 use crate::uniqueness::CriticalFriction;
+
+/// The version of the keys of a report. A key that is new does not change it; one that goes or means something else does.
+pub const SCHEMA_VERSION: u32 = 1;
 
 /// Everything about a run but the fields; SI units throughout.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunReport {
-    /// The scene file.
-    pub scene: String,
-    /// The scene's title.
+    /// The version of these keys, 1.
+    pub schema_version: u32,
+    /// The version of stickslip.
+    pub program_version: &'static str,
+    /// The scene file; none if the model was made without one.
+    pub scene: Option<String>,
+    /// The text of the scene that ran, overrides included.
+    pub scene_text: Option<String>,
+    /// The scene's title; empty without a scene.
     pub title: String,
     /// The algorithm.
-    pub method: MethodName,
+    pub method: &'static str,
     /// Its named setting.
-    pub setting: Setting,
-    /// The linear algebra.
-    pub solver: LinearBackend,
+    pub setting: &'static str,
+    /// The linear algebra: `umfpack`, `faer` or `condensed`, or the name of a solver from outside.
+    pub solver: String,
     /// Why that, where it was left open.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solver_choice: Option<String>,
+    /// A linear algebra that is estimated to take much less time, if the run was long enough to ask.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub faster_solver: Option<Faster>,
     /// The verdict.
     pub status: Status,
     /// Why the run ended early.
@@ -62,29 +75,6 @@ pub struct RunReport {
     pub critical_friction: Option<CriticalFriction>,
 }
 
-/// Why a run ended early.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Explanation {
-    /// In words; empty if it did not.
-    pub reason: String,
-    /// Where the increment that failed violates the law most.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub worst: Option<WorstNode>,
-}
-
-/// A node where a law is violated.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct WorstNode {
-    /// The law.
-    pub law: Law,
-    /// The error, relative as everywhere.
-    pub error: f64,
-    /// Its number in the mesh, from 0.
-    pub node: usize,
-    /// Its position, m: as many coordinates as there are dimensions.
-    pub position: Vec<f64>,
-}
-
 /// Sums over a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Totals {
@@ -108,7 +98,7 @@ pub struct Totals {
     pub backward_error: f64,
 }
 
-/// What the caller measured around a run.
+/// What was measured around a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
     /// CPU time of the process, s.
@@ -121,31 +111,58 @@ pub struct Measured {
     pub peak_rss_bytes: Option<u64>,
 }
 
+/// All that a report is made from.
+pub struct Facts<'a> {
+    /// The scene, if the model came from one.
+    pub scene: Option<&'a Scene>,
+    /// What was solved.
+    pub model: &'a Model,
+    /// How.
+    pub solver: &'a Solver,
+    /// The name of the linear algebra that solved it.
+    pub linear: String,
+    /// Whether it condensed the body.
+    pub condensed: bool,
+    /// Why that was chosen.
+    pub choice: &'a Choice,
+    /// What came of it.
+    pub outcome: &'a HistoryOutcome,
+    /// Whether the solution stays where its equations hold.
+    pub validity: &'a Validity,
+    /// The resultants at the end of each increment.
+    pub forces: Vec<ForceRecord>,
+    /// The critical friction at the end, where it was asked for.
+    pub critical_friction: Option<CriticalFriction>,
+    /// What would have been much faster.
+    pub faster: Option<Faster>,
+    /// Time and memory.
+    pub measured: Measured,
+}
+
 impl RunReport {
-    /// The report of a run of `scene`, read from the file `name` and discretised as `model`.
-    pub fn new(
-        name: &str,
-        scene: &Scene,
-        model: &Model,
-        choice: &Choice,
-        outcome: &HistoryOutcome,
-        explanation: Explanation,
-        measured: Measured,
-    ) -> Self {
+    /// The whole report.
+    pub fn new(facts: Facts<'_>) -> Self {
+        let Facts { scene, model, solver, choice, outcome, validity, measured, .. } = facts;
+        let mut warnings = Warning::of_model(model);
+        warnings.extend(validity.warnings(model));
         RunReport {
-            scene: name.to_string(),
-            title: scene.title.clone(),
-            method: scene.solver.method.name(),
-            setting: scene.solver.method.setting(),
-            solver: choice.backend,
+            schema_version: SCHEMA_VERSION,
+            program_version: env!("CARGO_PKG_VERSION"),
+            scene: scene.map(|scene| scene.file().to_string()),
+            scene_text: scene.map(|scene| scene.text().to_string()),
+            title: scene.map_or(String::new(), |scene| scene.title.clone()),
+            method: solver.method.name(),
+            setting: solver.method.setting(),
+            solver: facts.linear,
             solver_choice: choice.reason(),
+            faster_solver: facts.faster,
             status: outcome.status,
-            explanation,
-            warnings: Warning::of_model(model),
-            largest_displacement: None,
-            range_left: None,
-            unknowns: Unknowns::new(&outcome.layout, scene.solver.method.name()),
-            left_out: LeftOut::all(model, choice.backend),
+            explanation: Explanation::new(solver, model, outcome),
+            warnings,
+            largest_displacement: validity.largest,
+            range_left: validity.range_left,
+            unknowns: Unknowns::new(&outcome.layout, solver.method),
+            left_out: LeftOut::all(model, facts.condensed),
             increments: outcome.records.clone(),
             totals: Totals {
                 iterations: outcome.records.iter().map(|record| record.iterations).sum(),
@@ -160,8 +177,8 @@ impl RunReport {
             },
             end: ComponentSums::of(model, &outcome.state, 0..model.contacts.len()),
             boundaries: Resultant::all(model, &outcome.state),
-            forces: Vec::new(),
-            critical_friction: None,
+            forces: facts.forces,
+            critical_friction: facts.critical_friction,
         }
     }
 

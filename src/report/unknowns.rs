@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::formulation::Layout;
 use crate::model::Model;
-use crate::scene::{LinearBackend, MethodName};
+use crate::history::Method;
 
 /// The numbers of unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -39,36 +39,31 @@ pub struct LeftOut {
 
 impl Unknowns {
     /// Those of `method` for the unknowns in `layout`.
-    pub fn new(layout: &Layout, method: MethodName) -> Self {
+    pub fn new(layout: &Layout, method: Method) -> Self {
         let (u, p_n) = (layout.displacements(), layout.contacts());
         let with = |has: &dyn Fn(usize) -> bool| (0..p_n).filter(|&i| has(i)).count();
         let p_o = with(&|i| layout.p_o(i).is_some());
         let p_t = layout.tangentials() - p_o;
         let reserves = if layout.has_second_tangent() { with(&|i| layout.has_friction(i)) } else { 2 * p_t };
-        match method {
-            MethodName::Bn => Unknowns { u, p_t, p_o, p_n, v_n: 0, s: 0, lambda: 0 },
-            MethodName::Ip => Unknowns { u, p_t, p_o, p_n, v_n: p_n, s: reserves, lambda: reserves },
-        }
+        let (v_n, s) = if method.is_interior() { (p_n, reserves) } else { (0, 0) };
+        Unknowns { u, p_t, p_o, p_n, v_n, s, lambda: s }
     }
 }
 
 impl LeftOut {
-    /// What a run of `model` by `backend` does without.
-    pub fn all(model: &Model, backend: LinearBackend) -> Vec<Self> {
+    /// What a run of `model` does without, if its interior is `condensed` or not.
+    pub fn all(model: &Model, condensed: bool) -> Vec<Self> {
         let Model { mesh, problem, contacts, contact_boundaries, .. } = model;
         let tangential = if mesh.dimension == 2 { "p_t" } else { "p_t and p_o" };
         let claimed = (contact_boundaries.iter())
             .filter_map(|boundary| mesh.boundary(&boundary.name))
             .map(|boundary| boundary.nodes().len())
             .sum::<usize>();
-        let smooth = contacts.iter().zip(&problem.mu).filter(|(_, mu)| **mu == 0.0);
-        let rough = contacts.iter().zip(&problem.mu).filter(|(_, mu)| **mu > 0.0);
+        let smooth = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu == 0.0);
+        let rough = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu > 0.0);
         let free =
             |contact: &crate::contact::ContactNode| contact.tangents.iter().filter(|row| !row.is_empty()).count();
-        let interior = match backend {
-            LinearBackend::Condensed => problem.displacements() - problem.contact_displacements().len(),
-            LinearBackend::Umfpack | LinearBackend::Faer => 0,
-        };
+        let interior = if condensed { problem.displacements() - problem.contact_displacements().len() } else { 0 };
         let counted = [
             (mesh.nodes.len() * mesh.dimension - problem.displacements(), "u", "held by supports"),
             (interior, "u", "within the body: condensed, known once those at the contact are"),

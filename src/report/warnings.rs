@@ -34,6 +34,19 @@ pub enum WarningKind {
     GapsOutOfRange,
 }
 
+impl WarningKind {
+    /// Whether it is known only once the scene is solved.
+    pub fn needs_the_solution(self) -> bool {
+        match self {
+            WarningKind::Locking | WarningKind::LayersThroughElements | WarningKind::IdleLoad => false,
+            WarningKind::NoContact
+            | WarningKind::LargeDisplacements
+            | WarningKind::LeaningObstacle
+            | WarningKind::GapsOutOfRange => true,
+        }
+    }
+}
+
 /// From this Poisson's ratio on elements may lock: K is 50 times as stiff against a change of volume as against shear.
 const LOCKING: f64 = 0.49;
 
@@ -96,7 +109,7 @@ fn layers_through_elements(model: &Model) -> Option<String> {
 
 fn idle_load(model: &Model) -> Option<String> {
     let idle = |force: &[f64]| force.iter().all(|f| *f == 0.0);
-    let mut loads = model.description().loads.iter().zip(&model.loading.cases);
-    let (load, _) = loads.find(|(load, case)| load.traction.iter().any(|t| *t != 0.0) && idle(&case.force))?;
+    let mut loads = model.description().loads.iter().zip(model.loading.cases());
+    let (load, _) = loads.find(|(load, case)| load.traction.iter().any(|t| *t != 0.0) && idle(case.force()))?;
     Some(format!("the load on `{}` does nothing: supports hold the boundary in its direction", load.boundary))
 }

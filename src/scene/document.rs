@@ -6,15 +6,15 @@ use std::marker::PhantomData;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{self, IntoDeserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
-use toml::Spanned;
 
+use super::SceneError;
 use super::error::Source;
-use super::solver::LinearName;
+use super::solver::{LinearName, MethodName, Setting, Start};
 use super::syntax;
-use super::{MethodName, NewtonSystem, Partition, SceneError, Setting, Start};
 use crate::contact::GapDirection;
 use crate::description::Axis;
 use crate::fem::{Element, Plane};
+use crate::formulation::{NewtonSystem, Partition};
 use crate::mesh::CellKind;
 use crate::vector::Vector;
 
@@ -223,14 +223,14 @@ pub(super) struct Time {
 pub(super) struct Solver {
     #[serde(default)]
     pub method: MethodName,
-    pub setting: Option<Spanned<Setting>>,
-    pub linear: Option<Spanned<LinearName>>,
-    pub start: Option<Spanned<Start>>,
-    pub partition: Option<Spanned<Partition>>,
-    pub newton: Option<Spanned<NewtonSystem>>,
-    pub r_factor: Option<Spanned<f64>>,
-    pub max_iterations: Option<Spanned<i64>>,
-    pub tolerance: Option<Spanned<f64>>,
+    pub setting: Option<Setting>,
+    pub linear: Option<LinearName>,
+    pub start: Option<Start>,
+    pub partition: Option<Partition>,
+    pub newton: Option<NewtonSystem>,
+    pub r_factor: Option<f64>,
+    pub max_iterations: Option<i64>,
+    pub tolerance: Option<f64>,
 }
 
 #[derive(Deserialize, Default)]

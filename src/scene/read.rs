@@ -29,8 +29,7 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
         times: time.all(),
     };
     description.check().map_err(at)?;
-    let check = solver::Check { source: &source };
-    let solver = check.solver(&document.solver, !description.contacts.is_empty())?;
+    let solver = solver::solver(&document.solver, !description.contacts.is_empty()).map_err(at)?;
     let one_tangent_key = solver::one_tangent_key(solver.method);
     let output = output(document.output, &time).map_err(at)?;
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Csc, Pattern};
+use super::error::expect_length;
+use super::{Csc, MatrixError, Pattern};
 
 /// A symmetric matrix by its lower triangle, diagonal included.
 #[derive(Debug, Clone)]
@@ -10,29 +11,90 @@ pub struct Symmetric {
     lower: Csc,
 }
 
+/// Entries that mirror each other may differ by this share of the diagonal entries they stand between: by what rounding
+/// makes of a sum in another order, and no more.
+const MIRRORED: f64 = 1e-10;
+
 impl Symmetric {
     /// The zero matrix of order `n` with the entries that `visit` names in either triangle; see
     /// [`Pattern::from_entries`].
-    pub fn from_entries(n: usize, visit: impl Fn(&mut dyn FnMut(usize, usize))) -> Self {
+    ///
+    /// # Errors
+    /// As [`Pattern::from_entries`].
+    pub fn from_entries(n: usize, visit: impl Fn(&mut dyn FnMut(usize, usize))) -> Result<Self, MatrixError> {
         let pattern = Pattern::from_entries(n, n, |take| {
-            visit(&mut |row, column| {
-                if row >= column {
-                    take(row, column);
-                }
-            });
-        });
-        Symmetric { lower: Csc::zeros(Arc::new(pattern)) }
+            visit(&mut |row, column| take(row.max(column), row.min(column)));
+        })?;
+        Ok(Symmetric { lower: Csc::zeros(Arc::new(pattern)) })
     }
 
-    /// The matrix with this lower triangle; entries above the diagonal have no place in it.
-    pub fn from_lower(lower: Csc) -> Self {
-        debug_assert!(lower.entries().all(|(row, column, _)| row >= column));
-        Symmetric { lower }
+    /// [`Symmetric::from_entries`] of entries that come from this crate's own matrices, and so fit.
+    pub(crate) fn of(n: usize, visit: impl Fn(&mut dyn FnMut(usize, usize))) -> Self {
+        Self::from_entries(n, visit).expect("entries of the crate's own matrices")
+    }
+
+    /// The matrix with this lower triangle.
+    ///
+    /// # Errors
+    /// When it is not square, or has an entry above the diagonal.
+    pub fn from_lower(lower: Csc) -> Result<Self, MatrixError> {
+        let (rows, columns) = (lower.pattern().rows(), lower.pattern().columns());
+        if rows != columns {
+            return Err(MatrixError::NotSquare { rows, columns });
+        }
+        let above = lower.entries().find(|(row, column, _)| row < column);
+        above.map_or(Ok(()), |(row, column, _)| Err(MatrixError::AboveDiagonal { row, column }))?;
+        Ok(Symmetric { lower })
+    }
+
+    /// The matrix that `whole` is: both triangles of it, which must agree to rounding, or one of them, which then
+    /// stands for the other.
+    ///
+    /// # Errors
+    /// When it is not square, not symmetric, or an entry is NaN or infinite.
+    pub fn from_csc(whole: &Csc) -> Result<Self, MatrixError> {
+        let pattern = whole.pattern();
+        let (rows, columns) = (pattern.rows(), pattern.columns());
+        if rows != columns {
+            return Err(MatrixError::NotSquare { rows, columns });
+        }
+        let get = |row, column| pattern.slot(row, column).map_or(0.0, |slot| whole.values()[slot]);
+        let below = whole.entries().any(|(row, column, _)| row > column);
+        let above = whole.entries().any(|(row, column, _)| row < column);
+        let mut entries = Vec::with_capacity(pattern.len());
+        for (i, j, value) in whole.entries() {
+            if !value.is_finite() {
+                return Err(MatrixError::NotFinite { row: i, column: j, value });
+            }
+            let (row, column) = (i.max(j), i.min(j));
+            if below && above && i != j {
+                let (lower, upper) = (get(row, column), get(column, row));
+                // Whatever is not a number is refused above or when its own turn comes.
+                let size = (get(row, row).abs() * get(column, column).abs()).sqrt().max(lower.abs());
+                if (lower - upper).abs() > MIRRORED * size {
+                    return Err(MatrixError::NotSymmetric { row, column, lower, upper });
+                }
+                if i < j {
+                    continue;
+                }
+            }
+            entries.push((row, column, value));
+        }
+        Ok(Symmetric { lower: Csc::from_triplets(rows, columns, &entries)? })
+    }
+
+    /// The matrix of order `n` with the entries `(row, column, value)`, in any order; those that name the same place add
+    /// up. They name both triangles, which must agree to rounding, or one of them, which then stands for the other.
+    ///
+    /// # Errors
+    /// When an entry is outside the matrix, NaN or infinite, and when the triangles differ.
+    pub fn from_triplets(n: usize, entries: &[(usize, usize, f64)]) -> Result<Self, MatrixError> {
+        Self::from_csc(&Csc::from_triplets(n, n, entries)?)
     }
 
     /// The order.
     pub fn order(&self) -> usize {
-        self.lower.pattern.columns()
+        self.lower.pattern().columns()
     }
 
     /// The lower triangle, diagonal included: what is stored.
@@ -40,16 +102,15 @@ impl Symmetric {
         &self.lower
     }
 
-    /// Adds `value` at `(row, column)` of the lower triangle; an entry of the upper one, which is
-    /// stored as its mirror image, is passed over.
+    /// Adds `value` at `(row, column)`, and so at `(column, row)`.
     ///
-    /// # Panics
-    /// If the entry was not named when the matrix was made.
-    pub fn add(&mut self, row: usize, column: usize, value: f64) {
-        if row >= column {
-            let slot = self.lower.pattern.slot(row, column).expect("an entry of the pattern");
-            self.lower.values[slot] += value;
-        }
+    /// # Errors
+    /// When the entry was not named when the matrix was made.
+    pub fn add(&mut self, row: usize, column: usize, value: f64) -> Result<(), MatrixError> {
+        let slot = self.lower.pattern().slot(row.max(column), row.min(column));
+        let slot = slot.ok_or(MatrixError::NotStored { row, column })?;
+        self.lower.values_mut()[slot] += value;
+        Ok(())
     }
 
     /// All entries of both triangles as `(row, column, value)`.
@@ -62,8 +123,8 @@ impl Symmetric {
 
     /// The entry at `(row, column)`; one that is not stored is 0.
     pub fn get(&self, row: usize, column: usize) -> f64 {
-        let slot = self.lower.pattern.slot(row.max(column), row.min(column));
-        slot.map_or(0.0, |slot| self.lower.values[slot])
+        let slot = self.lower.pattern().slot(row.max(column), row.min(column));
+        slot.map_or(0.0, |slot| self.lower.values()[slot])
     }
 
     /// The diagonal.
@@ -71,20 +132,31 @@ impl Symmetric {
         (0..self.order()).map(|i| self.get(i, i)).collect()
     }
 
+    /// `A x`.
+    ///
+    /// # Errors
+    /// When `x` has another length than the matrix has columns.
+    pub fn times(&self, x: &[f64]) -> Result<Vec<f64>, MatrixError> {
+        expect_length("vector", self.order(), x.len())?;
+        let mut y = vec![0.0; x.len()];
+        self.mul(x, &mut y);
+        Ok(y)
+    }
+
     /// `y = A x`.
-    pub fn mul(&self, x: &[f64], y: &mut [f64]) {
+    pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         self.accumulate(x, y, |value, x| value * x);
     }
 
     /// `y += |A| |x|`.
-    pub fn add_sizes(&self, x: &[f64], y: &mut [f64]) {
+    pub(crate) fn add_sizes(&self, x: &[f64], y: &mut [f64]) {
         self.accumulate(x, y, |value, x| (value * x).abs());
     }
 
     /// `y_i += Σ_j term(A_ij, x_j)`, with a column of the lower triangle and its mirror image at a time.
     fn accumulate(&self, x: &[f64], y: &mut [f64], term: impl Fn(f64, f64) -> f64) {
-        let Csc { pattern, values } = &self.lower;
+        let (pattern, values) = (self.lower.pattern(), self.lower.values());
         for column in 0..self.order() {
             let slots = pattern.column(column);
             let (factor, mut sum) = (x[column], 0.0);
@@ -101,7 +173,7 @@ impl Symmetric {
 
     /// All values times `factor`: the matrix in another unit.
     pub fn scale(&mut self, factor: f64) {
-        self.lower.values.iter_mut().for_each(|value| *value *= factor);
+        self.lower.values_mut().iter_mut().for_each(|value| *value *= factor);
     }
 }
 
@@ -115,11 +187,8 @@ mod tests {
         // [ 1 3 4 ]
         // [ 0 4 5 ]
         let full = [(0, 0, 2.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, 3.0), (1, 2, 4.0), (2, 1, 4.0), (2, 2, 5.0)];
-        let mut a = Symmetric::from_entries(3, |take| full.iter().for_each(|&(i, j, _)| take(i, j)));
-        for (i, j, value) in full {
-            a.add(i, j, value);
-        }
-        assert_eq!(a.lower.pattern.len(), 5);
+        let a = Symmetric::from_triplets(3, &full).unwrap();
+        assert_eq!(a.lower.pattern().len(), 5);
         assert_eq!(a.diagonal(), [2.0, 3.0, 5.0]);
         assert_eq!([a.get(1, 2), a.get(2, 1), a.get(0, 2)], [4.0, 4.0, 0.0]);
         let mut y = [0.0; 3];
@@ -128,5 +197,20 @@ mod tests {
         let mut entries: Vec<_> = a.entries().collect();
         entries.sort_by_key(|&(i, j, _)| (i, j));
         assert_eq!(entries, full);
+        let either = |part: fn(&(usize, usize, f64)) -> bool| {
+            let half: Vec<_> = full.into_iter().filter(part).collect();
+            Symmetric::from_triplets(3, &half).unwrap().entries().collect::<Vec<_>>()
+        };
+        assert_eq!(either(|(i, j, _)| i >= j), a.entries().collect::<Vec<_>>());
+        assert_eq!(either(|(i, j, _)| i <= j), a.entries().collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn an_entry_of_either_triangle_is_one_of_both() {
+        let mut a = Symmetric::from_entries(2, |take| take(0, 1)).unwrap();
+        a.add(0, 1, 3.0).unwrap();
+        a.add(1, 0, 1.0).unwrap();
+        assert_eq!([a.get(0, 1), a.get(1, 0)], [4.0; 2]);
+        assert_eq!(a.add(0, 0, 1.0), Err(MatrixError::NotStored { row: 0, column: 0 }));
     }
 }

@@ -6,6 +6,7 @@ use stickslip::auto::Choice;
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
 use stickslip::model::Model;
 use stickslip::problem::State;
+use stickslip::run::Run;
 use stickslip::scene::{LinearBackend, Scene};
 
 const STRIP: [&str; 2] = ["mesh.size=[1000,4]", "mesh.elements=[1000,4]"];
@@ -16,9 +17,13 @@ fn scene(overrides: &[&str]) -> (Scene, Model) {
     (scene, model)
 }
 
+fn cheapest(scene: &Scene, model: &Model, available: Option<u64>) -> Choice {
+    Choice::cheapest(&model.problem, scene.solver.method.name(), scene.time.increments, available).unwrap()
+}
+
 fn choice(overrides: &[&str], available: Option<u64>) -> Choice {
     let (scene, model) = scene(overrides);
-    Choice::new(&scene, &model, available).unwrap()
+    cheapest(&scene, &model, available)
 }
 
 #[test]
@@ -43,7 +48,7 @@ fn cubes_are_condensed_and_the_thinnest_plate_is_not() {
         let overrides = overrides.iter().map(String::as_str).chain(["solver.linear=\"auto\""]);
         let overrides: Vec<_> = overrides.map(|text| text.parse().unwrap()).collect();
         let scene = Scene::parse("cube.toml", text, &overrides).unwrap();
-        let choice = Choice::new(&scene, &Model::new(&scene).unwrap(), None).unwrap();
+        let choice = cheapest(&scene, &Model::new(&scene).unwrap(), None);
         assert_eq!(choice.backend, expected, "{elements}: {:?}", choice.reason());
     }
 }
@@ -56,7 +61,8 @@ fn the_reason_is_told() {
         assert!(reason.contains(part), "{part}: {reason}");
     }
     let named = block(&["mesh.elements=[5,5]", "solver.linear=\"condensed\""]);
-    let choice = Choice::new(&named, &Model::new(&named).unwrap(), None).unwrap();
+    let run = Run::new(&named).unwrap();
+    let choice = run.choice();
     assert_eq!((choice.backend, choice.reason()), (LinearBackend::Condensed, None));
 }
 
@@ -74,7 +80,7 @@ fn without_contact_any_choice_solves() {
     let overrides = ["mesh.elements=[4,4]", "solver.linear=\"auto\""].map(|text| text.parse().unwrap());
     let scene = Scene::parse("block.toml", &[&text[..contact], &text[load..]].concat(), &overrides).unwrap();
     let model = Model::new(&scene).unwrap();
-    let choice = Choice::new(&scene, &model, None).unwrap();
+    let choice = cheapest(&scene, &model, None);
     assert_eq!(run(&scene, &model, choice.backend).0.status, Status::Converged);
 }
 
@@ -94,7 +100,7 @@ fn both_ways_have_the_same_result() {
         (&["mesh.elements=[300,2]", "mesh.size=[300,2]"], LinearBackend::default()),
     ] {
         let (scene, model) = scene(&[overrides, &["time.increments=2"]].concat());
-        let chosen = Choice::new(&scene, &model, None).unwrap().backend;
+        let chosen = cheapest(&scene, &model, None).backend;
         assert_eq!(chosen, expected);
         let [(whole, whole_states), (condensed, condensed_states)] =
             [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&scene, &model, backend));

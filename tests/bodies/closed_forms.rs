@@ -45,7 +45,7 @@ fn contact_patch_test() {
         let outcome = common::run(&scene, &model, &mut ());
         assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.records.last());
         assert_eq!(outcome.layout.tangentials(), 0);
-        for (p_n, l) in outcome.state.p_n.iter().zip(&problem.weight) {
+        for (p_n, l) in outcome.state.p_n.iter().zip(problem.weight()) {
             assert!((p_n / l / pressure - 1.0).abs() < 1e-12, "{p_n} {l}");
         }
         for (x, u) in model.mesh.nodes.iter().zip(model.dofs.displacements(&outcome.state.u)) {

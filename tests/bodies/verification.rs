@@ -291,7 +291,7 @@ fn ssnv128() {
         let (model, outcome) = solve("ssnv128.toml", &[&overrides[0]], &mut statuses);
         for (x, published, exact) in table {
             let i = model.contacts.iter().position(|contact| (contact.position[0] - x).abs() < 1e-9).unwrap();
-            let u = 1e5 * model.problem.c_t.dot(i, &outcome.state.u);
+            let u = 1e5 * model.problem.c_t().dot(i, &outcome.state.u);
             assert!((u / exact - 1.0).abs() < 1e-3, "{x}: {u} {exact}");
             assert!((u / published - 1.0).abs() < 0.05, "{x}: {u} {published}");
         }

@@ -9,11 +9,12 @@ pub mod random;
 
 use std::sync::Arc;
 
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Observer};
+use stickslip::history::{HistoryOutcome, Observer};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::problem::{Increment, State};
-use stickslip::scene::Scene;
+use stickslip::run::Run;
+use stickslip::scene::{LinearBackend, Method, MethodName, Scene, Setting, Solver};
 use stickslip::sparse::{Csc, Pattern, Symmetric};
 
 /// The paper's block with overrides.
@@ -28,12 +29,9 @@ pub fn edit(text: &str, from: &str, to: &str) -> String {
     text.replacen(from, to, 1)
 }
 
-/// Runs a scene as the command line does.
+/// Runs a scene on its model as the command line does.
 pub fn run(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> HistoryOutcome {
-    let solver = &scene.solver;
-    let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
-    let mut linear = Direct::default();
-    history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, observer).unwrap()
+    Run::of(model, scene.time.all(), scene.solver).unwrap().history(observer).unwrap()
 }
 
 /// A scene of data/scenes with overrides.
@@ -43,12 +41,11 @@ pub fn scene(name: &str, overrides: &[&str]) -> Scene {
     Scene::read(&path, &overrides).unwrap()
 }
 
-/// Runs a scene with BN in its default setting on condensed matrices.
+/// The same with BN in its default setting on condensed matrices, whatever the scene says.
 pub fn run_default(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> HistoryOutcome {
-    let solver = &scene.solver;
-    let settings = HistorySettings::bn(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
-    let mut linear = model.linear(stickslip::scene::LinearBackend::Condensed);
-    history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, observer).unwrap()
+    let (method, linear) = (Method::of(MethodName::Bn, Setting::Default), Some(LinearBackend::Condensed));
+    let solver = Solver { method, linear, ..scene.solver };
+    Run::of(model, scene.time.all(), solver).unwrap().history(observer).unwrap()
 }
 
 /// A block on a plane that pulls it along.
@@ -121,11 +118,11 @@ pub fn solve(stiffness: &Symmetric, force: &[f64]) -> Vec<f64> {
     let pattern = Pattern::from_entries(n, n, |take| stiffness.entries().for_each(|(i, j, _)| take(i, j)));
     let mut k = Csc::zeros(Arc::new(pattern));
     for (i, j, value) in stiffness.entries() {
-        let slot = k.pattern.slot(i, j).unwrap();
+        let slot = k.pattern().slot(i, j).unwrap();
         k.values[slot] = value;
     }
     let mut direct = Direct::default();
-    direct.analyze(&k.pattern).unwrap();
+    direct.analyze(k.pattern()).unwrap();
     direct.factorize(&k).unwrap();
     let mut u = vec![0.0; n];
     direct.solve(&k, force, &mut u).unwrap();

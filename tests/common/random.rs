@@ -113,7 +113,7 @@ pub fn turn_tangents(problem: &ContactProblem, random: &mut Random) -> ContactPr
             n,
             (0..problem.contacts()).map(|i| {
                 let (c, s) = ((angles[i] + shift).cos(), (angles[i] + shift).sin());
-                let both = problem.c_t.row(i).iter().zip(problem.c_o.row(i));
+                let both = problem.c_t().row(i).iter().zip(problem.c_o().row(i));
                 both.map(|(&(dof, t), &(other, o))| {
                     assert_eq!(dof, other);
                     (dof, c * t + s * o)

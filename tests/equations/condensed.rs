@@ -64,7 +64,7 @@ fn a_body_that_only_contact_holds() {
     let text = include_str!("../../data/scenes/held_by_contact.toml");
     let scene = Scene::parse("held_by_contact.toml", text, &[]).unwrap();
     let model = Model::new(&scene).unwrap();
-    assert!(!model.problem.free_motions.is_empty());
+    assert!(!model.problem.free_motions().is_empty());
     let [whole, condensed] =
         [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&model, &scene.time.all(), backend));
     assert_eq!((whole.0.status, condensed.0.status), (Status::Converged, Status::Converged));

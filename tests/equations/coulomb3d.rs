@@ -319,9 +319,9 @@ fn jacobian_is_the_derivative() {
             let [r_n, r_t] = [conventions.r_n[i], conventions.r_t[i]].map(|r| r / scaling.stiffness());
             z[layout.p_n(i)] = p_n;
             layout.tangential(i).into_iter().zip(p).for_each(|(k, p)| z[k.unwrap()] = p);
-            gap[i] = (problem.c_n.dot(i, &z) + gap_left / r_n) * scaling.length;
-            w_t_last[i] = (problem.c_t.dot(i, &z) - slip[0] / r_t) * scaling.length;
-            w_o_last[i] = (problem.c_o.dot(i, &z) - slip[1] / r_t) * scaling.length;
+            gap[i] = (problem.c_n().dot(i, &z) + gap_left / r_n) * scaling.length;
+            w_t_last[i] = (problem.c_t().dot(i, &z) - slip[0] / r_t) * scaling.length;
+            w_o_last[i] = (problem.c_o().dot(i, &z) - slip[1] / r_t) * scaling.length;
         }
         let force = loading.cases[0].force.clone();
         formulation.begin(&Increment { force: &force, gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last });
@@ -343,7 +343,7 @@ fn jacobian_is_the_derivative() {
             formulation.right_hand_side(&mut difference);
             for (row, difference) in difference.into_iter().enumerate() {
                 let jacobian = formulation.jacobian();
-                let entry = jacobian.pattern.slot(row, column).map_or(0.0, |k| jacobian.values[k]);
+                let entry = jacobian.pattern().slot(row, column).map_or(0.0, |k| jacobian.values[k]);
                 let of = |i: &usize| row == layout.p_n(*i) || layout.tangential(*i).contains(&Some(row));
                 let name = (0..CASES.len()).find(of).map_or("equilibrium", |i| CASES[i].0);
                 let what = format!("{:?}, {name}: row {row}, column {column}", conventions.pressure);

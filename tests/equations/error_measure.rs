@@ -98,7 +98,7 @@ fn the_measure_is_unit_free() {
     let (f, l) = (1024.0, 1.0 / 4096.0);
     let times = |values: &[f64], factor: f64| values.iter().map(|v| v * factor).collect::<Vec<_>>();
     let mut problem = model.problem.clone();
-    problem.stiffness.scale(f / l);
+    problem.stiffness().scale(f / l);
     let (force, gap) = (times(increment.force, f), times(increment.gap, l));
     let [w_t_last, w_o_last] = [increment.w_t_last, increment.w_o_last].map(|w| times(w, l));
     let increment = Increment { force: &force, gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last };

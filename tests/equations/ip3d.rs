@@ -126,8 +126,8 @@ fn nodes_with_fewer_tangents() {
             (0..contacts).for_each(|i| kept.push_row(map.row(i).iter().copied().filter(|_| !nodes.contains(&i))));
             kept
         };
-        (problem.c_t, problem.c_o) = (without(&problem.c_t, &[1, 3]), without(&problem.c_o, &[2, 3]));
-        problem.mu.iter_mut().step_by(3).for_each(|mu| *mu = 0.0);
+        (problem.c_t(), problem.c_o()) = (without(problem.c_t(), &[1, 3]), without(problem.c_o(), &[2, 3]));
+        problem.mu().iter_mut().step_by(3).for_each(|mu| *mu = 0.0);
         count.add(&agree(&problem, &loading, &format!("seed {seed}")));
     }
     println!("{count}");
@@ -190,13 +190,13 @@ fn the_choice_of_tangents_does_not_matter() {
 fn the_newton_system_is_the_derivative() {
     let mut random = Random(5);
     let (mut problem, loading) = random::problem(&mut random, 7, 0.5, 0.0);
-    problem.mu[3] = 0.0;
+    problem.mu()[3] = 0.0;
     let mut formulation = Cone::new(&problem, Scaling::near(1e11, 1.0), &Conventions::paper(&problem));
     let force = loading.cases[0].force.clone();
     let last = [(); 2].map(|()| (0..7).map(|_| 0.3 * random.sign()).collect::<Vec<f64>>());
     formulation.begin(&Increment { force: &force, gap: &loading.gap, w_t_last: &last[0], w_o_last: &last[1] });
     let mut linear = Direct::default();
-    linear.analyze(&formulation.matrix().pattern).unwrap();
+    linear.analyze(formulation.matrix().pattern()).unwrap();
     for spread in [0.0, 0.5, 1.0] {
         // Inside and outside of the cone, pairs tilted either way.
         let n = formulation.unknowns();
@@ -250,7 +250,7 @@ fn punch(overrides: &[&str]) -> Scene {
 /// which nothing moves. The exact cone then takes the place of the two constraints of (25).
 fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Loading) {
     let (n, contacts) = (problem.displacements(), problem.contacts());
-    let own: Vec<_> = problem.stiffness.entries().filter(|(row, column, _)| row >= column).collect();
+    let own: Vec<_> = problem.stiffness().entries().filter(|(row, column, _)| row >= column).collect();
     let idle = problem.contact_stiffness();
     let mut stiffness = Symmetric::from_entries(n + contacts, |take| {
         for &(row, column, _) in &own {
@@ -269,8 +269,8 @@ fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Lo
     };
     let mut thick = ContactProblem {
         stiffness,
-        c_n: wide(&problem.c_n),
-        c_t: wide(&problem.c_t),
+        c_n: wide(problem.c_n()),
+        c_t: wide(problem.c_t()),
         c_o: random::rows(n + contacts, (0..contacts).map(|i| vec![(n + i, 1.0)])),
         ..problem.clone()
     };

@@ -15,10 +15,10 @@ use stickslip::scene::{NewtonSystem, Partition};
 fn model() -> Model {
     let scene = common::block(&["mesh.elements=[5,2]", "contact.friction=0.4"]);
     let mut model = Model::new(&scene).unwrap();
-    model.problem.mu[1] = 0.0;
+    model.problem.mu()[1] = 0.0;
     let mut c_t = stickslip::sparse::Csr::new(model.problem.displacements());
     for i in 0..model.problem.contacts() {
-        c_t.push_row(model.problem.c_t.row(i).iter().copied().filter(|_| i != 2));
+        c_t.push_row(model.problem.c_t().row(i).iter().copied().filter(|_| i != 2));
     }
     model.problem.c_t = c_t;
     model
@@ -63,7 +63,7 @@ fn direction(formulation: &mut Constrained, z: &[f64], b: &[f64]) -> Vec<f64> {
     let (mut rhs, mut dz) = (vec![0.0; n], vec![0.0; z.len()]);
     formulation.reduce(z, b, &mut rhs);
     let mut direct = Direct::default();
-    direct.analyze(&formulation.matrix().pattern).unwrap();
+    direct.analyze(formulation.matrix().pattern()).unwrap();
     direct.factorize(formulation.matrix()).unwrap();
     direct.solve(formulation.matrix(), &rhs, &mut dz[..n]).unwrap();
     formulation.recover(z, b, &mut dz);
@@ -87,7 +87,7 @@ fn the_extended_matrix_is_the_derivative_of_the_residual() {
         for row in 0..z.len() {
             let difference = (ahead[row] - behind[row]) / (2.0 * step);
             let matrix = formulation.matrix();
-            let entry = matrix.pattern.slot(row, column).map_or(0.0, |k| matrix.values[k]);
+            let entry = matrix.pattern().slot(row, column).map_or(0.0, |k| matrix.values[k]);
             assert!((difference - entry).abs() < 1e-8, "row {row}, column {column}: {difference} {entry}");
         }
     }

@@ -31,13 +31,13 @@ fn jacobian_is_the_derivative_of_the_residual() {
 
     // A state in which node i is in case i: u free, then gap and w̄_t are chosen to fit.
     let mut z: Vec<f64> = (0..layout.unknowns()).map(|k| (1.0 + k as f64 * 0.7).sin()).collect();
-    let r = |i: usize| 1e12 * problem.weight[i] / scaling.stiffness();
+    let r = |i: usize| 1e12 * problem.weight()[i] / scaling.stiffness();
     let (mut gap, mut w_t_last) = (vec![0.0; CASES.len()], vec![0.0; CASES.len()]);
     for (i, (_, [p_n, gap_left, p_t, slip])) in CASES.into_iter().enumerate() {
         z[layout.p_n(i)] = p_n;
         z[layout.p_t(i).unwrap()] = p_t;
-        gap[i] = (problem.c_n.dot(i, &z) + gap_left / r(i)) * scaling.length;
-        w_t_last[i] = (problem.c_t.dot(i, &z) - slip / r(i)) * scaling.length;
+        gap[i] = (problem.c_n().dot(i, &z) + gap_left / r(i)) * scaling.length;
+        w_t_last[i] = (problem.c_t().dot(i, &z) - slip / r(i)) * scaling.length;
     }
     let force: Vec<f64> = (0..layout.displacements()).map(|k| (k as f64).cos() * scaling.force).collect();
     formulation.begin(&Increment {
@@ -118,7 +118,7 @@ fn merit_along_a_direction_is_the_merit() {
     formulation.residual(&z, &mut h);
     formulation.linearize(&z);
     let mut direct = Direct::default();
-    direct.analyze(&formulation.jacobian().pattern).unwrap();
+    direct.analyze(formulation.jacobian().pattern()).unwrap();
     direct.factorize(formulation.jacobian()).unwrap();
     let rhs: Vec<f64> = h.iter().map(|x| -x).collect();
     direct.solve(formulation.jacobian(), &rhs, &mut dz).unwrap();

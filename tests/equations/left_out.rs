@@ -77,7 +77,7 @@ fn contact() {
 fn the_list() {
     let list = |name: &str, overrides: &[&str], backend| {
         let scene = common::scene(name, overrides);
-        let all = LeftOut::all(&scene, &Model::new(&scene).unwrap(), backend);
+        let all = LeftOut::all(&Model::new(&scene).unwrap(), backend == LinearBackend::Condensed);
         all.into_iter().map(|LeftOut { count, unknown, .. }| (count, unknown)).collect::<Vec<_>>()
     };
     let whole = LinearBackend::default();

@@ -112,7 +112,7 @@ fn held_by_contact_only() {
     assert!(!text.contains("[[support]]"));
     for gap in ["contact.obstacle.gap=1e-5", "contact.obstacle.gap=0"] {
         let (model, times) = block(&text, 10, &[gap, "load[1].traction=[-1e6,0]"]);
-        assert_eq!(model.problem.free_motions.len(), 3);
+        assert_eq!(model.problem.free_motions().len(), 3);
         assert_solved(gap, &model, &times);
     }
 }
@@ -206,7 +206,7 @@ fn random_histories() {
         let mut model = Model::new(&scene).unwrap();
         let kind = (r() * 4.0) as usize;
         for i in 0..model.contacts.len() {
-            model.problem.mu[i] = match kind {
+            model.problem.mu()[i] = match kind {
                 0 => 0.4,
                 1 => r(),
                 2 => [0.0, r()][usize::from(r() >= 0.5)],
@@ -238,7 +238,7 @@ fn random_histories() {
 fn friction_that_differs_by_node() {
     let (mut model, times) = block(base(), 20, &[]);
     let mu = [0.0, 0.1, 2.0, 0.4, 1e-6];
-    model.problem.mu.iter_mut().enumerate().for_each(|(i, value)| *value = mu[i % mu.len()]);
+    model.problem.mu().iter_mut().enumerate().for_each(|(i, value)| *value = mu[i % mu.len()]);
     assert_solved("mixed", &model, &times);
 }
 

@@ -73,7 +73,7 @@ fn solve(problem: &ContactProblem, increment: &Increment<'_>, start: [f64; 4]) -
     let mut formulation = Bdiff::new(problem, Scaling::SI, &conventions);
     formulation.begin(increment);
     let mut linear = Direct::default();
-    linear.analyze(&formulation.jacobian().pattern).unwrap();
+    linear.analyze(formulation.jacobian().pattern()).unwrap();
     let settings = BnSettings { end: End::Merit(1e-26), ..BnSettings::paper(60) };
     let mut z = start;
     let mut bn = Bn::new(settings, formulation.unknowns());
@@ -147,7 +147,7 @@ fn a_body_that_slides_freely_is_singular_without_friction() {
     let singular = CriticalFriction { factor: 0.0, slipping: 1 };
     let mut problem = node(0.0, 0.0, 0.3);
     assert_eq!(critical(&problem, &load(&[0.3, 1.0]), &slides), singular);
-    problem.free_motions.clear();
+    problem.free_motions().clear();
     assert_eq!(critical(&problem, &load(&[0.3, 1.0]), &slides), singular);
 }
 
@@ -250,7 +250,7 @@ fn posed_critical(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64
 fn dense_critical(problem: &ContactProblem, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64 {
     let n_u = problem.displacements();
     let mut k = Mat::<f64>::zeros(n_u, n_u);
-    for (row, column, value) in problem.stiffness.entries() {
+    for (row, column, value) in problem.stiffness().entries() {
         k[(row, column)] += value;
     }
     let nodes = |keep: &dyn Fn(ContactStatus) -> bool| -> Vec<usize> {
@@ -262,9 +262,9 @@ fn dense_critical(problem: &ContactProblem, mu: f64, wanted: &[ContactStatus], s
     let rows = |c: &Csr, nodes: &[usize]| -> Vec<Vec<(usize, f64)>> {
         nodes.iter().map(|&i| c.row(i).iter().map(|&(dof, value)| (dof, value)).collect()).collect()
     };
-    let mut held = rows(&problem.c_n, &closed);
-    held.extend(rows(&problem.c_t, &sticking));
-    let driven = rows(&problem.c_t, &sliding);
+    let mut held = rows(problem.c_n(), &closed);
+    held.extend(rows(problem.c_t(), &sticking));
+    let driven = rows(problem.c_t(), &sliding);
     let dense = |rows: &[Vec<(usize, f64)>]| {
         let mut c = Mat::<f64>::zeros(rows.len(), n_u);
         for (i, row) in rows.iter().enumerate() {

@@ -73,16 +73,50 @@ fn a_block_in_a_corner() {
     assert!(x.abs() < 1e-2 && y.abs() < 1e-2, "{x} {y}");
 }
 
+/// The corner with its wall so far away that the block has to slide to it: 6 MN push against at most 0.4 · 8 MN.
+fn towards_a_wall(wall: f64, setting: &str) -> (Model, HistoryOutcome) {
+    let overrides = [format!("contact[1].obstacle.gap={wall}"), format!("solver.setting={setting}")];
+    let overrides = overrides.map(|text| text.parse().unwrap());
+    let scene = Scene::parse("slide.toml", CORNER, &overrides).unwrap();
+    let model = Model::new(&scene).unwrap();
+    let outcome = common::run(&scene, &model, &mut ());
+    (model, outcome)
+}
+
+/// The free motion that a verdict blames, without the sign of its direction.
+fn blamed(model: &Model, outcome: &HistoryOutcome) -> String {
+    let weights = outcome.free_motion.as_ref().unwrap();
+    let motion = stickslip::fem::RigidMotion::combination(&model.rigid_motions, weights).unwrap();
+    motion.to_string().replace('-', "")
+}
+
+/// However far the wall is, there the block comes to rest.
+#[test]
+fn sliding_to_a_wall_is_an_equilibrium() {
+    let (model, outcome) = towards_a_wall(1.0, "default");
+    assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.records.last());
+    assert_eq!(outcome.records.len(), 4);
+    let u = model.dofs.displacements(&outcome.state.u);
+    assert!(u.into_iter().all(|u| (u[0] - 1.0).abs() < 1e-3));
+}
+
+/// The paper's constants do not get it there; the verdict names the motion in which nothing held the iteration.
+#[test]
+fn the_paper_does_not_slide_that_far() {
+    let (model, outcome) = towards_a_wall(1.0, "paper");
+    assert_eq!(outcome.status, Status::Singular, "{:?}", outcome.records.last());
+    assert_eq!(blamed(&model, &outcome), "a translation along (1, 0)");
+}
+
 /// A free motion that contact cannot stop ends the run and is named.
 #[test]
 fn sliding_away_is_no_equilibrium() {
-    let scene = Scene::parse("slide.toml", CORNER, &["contact[1].obstacle.gap=1".parse().unwrap()]).unwrap();
+    let wall = "        { boundary = \"right\", friction = 0.2, obstacle = { kind = \"plane\" } },\n";
+    let scene = Scene::parse("slide.toml", &common::edit(CORNER, wall, ""), &[]).unwrap();
     let model = Model::new(&scene).unwrap();
     let outcome = common::run(&scene, &model, &mut ());
-    // 6 MN push against at most 0.4 · 8 MN.
-    assert_eq!(outcome.status, Status::Singular, "{:?}", outcome.records.last());
-    let motion = stickslip::fem::RigidMotion::combination(&model.rigid_motions, &outcome.free_motion.unwrap()).unwrap();
-    assert_eq!(motion.to_string().replace('-', ""), "a translation along (1, 0)");
+    assert_eq!(outcome.status, Status::NoEquilibrium, "{:?}", outcome.records.last());
+    assert_eq!(blamed(&model, &outcome), "a translation along (1, 0)");
 }
 
 /// No displacement brings a held node out of an obstacle that moves in: refused, not overlooked.

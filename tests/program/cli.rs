@@ -9,7 +9,7 @@ use std::path::Path;
 
 use crate::common::edit;
 use crate::common::program::{
-    Folder, assert_exit, count, csv, json, number, report, small, stderr, stdout, stickslip, without,
+    Folder, assert_exit, count, csv, json, number, report, small, stdout, stickslip, without,
 };
 use serde_json::{Value, json as json_value};
 
@@ -149,6 +149,43 @@ fn the_report_has_every_field() {
     assert!(number(&end["sum_p_t"]).abs() <= 0.4 * number(&end["sum_p_n"]) * (1.0 + 1e-9));
 }
 
+/// A report tells by which version of what it was made, and from which scene: its text alone makes the same run again.
+#[test]
+fn a_report_can_be_run_again() {
+    let (_folder, scene) = Folder::with_scene(&small());
+    let first = json(&stickslip(&["run", &scene, "--json", "--set", "contact.friction=0.2", "--setting", "default"]));
+    assert_eq!(count(&first["schema_version"]), 1);
+    assert_eq!(first["program_version"], env!("CARGO_PKG_VERSION"));
+    let text = first["scene_text"].as_str().unwrap();
+    assert!(text.contains("friction = 0.2") && text.contains("setting = \"default\""), "{text}");
+    let again = report(text, 0);
+    for key in ["title", "setting", "unknowns", "final", "forces"] {
+        assert_eq!(again[key], first[key], "{key}");
+    }
+}
+
+/// A run that took long says what would have been much faster, unless the solver was chosen for that.
+#[test]
+fn a_slow_linear_algebra_is_told() {
+    let whole = if cfg!(feature = "umfpack") { "umfpack" } else { "faer" };
+    let (_folder, scene) = Folder::with_scene(&edit(&small(), "increments = 4", "increments = 40"));
+    let run = |solver: &str, more: &[&str]| {
+        stickslip(&[&["run", &scene, "--set", "mesh.elements=[50,50]", "--solver", solver], more].concat())
+    };
+    let slow = json(&run(whole, &["--json"]));
+    let faster = &slow["faster_solver"];
+    assert_eq!(faster["solver"], "condensed");
+    assert!(number(&faster["here_seconds"]) > 3.0 * number(&faster["seconds"]), "{faster}");
+    for solver in ["auto", "condensed"] {
+        assert!(json(&run(solver, &["--json"])).get("faster_solver").is_none(), "{solver}");
+    }
+    let text = run(whole, &[]);
+    let line = stdout(&text).lines().find(|line| line.starts_with("faster       ")).unwrap();
+    assert!(line.contains("with condensed") && line.contains("solver.linear = \"auto\""), "{line}");
+    // Seconds of it are not worth a question.
+    assert!(report(&small(), 0).get("faster_solver").is_none());
+}
+
 #[test]
 fn without_friction_there_are_no_tangential_unknowns() {
     let report = report(&edit(&small(), "friction = 0.4", "friction = 0"), 0);
@@ -224,7 +261,6 @@ fn check_tells_histories() {
     assert!(told.contains("1e-6 m at 1 s, (3 more), 1e-6 m at 1.8 s"), "{told}");
 }
 
-#[cfg(feature = "meshes")]
 #[test]
 fn check_tells_the_size_of_a_mesh_file() {
     let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes/plate_quads_mm.msh");
@@ -237,28 +273,6 @@ fn check_tells_the_size_of_a_mesh_file() {
         assert_exit(&output, 0);
         assert!(stdout(&output).contains(size), "{}", stdout(&output));
     }
-}
-
-#[test]
-fn cells_of_table_ii() {
-    let output = stickslip(&["tables", "block", "--contact-nodes", "5", "--increments", "1", "--json"]);
-    assert_exit(&output, 0);
-    let table = json(&output);
-    let columns = table["columns"].as_array().unwrap();
-    let names: Vec<_> = columns.iter().map(|column| column["method"].as_str().unwrap()).collect();
-    assert_eq!(names, ["bn", "ip-safe", "ip-prev", "bn-default", "ip"]);
-    for column in columns {
-        for (cell, mu) in column["cells"].as_array().unwrap().iter().zip([0.1, 0.4, 0.8]) {
-            assert_eq!((count(&cell["contact_nodes"]), count(&cell["increments"]), number(&cell["mu"])), (5, 1, mu));
-            assert!(cell["status"] == "converged" && number(&cell["here"]["nle"]) >= 1.0);
-        }
-    }
-    assert_eq!(count(&columns[1]["nle"]["cells"]), 3);
-
-    let unknown = stickslip(&["tables", "block", "--contact-nodes", "7", "--json"]);
-    assert_exit(&unknown, 2);
-    assert_eq!(stdout(&unknown), "");
-    assert!(stderr(&unknown).contains("no such cell"), "{}", stderr(&unknown));
 }
 
 #[test]

@@ -93,7 +93,9 @@ fn bad_input_is_status_2_and_nothing_is_written() {
         let out = folder.join("out");
         let output = stickslip(&[&["run", &scene, "--json", "--out", &out], args].concat());
         assert_exit(&output, 2);
-        assert_eq!(stdout(&output), "", "{args:?}");
+        let failure = json(&output);
+        assert_eq!((&failure["status"], count(&failure["schema_version"])), (&"bad-input".into(), 1), "{args:?}");
+        assert!(!failure["message"].as_str().unwrap().is_empty(), "{failure}");
         assert!(stderr(&output).contains("help"), "no remedy: {}", stderr(&output));
         assert_eq!(folder.names(""), ["scene.toml"], "{args:?}");
     }
@@ -102,7 +104,33 @@ fn bad_input_is_status_2_and_nothing_is_written() {
     }
 }
 
-/// A method with one tangent a node is refused where nodes slide in a plane, before anything is printed.
+/// Where the result is to be JSON, so is the fault: message, place and remedy.
+#[test]
+fn a_fault_as_json_has_its_place() {
+    let text = edit(&small(), "\"top\"", "\"roof\"");
+    let line = text[..text.find("\"roof\"").unwrap()].lines().count();
+    let (_folder, scene) = Folder::with_scene(&text);
+    let failure = json(&stickslip(&["run", &scene, "--json"]));
+    assert!(failure["file"].as_str().unwrap().ends_with("scene.toml"), "{failure}");
+    assert_eq!(count(&failure["line"]) as usize, line);
+    assert!(failure["message"].as_str().unwrap().contains("the mesh has no boundary `roof`"), "{failure}");
+    assert!(failure["help"].as_str().unwrap().contains("top"), "{failure}");
+}
+
+/// Before the first long wait a person sees what is being read and done: here a mesh file that is not one.
+#[test]
+fn the_title_comes_before_the_set_up() {
+    let text = small();
+    let mesh = "[mesh]\nkind = \"gmsh\"\nfile = \"scene.toml\"\n\n";
+    let scene = [&text[..text.find("[mesh]").unwrap()], mesh, &text[text.find("[material]").unwrap()..]].concat();
+    let (_folder, scene) = Folder::with_scene(&scene);
+    let output = stickslip(&["run", &scene]);
+    assert_exit(&output, 2);
+    let lines: Vec<&str> = stdout(&output).lines().collect();
+    assert_eq!(lines, ["Elastic block on a frictional foundation", "set-up       mesh, stiffness, contact"]);
+}
+
+/// A method with one tangent a node is refused where nodes slide in a plane, before anything is solved.
 #[test]
 fn a_method_of_the_plane_in_space_is_status_2() {
     let cube = edit(include_str!("../../data/scenes/cube.toml"), "[10, 10, 10]", "[2, 2, 2]");
@@ -115,7 +143,7 @@ fn a_method_of_the_plane_in_space_is_status_2() {
         for command in ["check", "run"] {
             let output = stickslip(&[command, &scene]);
             assert_exit(&output, 2);
-            assert_eq!(stdout(&output), "");
+            assert!(!stdout(&output).contains("unknowns"), "{}", stdout(&output));
             assert!(stderr(&output).contains(&format!("scene.toml:{line}:")), "{}", stderr(&output));
             assert!(stderr(&output).contains("use the method \"bn\""), "{}", stderr(&output));
         }
@@ -132,7 +160,7 @@ fn a_folder_that_cannot_be_made_is_status_2() {
     let (_folder, scene) = Folder::with_scene(&small());
     let output = stickslip(&["run", &scene, "--out", &format!("{scene}/out")]);
     assert_exit(&output, 2);
-    assert_eq!(stdout(&output), "");
+    assert!(!stdout(&output).contains("unknowns"), "{}", stdout(&output));
     assert!(stderr(&output).contains("--out"), "{}", stderr(&output));
     assert_eq!(fs::read_to_string(&scene).unwrap(), small());
 }
@@ -149,7 +177,7 @@ fn a_full_disk_is_status_3() {
         std::os::unix::fs::symlink("/dev/full", folder.join("out/") + file).unwrap();
         let output = stickslip(&["run", &scene, "--json", "--out", &folder.join("out")]);
         assert_exit(&output, 3);
-        assert_eq!(stdout(&output), "");
+        assert_eq!(json(&output)["status"], "machine-failure");
         assert!(stderr(&output).contains("make room"), "{}", stderr(&output));
         // What was written before is whole, and nothing pretends to be the report.
         if let Some(rows) = left {
@@ -157,6 +185,35 @@ fn a_full_disk_is_status_3() {
         }
         assert!(!folder.names("out").iter().any(|name| name.contains("run.json") || name.contains("partial")));
     }
+}
+
+/// Nor does a full disk behind standard output or standard error: the files of the run are all there.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_output_or_error_does_not_stop_a_run() {
+    let full = || fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let run = |args: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+        command.args(args);
+        command
+    };
+    for json in [&[][..], &["--json"]] {
+        let (folder, scene) = Folder::with_scene(&small());
+        let out = folder.join("out");
+        let args = [&["run", &scene, "--out", &out], json].concat();
+        let output = run(&args).stdout(full()).output().unwrap();
+        assert_exit(&output, 3);
+        assert_eq!(stderr(&output).matches("standard output cannot be written").count(), 1, "{}", stderr(&output));
+        let report = fs::read_to_string(folder.join("out/run.json")).unwrap();
+        let report: Value = serde_json::from_str(&report).unwrap();
+        assert_eq!(report["status"], "converged");
+        assert_eq!(csv(&folder.0.join("out/increments.csv")).1.len(), 4);
+
+        assert_exit(&run(&args).stderr(full()).output().unwrap(), 0);
+    }
+    let (_folder, scene) = Folder::with_scene("nonsense");
+    assert_exit(&run(&["run", &scene]).stderr(full()).output().unwrap(), 2);
+    assert_exit(&run(&["run", &scene, "--json"]).stderr(full()).stdout(full()).output().unwrap(), 3);
 }
 
 /// Files that no run wrote are not replaced, whatever their names.

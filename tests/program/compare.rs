@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use stickslip::compare::{
-    self, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, Run, SolverPath, TimeErrors, Tractions,
+    self, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, SolverPath, TimeErrors, Tractions, Trial,
     front,
 };
 use stickslip::history::{self, HistorySettings, Observer, Status, Step};
@@ -124,7 +124,7 @@ fn friction_dissipates_what_the_loads_do_beyond_the_strain_energy() {
         assert_eq!(outcome.status, Status::Converged);
 
         let mut force = zero;
-        problem.stiffness.mul(&outcome.state.u, &mut force);
+        problem.stiffness().mul(&outcome.state.u, &mut force);
         let energy = 0.5 * outcome.state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>();
         let friction = || outcome.records.iter().map(|record| record.friction_work);
         let total: f64 = friction().sum();
@@ -209,8 +209,8 @@ fn in_three_dimensions_both_tangents_count() {
 }
 
 /// A run of `seconds` with the error `forces` in its contact forces.
-fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, forces: f64) -> Run {
-    Run {
+fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, forces: f64) -> Trial {
+    Trial {
         path,
         mesh,
         increments,

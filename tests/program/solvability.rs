@@ -51,7 +51,7 @@ fn violations(scene: &Scene) -> (Option<String>, Vec<[f64; 2]>) {
     // The motion does what it is said to do.
     if let Some(weights) = &conditions.leaving {
         let motion = RigidMotion::combination(&model.rigid_motions, weights).unwrap();
-        let w_n = model.problem.c_n.mul(&motion.displacements(&model.mesh, &model.dofs));
+        let w_n = model.problem.c_n().mul(&motion.displacements(&model.mesh, &model.dofs));
         assert!(w_n.iter().all(|&w| w <= 1e-12), "{motion}: {w_n:?}");
     }
     let motion = conditions.leaving.map(|weights| named(&model, &weights));
@@ -71,8 +71,8 @@ fn driven(scene: &Scene) -> Option<String> {
     let u = motion.displacements(&model.mesh, &model.dofs);
     // The load works, and no edge of a friction cone can work against it.
     assert!(u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>() > 0.0);
-    let (w_n, w_t) = (model.problem.c_n.mul(&u), model.problem.c_t.mul(&u));
-    assert!(w_n.iter().zip(&w_t).zip(&model.problem.mu).all(|((n, t), mu)| n + mu * t.abs() <= 1e-12));
+    let (w_n, w_t) = (model.problem.c_n().mul(&u), model.problem.c_t().mul(&u));
+    assert!(w_n.iter().zip(&w_t).zip(model.problem.mu()).all(|((n, t), mu)| n + mu * t.abs() <= 1e-12));
     Some(motion.to_string())
 }
 

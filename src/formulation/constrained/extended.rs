@@ -16,9 +16,10 @@ pub(super) struct Extended {
 }
 
 impl Extended {
-    pub(super) fn new(problem: &ContactProblem, data: &Scaled, layout: &SlackLayout) -> Self {
+    pub(super) fn new(problem: &ContactProblem, data: &Scaled) -> Self {
+        let layout = &SlackLayout::new(&data.layout);
         let n = layout.unknowns();
-        let pattern = Pattern::from_entries(n, n, |take| {
+        let pattern = Pattern::of(n, n, |take| {
             take_equilibrium(problem, &data.layout, take);
             linear_rows(data, layout, &mut |row, column, _| take(row, column));
             for pair in layout.pairs() {
@@ -28,7 +29,7 @@ impl Extended {
         });
         let mut matrix = Csc::zeros(Arc::new(pattern));
         write_equilibrium(&mut matrix, problem, &data.layout, &data.scaling);
-        let Csc { pattern, values } = &mut matrix;
+        let (pattern, values) = matrix.parts_mut();
         linear_rows(data, layout, &mut |row, column, value| values[slot(pattern, row, column)] = value);
         let products = layout.pairs().map(|pair| [pair.force, pair.length].map(|k| slot(pattern, pair.length, k)));
         let products = products.collect();
@@ -42,8 +43,8 @@ impl Extended {
     /// Writes the rows of the products; the others are constant.
     pub(super) fn linearize(&mut self, layout: &SlackLayout, z: &[f64]) {
         for (pair, [by_force, by_length]) in layout.pairs().zip(&self.products) {
-            self.matrix.values[*by_force] = z[pair.length];
-            self.matrix.values[*by_length] = z[pair.force];
+            self.matrix.values_mut()[*by_force] = z[pair.length];
+            self.matrix.values_mut()[*by_length] = z[pair.force];
         }
     }
 }

@@ -14,7 +14,6 @@
 use crate::formulation::SlackLayout;
 use crate::formulation::mixed::{MixedMatrix, TangentialRow};
 use crate::formulation::scaled::Scaled;
-use crate::problem::ContactProblem;
 use crate::sparse::Csc;
 
 /// The reduced system.
@@ -25,11 +24,8 @@ pub(super) struct Reduced {
 }
 
 impl Reduced {
-    pub(super) fn new(problem: &ContactProblem, data: &Scaled) -> Self {
-        Reduced {
-            matrix: MixedMatrix::new(problem, &data.layout, &data.scaling),
-            row_scale: vec![[1.0; 2]; data.layout.contacts()],
-        }
+    pub(super) fn new(matrix: MixedMatrix, contacts: usize) -> Self {
+        Reduced { matrix, row_scale: vec![[1.0; 2]; contacts] }
     }
 
     pub(super) fn matrix(&self) -> &Csc {

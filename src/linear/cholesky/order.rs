@@ -21,7 +21,7 @@ pub(super) fn with_border(
     if !inside.is_empty() {
         let mut place = vec![None; n];
         inside.iter().enumerate().for_each(|(k, &unknown)| place[unknown] = Some(k));
-        let block = Pattern::from_entries(inside.len(), inside.len(), |take| {
+        let block = Pattern::of(inside.len(), inside.len(), |take| {
             for (column, &unknown) in inside.iter().enumerate() {
                 for &row in &lower.row_indices()[lower.column(unknown)] {
                     if let Some(row) = place[row as usize] {

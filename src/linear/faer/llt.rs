@@ -46,15 +46,15 @@ impl Llt {
     /// Entries and operations, without factoring.
     #[cfg(not(feature = "umfpack"))]
     pub(in crate::linear) fn predict(lower: &Csc, order: &[usize]) -> Result<FactorInfo, LinearError> {
-        let indices = Indices::new(&lower.pattern);
-        let analysed = Permuted::new(indices.with(&lower.values), order).and_then(|permuted| permuted.analyse());
+        let indices = Indices::new(lower.pattern());
+        let analysed = Permuted::new(indices.with(lower.values()), order).and_then(|permuted| permuted.analyse());
         Ok(analysed.map_err(|error| out_of_memory(error, "the symbolic analysis"))?.1)
     }
 
     /// Factors the symmetric matrix with this lower triangle in the given order.
     pub(in crate::linear) fn factor(lower: &Csc, order: &[usize]) -> Result<Self, LinearError> {
-        let indices = Indices::new(&lower.pattern);
-        let permuted = Permuted::new(indices.with(&lower.values), order);
+        let indices = Indices::new(lower.pattern());
+        let permuted = Permuted::new(indices.with(lower.values()), order);
         let permuted = permuted.map_err(|error| out_of_memory(error, "the ordering"))?;
         let analysed = permuted.analyse().map_err(|error| out_of_memory(error, "the symbolic analysis"))?;
         let (symbolic, mut info) = analysed;

@@ -1,10 +1,9 @@
 //! What the colours, the markers and the arrows of a map mean.
 
 use super::view::View;
-use super::{BLACK, GREY, HELD, LABEL_SIZE, NUMBER_SIZE, SOLID, WHITE, WIDTH, arrow, overlapping};
+use super::{BLACK, GREY, HELD, LABEL_SIZE, NUMBER_SIZE, THIN, WHITE, WIDTH, arrow, overlapping};
 use crate::report::chart::axis::Scale;
-use crate::report::chart::pen::{Anchor, Pen, text_width};
-use crate::report::chart::{Line, Marker, PlotError};
+use crate::report::svg::{Anchor, Colour, Marker, Svg, text_width};
 
 /// The width of the bar of colours, px.
 const BAR: f64 = 20.0;
@@ -15,13 +14,13 @@ const GAP: f64 = 30.0;
 const STEPS: usize = 100;
 
 /// The colours of the pressure, from none to the highest.
-const PRESSURE: [[u8; 3]; 4] = [[248, 251, 255], [178, 208, 236], [96, 158, 212], [38, 98, 170]];
+const PRESSURE: [Colour; 4] = [[248, 251, 255], [178, 208, 236], [96, 158, 212], [38, 98, 170]];
 
 impl View {
     /// The bar of colours to the right of the surface.
-    pub(super) fn draw_colours(&self, pen: &Pen<'_>) -> Result<(), PlotError> {
+    pub(super) fn draw_colours(&self, svg: &mut Svg) {
         if self.most_pressure <= 0.0 {
-            return Ok(());
+            return;
         }
         let ([_, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
         let (from, to) = (right + GAP, right + GAP + BAR);
@@ -29,23 +28,22 @@ impl View {
         for k in 0..STEPS {
             let [low, high] = [k, k + 1].map(|k| k as f64 / STEPS as f64);
             let corners = overlapping([[from, low], [to, low], [to, high], [from, high]].map(|[x, y]| [x, height(y)]));
-            pen.polygon(&corners, shade((k as f64 + 0.5) / STEPS as f64))?;
+            svg.polygon(&corners, shade((k as f64 + 0.5) / STEPS as f64));
         }
-        let thin = Line { dash: SOLID, width: 1.0 };
-        pen.line(&[[from, top], [to, top], [to, bottom], [from, bottom], [from, top]], thin, BLACK)?;
+        svg.line(&[[from, top], [to, top], [to, bottom], [from, bottom], [from, top]], THIN, BLACK);
         let most = 1e-6 * self.most_pressure;
         for tick in Scale::Linear.ticks([0.0, most].into_iter(), 0.0, (bottom - top) / 40.0).all {
             if let (Some(label), true) = (&tick.label, tick.value <= most) {
                 let y = height(tick.value / most);
-                pen.line(&[[to, y], [to + 5.0, y]], thin, BLACK)?;
-                pen.text([to + 9.0, y], label, NUMBER_SIZE, Anchor::Start)?;
+                svg.line(&[[to, y], [to + 5.0, y]], THIN, BLACK);
+                svg.text([to + 9.0, y], label, NUMBER_SIZE, Anchor::Start);
             }
         }
-        pen.text([to + 62.0, 0.5 * (top + bottom)], "σₙ, normal, MPa", LABEL_SIZE, Anchor::Upwards)
+        svg.text([to + 62.0, 0.5 * (top + bottom)], "σₙ, normal, MPa", LABEL_SIZE, Anchor::Upwards);
     }
 
     /// A row above the surface: what the colours, the markers and the arrows mean.
-    pub(super) fn draw_legend(&self, pen: &Pen<'_>) -> Result<(), PlotError> {
+    pub(super) fn draw_legend(&self, svg: &mut Svg) {
         let mut entries = vec![(Sample::Patch(WHITE), "open".to_string())];
         if self.held {
             entries.push((Sample::Patch(HELD), "held by supports".into()));
@@ -67,23 +65,22 @@ impl View {
             match *sample {
                 Sample::Patch(colour) => {
                     let corners = [[x, y - 6.0], [x + 12.0, y - 6.0], [x + 12.0, y + 6.0], [x, y + 6.0]];
-                    pen.polygon(&corners, colour)?;
+                    svg.polygon(&corners, colour);
                     let around: Vec<_> = corners.into_iter().chain([corners[0]]).collect();
-                    pen.line(&around, Line { dash: SOLID, width: 1.0 }, GREY)?;
+                    svg.line(&around, THIN, GREY);
                 }
-                Sample::Marker(marker) => pen.marker([x + 4.0, y], marker, BLACK)?,
-                Sample::Arrow(length) => arrow(pen, [x, y], [length, 0.0])?,
+                Sample::Marker(marker) => svg.marker([x + 4.0, y], marker, BLACK),
+                Sample::Arrow(length) => arrow(svg, [x, y], [length, 0.0]),
             }
-            pen.text([x + sample.width() + 8.0, y], text, LABEL_SIZE, Anchor::Start)?;
+            svg.text([x + sample.width() + 8.0, y], text, LABEL_SIZE, Anchor::Start);
             x += width(entry);
         }
-        Ok(())
     }
 }
 
 /// What an entry of the legend shows.
 enum Sample {
-    Patch([u8; 3]),
+    Patch(Colour),
     Marker(Marker),
     Arrow(f64),
 }
@@ -105,7 +102,7 @@ fn round_stress(most: f64) -> f64 {
 }
 
 /// The colour of a share of the highest pressure.
-pub(super) fn shade(share: f64) -> [u8; 3] {
+pub(super) fn shade(share: f64) -> Colour {
     let place = share.clamp(0.0, 1.0) * (PRESSURE.len() - 1) as f64;
     let k = (place as usize).min(PRESSURE.len() - 2);
     let t = place - k as f64;

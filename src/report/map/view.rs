@@ -1,10 +1,9 @@
 //! Which part of a contact surface is shown, where it is in the picture, and the frame around it.
 
-use super::{BLACK, LABEL_SIZE, NUMBER_SIZE, SOLID, SurfaceNode, WHITE, WIDTH};
+use super::{BLACK, LABEL_SIZE, NUMBER_SIZE, SurfaceNode, THIN, WIDTH};
 use crate::report::chart::axis::{Scale, Tick};
-use crate::report::chart::pen::{Anchor, Pen};
-use crate::report::chart::{Line, PlotError};
 use crate::report::contact_surface::ContactSurface;
+use crate::report::svg::{Anchor, Colour, Svg};
 
 /// Left of the surface: the axis label and the numbers.
 const LEFT: f64 = 92.0;
@@ -15,7 +14,7 @@ const BELOW: f64 = 64.0;
 const MOST_HEIGHT: f64 = 720.0;
 
 /// Where there is no surface.
-const OUTSIDE: [u8; 3] = [236, 236, 236];
+const OUTSIDE: Colour = [236, 236, 236];
 /// The longest arrow, in distances between nodes.
 const ARROW: f64 = 0.9;
 /// Arrows that are shorter say nothing (px); where nodes are closer, some have none.
@@ -102,25 +101,19 @@ impl View {
         TOP + self.size[1] + BELOW
     }
 
-    pub(super) fn draw_background(&self, pen: &Pen<'_>) -> Result<(), PlotError> {
+    /// What `draw` draws, as far as it is in the frame.
+    pub(super) fn draw_inside(&self, svg: &mut Svg, draw: impl FnOnce(&mut Svg)) {
         let ([left, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
-        pen.polygon(&[[left, bottom], [right, bottom], [right, top], [left, top]], OUTSIDE)
+        svg.within([left, top], self.size, |svg| {
+            svg.polygon(&[[left, bottom], [right, bottom], [right, top], [left, top]], OUTSIDE);
+            draw(svg);
+        });
     }
 
-    /// Hides what leaves the frame, and draws it with the coordinates along it.
-    pub(super) fn draw_frame(&self, pen: &Pen<'_>, axes: &[[f64; 3]; 2]) -> Result<(), PlotError> {
+    /// Draws the frame with the coordinates along it.
+    pub(super) fn draw_frame(&self, svg: &mut Svg, axes: &[[f64; 3]; 2]) {
         let ([left, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
-        let end = self.end();
-        for [a, b] in [
-            [[0.0, 0.0], [left, end]],
-            [[right, 0.0], [WIDTH, end]],
-            [[left, 0.0], [right, top]],
-            [[left, bottom], [right, end]],
-        ] {
-            pen.polygon(&[a, [b[0], a[1]], b, [a[0], b[1]]], WHITE)?;
-        }
-        let thin = Line { dash: SOLID, width: 1.0 };
-        pen.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], thin, BLACK)?;
+        svg.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], THIN, BLACK);
         let ticks = |c: usize, room: f64| {
             let (low, high) = (self.low[c], self.high[c]);
             let inside = move |tick: &Tick| (low..=high).contains(&tick.value);
@@ -128,16 +121,16 @@ impl View {
         };
         for tick in ticks(0, 80.0) {
             let [x, _] = self.at([tick.value, self.low[1]]);
-            pen.line(&[[x, bottom], [x, bottom + tick.length()]], thin, BLACK)?;
-            pen.text([x, bottom + 17.0], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::Middle)?;
+            svg.line(&[[x, bottom], [x, bottom + tick.length()]], THIN, BLACK);
+            svg.text([x, bottom + 17.0], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::Middle);
         }
         for tick in ticks(1, 45.0) {
             let [_, y] = self.at([self.low[0], tick.value]);
-            pen.line(&[[left, y], [left - tick.length(), y]], thin, BLACK)?;
-            pen.text([left - 10.0, y], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::End)?;
+            svg.line(&[[left, y], [left - tick.length(), y]], THIN, BLACK);
+            svg.text([left - 10.0, y], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::End);
         }
-        pen.text([0.5 * (left + right), bottom + 44.0], &name(axes[0]), LABEL_SIZE, Anchor::Middle)?;
-        pen.text([left - 70.0, 0.5 * (top + bottom)], &name(axes[1]), LABEL_SIZE, Anchor::Upwards)
+        svg.text([0.5 * (left + right), bottom + 44.0], &name(axes[0]), LABEL_SIZE, Anchor::Middle);
+        svg.text([left - 70.0, 0.5 * (top + bottom)], &name(axes[1]), LABEL_SIZE, Anchor::Upwards);
     }
 }
 

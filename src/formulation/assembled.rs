@@ -1,0 +1,38 @@
+//! What all formulations of a problem share.
+
+use std::sync::Arc;
+
+use super::Layout;
+use super::mixed::MixedMatrix;
+use super::scaled::Scaled;
+use crate::problem::ContactProblem;
+use crate::sparse::Pattern;
+use crate::units::Scaling;
+
+/// A problem in the units of a scaling, with the matrix on `(u, p_t, p_o, p_n)` set up: its pattern, its equilibrium rows
+/// and the places of all others. A formulation takes a clone, which shares all that never changes: with one pattern
+/// for all of them, one symbolic analysis serves BN, its rescue and an interior point method alike.
+#[derive(Clone)]
+pub struct Assembled {
+    pub(super) data: Scaled,
+    pub(super) matrix: MixedMatrix,
+}
+
+impl Assembled {
+    /// Sets up the matrix of `problem`.
+    pub fn new(problem: &ContactProblem, scaling: Scaling) -> Self {
+        let data = Scaled::new(problem, scaling);
+        let matrix = MixedMatrix::new(problem, &data.layout, &scaling);
+        Assembled { data, matrix }
+    }
+
+    /// The layout of `(u, p_t, p_o, p_n)`.
+    pub fn layout(&self) -> &Layout {
+        &self.data.layout
+    }
+
+    /// The union of the patterns of all cases of (21).
+    pub fn pattern(&self) -> &Arc<Pattern> {
+        self.matrix.matrix().pattern()
+    }
+}

@@ -1,0 +1,24 @@
+//! Why a history cannot be run, or not go on.
+
+use super::Method;
+use crate::linear::LinearError;
+use crate::problem::ProblemError;
+
+/// Why a history cannot be run, or not go on. That an increment does not converge is no error: it is a
+/// [`super::Status`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// An array does not fit the problem, or holds what it must not.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The constants of the paper are stresses.
+    #[error("the method {method} has constants per area: give the problem the weight of each contact node")]
+    NoWeight {
+        /// The method.
+        method: Method,
+    },
+    /// The linear algebra cannot go on.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+}

@@ -1,0 +1,69 @@
+//! A method made of two: BN, and for the increments that it does not solve the predictor–corrector interior point
+//! method, from the last solution.
+
+use super::bn::BnMethod;
+use super::predictor_corrector::PredictorCorrectorMethod;
+use super::settings::HistorySettings;
+use super::task::{IncrementSolver, Observe, Task};
+use crate::linear::{Direct, LinearError};
+use crate::nonlinear::{Outcome, Stop};
+use crate::problem::{ContactProblem, State};
+use crate::sparse::Csc;
+
+pub(super) struct Rescued<'a> {
+    problem: &'a ContactProblem,
+    bn: BnMethod<'a>,
+    settings: HistorySettings,
+    /// Made when it is first needed.
+    rescue: Option<PredictorCorrectorMethod<'a>>,
+}
+
+impl<'a> Rescued<'a> {
+    pub(super) fn new(problem: &'a ContactProblem, bn: BnMethod<'a>, settings: &HistorySettings) -> Self {
+        Rescued { problem, bn, settings: settings.clone(), rescue: None }
+    }
+}
+
+impl IncrementSolver for Rescued<'_> {
+    fn matrix(&self) -> &Csc {
+        self.bn.matrix()
+    }
+
+    fn linearize(&mut self) {
+        self.bn.linearize();
+    }
+
+    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.bn.hold_contacts()
+    }
+
+    fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError> {
+        let Rescued { problem, bn, settings, rescue } = self;
+        let last = bn.last_solution(task);
+        let attempt = bn.solve(task, linear, observe)?;
+        let left = settings.max_iterations.saturating_sub(attempt.iterations);
+        if left == 0 || matches!(attempt.stop, Stop::Met | Stop::Interrupted) {
+            return Ok(attempt);
+        }
+        let rescue =
+            rescue.get_or_insert_with(|| PredictorCorrectorMethod::beside(problem, bn.assembled(), settings));
+        rescue.go_on_from(&last, left);
+        let mut rescued = rescue.solve(task, linear, observe)?;
+        if rescued.stop == Stop::Met {
+            rescued.rescued = true;
+            bn.go_on_from(&rescue.state());
+        } else if rescued.stop != Stop::Interrupted {
+            // How the first attempt ended tells more.
+            rescued.stop.clone_from(&attempt.stop);
+        }
+        Ok(attempt.then(rescued))
+    }
+
+    fn state(&self) -> State {
+        self.bn.state()
+    }
+
+    fn unknowns(&mut self) -> &mut Vec<f64> {
+        self.bn.unknowns()
+    }
+}

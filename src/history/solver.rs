@@ -1,0 +1,47 @@
+//! What solves a history, as far as somebody chooses it.
+
+use super::{Error, HistorySettings, LinearAlgebra, Method};
+use crate::loading::Loading;
+use crate::problem::ContactProblem;
+
+/// What solves a history, as far as somebody chooses it; the rest, [`HistorySettings`], follows from the problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solver {
+    /// The algorithm with its named set of constants.
+    pub method: Method,
+    /// The linear algebra; `None` leaves it to [`crate::auto`].
+    pub linear: Option<LinearAlgebra>,
+    /// The most iterations an increment may take.
+    pub max_iterations: usize,
+    /// An increment has converged when every component of the error measure is at most this.
+    pub tolerance: f64,
+}
+
+impl Solver {
+    /// Twice what the longest increments that were met and solved need.
+    pub const MAX_ITERATIONS: usize = 200;
+
+    /// `method` with its default tolerance and limit, and the linear algebra of this build on the uncondensed system.
+    pub fn new(method: Method) -> Self {
+        Solver {
+            method,
+            linear: Some(LinearAlgebra::default()),
+            max_iterations: Self::MAX_ITERATIONS,
+            tolerance: method.default_tolerance(),
+        }
+    }
+
+    /// The settings of a history of `problem` under `loading`.
+    ///
+    /// # Errors
+    /// As [`HistorySettings::new`].
+    pub fn settings(&self, problem: &ContactProblem, loading: &Loading) -> Result<HistorySettings, Error> {
+        Ok(HistorySettings::new(problem, loading, self.method)?.until(self.max_iterations, self.tolerance))
+    }
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Solver::new(Method::BN)
+    }
+}

@@ -1,0 +1,150 @@
+//! How the linear system of an iteration is set up: whole, or condensed to the contact displacements.
+
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+
+use crate::condense::Condensed;
+use crate::linear::{Dense, Direct, FactorInfo, LinearError, LinearSolver, SparseCholesky, SparseLu, Statistics};
+use crate::loading::Loading;
+use crate::problem::ContactProblem;
+
+/// How the linear systems of a run are set up, and what factors them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum LinearAlgebra {
+    /// The uncondensed system on all displacements and contact forces.
+    Whole(SparseLu),
+    /// Static condensation: what no contact touches is eliminated once a run.
+    Condensed(SparseCholesky),
+}
+
+impl LinearAlgebra {
+    /// All of them, each with the word that scenes and reports have for it.
+    pub const WORDS: [(&'static str, LinearAlgebra); 4] = [
+        ("umfpack", LinearAlgebra::Whole(SparseLu::Umfpack)),
+        ("faer", LinearAlgebra::Whole(SparseLu::Faer)),
+        ("condensed-cholmod", LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
+        ("condensed-faer", LinearAlgebra::Condensed(SparseCholesky::Faer)),
+    ];
+
+    /// Condensed by the Cholesky factorisation of this build.
+    pub fn condensed() -> Self {
+        LinearAlgebra::Condensed(SparseCholesky::default())
+    }
+
+    /// Whether the body is condensed.
+    pub fn condenses(self) -> bool {
+        matches!(self, LinearAlgebra::Condensed(_))
+    }
+
+    /// Whether this build has it, which the cargo features decide.
+    pub fn is_built_in(self) -> bool {
+        match self {
+            LinearAlgebra::Whole(lu) => lu.is_built_in(),
+            LinearAlgebra::Condensed(cholesky) => cholesky.is_built_in(),
+        }
+    }
+}
+
+impl Default for LinearAlgebra {
+    /// The uncondensed system, by the sparse LU of this build.
+    fn default() -> Self {
+        LinearAlgebra::Whole(SparseLu::default())
+    }
+}
+
+impl fmt::Display for LinearAlgebra {
+    /// The word of [`LinearAlgebra::WORDS`], and `condensed` for what that is in this build.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            LinearAlgebra::Whole(lu) => lu.fmt(f),
+            condensed if *condensed == LinearAlgebra::condensed() => f.write_str("condensed"),
+            LinearAlgebra::Condensed(cholesky) => write!(f, "condensed-{cholesky}"),
+        }
+    }
+}
+
+impl Serialize for LinearAlgebra {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// The linear system of a run.
+pub enum System {
+    /// The uncondensed one, with this solver.
+    Whole(Direct),
+    /// The one on the contact displacements, the rest eliminated by this factorisation of `K`.
+    Condensed(SparseCholesky),
+}
+
+impl Default for System {
+    fn default() -> Self {
+        LinearAlgebra::default().into()
+    }
+}
+
+impl From<LinearAlgebra> for System {
+    fn from(choice: LinearAlgebra) -> Self {
+        match choice {
+            LinearAlgebra::Whole(lu) => System::from(lu.solver()),
+            LinearAlgebra::Condensed(cholesky) => System::Condensed(cholesky),
+        }
+    }
+}
+
+impl From<Box<dyn LinearSolver>> for System {
+    /// The uncondensed system with a solver of one's own.
+    fn from(solver: Box<dyn LinearSolver>) -> Self {
+        System::Whole(Direct::new(solver))
+    }
+}
+
+impl System {
+    /// The name a report shows.
+    pub fn name(&self) -> String {
+        match self {
+            System::Whole(linear) => linear.name().to_string(),
+            System::Condensed(cholesky) => LinearAlgebra::Condensed(*cholesky).to_string(),
+        }
+    }
+
+    /// Whether the body is condensed.
+    pub fn condenses(&self) -> bool {
+        matches!(self, System::Condensed(_))
+    }
+
+    /// The solver, and the condensed body if there is one.
+    pub(super) fn set_up(
+        self,
+        problem: &ContactProblem,
+        loading: &Loading,
+    ) -> Result<(Direct, Option<Condensed>), LinearError> {
+        match self {
+            System::Whole(linear) => Ok((linear, None)),
+            System::Condensed(cholesky) => {
+                let condensed = Condensed::new(problem, loading, cholesky)?;
+                let dense = Dense::new(condensed.problem.displacements());
+                Ok((Direct::new(Box::new(dense)), Some(condensed)))
+            }
+        }
+    }
+}
+
+/// What the linear algebra did, the factors of a condensed body and the backward error of the whole system included.
+pub(super) fn statistics(linear: &Direct, body: Option<FactorInfo>, backward_error: f64) -> Statistics {
+    let mut statistics = *linear.statistics();
+    if let Some(body) = body {
+        let last = statistics.factor;
+        let flops = if statistics.factorizations == 0 { body.flops } else { last.flops };
+        let pivot_ratio = if statistics.factorizations == 0 { body.pivot_ratio } else { last.pivot_ratio };
+        statistics.factor = FactorInfo {
+            entries: body.entries + last.entries,
+            peak_bytes: body.peak_bytes + last.peak_bytes,
+            flops,
+            pivot_ratio,
+        };
+    }
+    statistics.worst_backward_error = statistics.worst_backward_error.max(backward_error);
+    statistics
+}

@@ -1,0 +1,104 @@
+//! What a history asks of a method, and what it gives: the seam at which a method of one's own goes in.
+
+use crate::contact::{KktScales, judge};
+use crate::formulation::Layout;
+use crate::linear::{Direct, LinearError};
+use crate::loading::Loading;
+use crate::nonlinear::{Flow, Iteration, Outcome};
+use crate::problem::{ContactProblem, Increment, State};
+use crate::sparse::Csc;
+
+/// One increment to solve.
+pub struct Task<'a> {
+    /// Whether it is the first of its history.
+    pub first: bool,
+    /// Its data.
+    pub increment: &'a Increment<'a>,
+    /// What the change of the load does while the contact nodes are held.
+    pub response: &'a Response,
+    /// The scales of the error measure, from the increments before and the load of this one.
+    pub scales: &'a KktScales,
+    /// The error that is allowed.
+    pub tolerance: f64,
+}
+
+impl Task<'_> {
+    /// The error of a state at the end of the increment. For `state`s of `problem` only.
+    pub fn error(&self, problem: &ContactProblem, state: &State) -> f64 {
+        judge(problem, self.increment, state, &self.scales.with_state(state), self.tolerance).worst().1
+    }
+}
+
+/// What the change of the load from one increment to the next does to the body while its contact nodes are held, in
+/// the units of the history's scaling.
+pub struct Response {
+    pub(super) u: Vec<f64>,
+    /// The changes of the contact forces that hold the nodes, `(p_t, p_o, p_n)`.
+    pub(super) forces: Vec<f64>,
+    /// The largest change of a contact force that holds a node, `p_n` or `|p_T|`.
+    pub contact_force: f64,
+    /// The largest change of a gap.
+    pub gap_change: f64,
+}
+
+impl Response {
+    /// Moves the displacements at the beginning of `z`.
+    pub fn add_to(&self, z: &mut [f64]) {
+        z.iter_mut().zip(&self.u).for_each(|(u, du)| *u += du);
+    }
+
+    /// Adds the contact forces, which follow the displacements in `z`.
+    pub fn add_forces_to(&self, z: &mut [f64]) {
+        z.iter_mut().skip(self.u.len()).zip(&self.forces).for_each(|(p, dp)| *p += dp);
+    }
+}
+
+/// What is told of each iteration, and answered with whether to go on.
+pub type Observe<'a> = &'a mut dyn FnMut(&Iteration<'_>) -> Flow;
+
+/// A method with the state it has reached, in its own units.
+pub trait IncrementSolver {
+    /// The matrix it factors; its pattern never changes.
+    fn matrix(&self) -> &Csc;
+
+    /// Linearises at the state it has reached; see [`IncrementSolver::linearization`].
+    fn linearize(&mut self);
+
+    /// The matrix that [`IncrementSolver::linearize`] has written, on the pattern of the other.
+    fn linearization(&self) -> &Csc {
+        self.matrix()
+    }
+
+    /// Writes the matrix of the body with all contact nodes held: closed, and sticking where there is friction.
+    ///
+    /// # Errors
+    /// The weights of a free motion that is possible all the same.
+    fn hold_contacts(&mut self) -> Result<(), Vec<f64>>;
+
+    /// Solves the increment from the last state.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on. That a method does not converge is no error, but told by the
+    /// [`Outcome`].
+    fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError>;
+
+    /// The state it has reached.
+    fn state(&self) -> State;
+
+    /// Its unknowns, to be kept and put back if an increment fails.
+    fn unknowns(&mut self) -> &mut Vec<f64>;
+}
+
+/// What makes an [`IncrementSolver`]: one of the methods that [`super::HistorySettings`] name, or a method of one's own.
+///
+/// A history may condense the problem first, so the method is made for the `problem` and `loading` that it is handed.
+pub trait Algorithm {
+    /// Sets up the method in the unloaded body.
+    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a>;
+
+    /// Whether it solves problems with these unknowns.
+    fn knows(&self, layout: &Layout) -> bool {
+        let _ = layout;
+        true
+    }
+}

@@ -1,0 +1,106 @@
+//! The factorisations of this build by name.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Cholesky, LinearError, LinearSolver, built_in};
+use crate::sparse::Symmetric;
+
+/// A sparse LU factorisation, for the uncondensed system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SparseLu {
+    /// UMFPACK of SuiteSparse.
+    Umfpack,
+    /// faer's: no library but Rust's, slower on large meshes.
+    Faer,
+}
+
+/// A sparse Cholesky factorisation, for a stiffness.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SparseCholesky {
+    /// CHOLMOD of SuiteSparse.
+    Cholmod,
+    /// faer's: no library but Rust's.
+    Faer,
+}
+
+impl Default for SparseLu {
+    /// UMFPACK where it is built in, otherwise faer.
+    fn default() -> Self {
+        if cfg!(feature = "umfpack") { SparseLu::Umfpack } else { SparseLu::Faer }
+    }
+}
+
+impl Default for SparseCholesky {
+    /// CHOLMOD where it is built in, otherwise faer.
+    fn default() -> Self {
+        if cfg!(feature = "umfpack") { SparseCholesky::Cholmod } else { SparseCholesky::Faer }
+    }
+}
+
+impl SparseLu {
+    /// Whether this build has it, which the cargo features decide.
+    pub fn is_built_in(self) -> bool {
+        match self {
+            SparseLu::Umfpack => cfg!(feature = "umfpack"),
+            SparseLu::Faer => cfg!(feature = "faer"),
+        }
+    }
+
+    /// A solver; one that is not built in says so when it is to analyse.
+    pub fn solver(self) -> Box<dyn LinearSolver> {
+        match self {
+            SparseLu::Umfpack => built_in::umfpack(),
+            SparseLu::Faer => built_in::faer(),
+        }
+    }
+}
+
+impl SparseCholesky {
+    /// Whether this build has it, which the cargo features decide.
+    pub fn is_built_in(self) -> bool {
+        match self {
+            SparseCholesky::Cholmod => cfg!(feature = "umfpack"),
+            SparseCholesky::Faer => cfg!(feature = "faer"),
+        }
+    }
+
+    /// [`Cholesky::factor`] by this one.
+    ///
+    /// # Errors
+    /// As [`Cholesky::factor`].
+    pub fn factor(self, k: &Symmetric, last: &[usize]) -> Result<Cholesky, LinearError> {
+        match self {
+            #[cfg(feature = "umfpack")]
+            SparseCholesky::Cholmod => Cholesky::cholmod(k, last),
+            #[cfg(feature = "faer")]
+            SparseCholesky::Faer => Cholesky::faer(k, last),
+            #[cfg(not(all(feature = "umfpack", feature = "faer")))]
+            absent => {
+                let _ = (k, last, absent);
+                Err(LinearError::NotBuiltIn { backend: "sparse Cholesky factorisation" })
+            }
+        }
+    }
+}
+
+impl fmt::Display for SparseLu {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            SparseLu::Umfpack => "umfpack",
+            SparseLu::Faer => "faer",
+        })
+    }
+}
+
+impl fmt::Display for SparseCholesky {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            SparseCholesky::Cholmod => "cholmod",
+            SparseCholesky::Faer => "faer",
+        })
+    }
+}

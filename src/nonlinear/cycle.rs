@@ -1,0 +1,46 @@
+//! Whether an iteration goes round in a circle.
+
+use std::collections::HashSet;
+
+/// Which sets of cases an increment has been through.
+#[derive(Default)]
+pub(super) struct Cycle {
+    seen: HashSet<Vec<u8>>,
+    visits: usize,
+    /// The visit that brought the last new set.
+    last_new: usize,
+}
+
+impl Cycle {
+    pub(super) fn visit(&mut self, cases: Vec<u8>) {
+        self.visits += 1;
+        if self.seen.insert(cases) {
+            self.last_new = self.visits;
+        }
+    }
+
+    /// Whether the second half of the visits brought nothing new.
+    pub(super) fn closed(&self) -> bool {
+        2 * self.last_new <= self.visits
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Cycle;
+
+    #[test]
+    fn a_cycle_is_closed_when_half_of_the_visits_bring_nothing_new() {
+        let closed = |visits: &[u8]| {
+            let mut cycle = Cycle::default();
+            for &case in visits {
+                cycle.visit(vec![case]);
+            }
+            cycle.closed()
+        };
+        assert!(closed(&[1, 2, 1, 2]));
+        assert!(closed(&[1, 2, 3, 2, 3, 2]));
+        assert!(!closed(&[1, 2, 3, 2, 3]));
+        assert!(!closed(&[1, 2, 3, 4]));
+    }
+}

@@ -1,0 +1,152 @@
+//! Why a run did not converge, in words: the law that is violated, where, and what to try, by the keys of a scene.
+
+use serde::Serialize;
+
+use crate::contact::Law;
+use crate::fem::RigidMotion;
+use crate::history::{HistoryOutcome, Method, Solver, Status};
+use crate::model::Model;
+
+/// Why a run ended early.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Explanation {
+    /// In words; empty if it did not.
+    pub reason: String,
+    /// Where the increment that failed violates the law most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst: Option<WorstNode>,
+}
+
+/// A node where a law is violated.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WorstNode {
+    /// The law.
+    pub law: Law,
+    /// The error, relative as everywhere.
+    pub error: f64,
+    /// Its number in the mesh, from 0.
+    pub node: usize,
+    /// Its position, m: as many coordinates as there are dimensions.
+    pub position: Vec<f64>,
+}
+
+impl Explanation {
+    /// The explanation of the `outcome` of `model`, solved as `solver` says; empty if it converged.
+    pub fn new(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> Self {
+        Explanation { reason: reason(solver, model, outcome), worst: worst_node(model, outcome) }
+    }
+}
+
+fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
+    let Some(record) = outcome.records.iter().find(|record| record.status != Status::Converged) else {
+        return match outcome.status {
+            Status::Singular => unheld(model, outcome),
+            Status::Interrupted => "stopped on request".to_string(),
+            Status::Unsupported => {
+                "this interior point method knows one tangent a node, but nodes slide in a plane; use the method bn"
+                    .to_string()
+            }
+            Status::OutOfMemory => {
+                "memory ran out; the increments before are complete: use a coarser mesh or a machine with more memory"
+                    .to_string()
+            }
+            _ => String::new(),
+        };
+    };
+    let (law, error) = record.kkt.worst();
+    let place = worst_node(model, outcome).map_or(String::new(), |worst| {
+        let place = model.mesh.place(model.mesh.nodes[worst.node]);
+        format!(" at the node {place} m")
+    });
+    let violated = format!("{law} is violated by {error:.1e} (tolerance {:.0e}){place}", solver.tolerance);
+    let why = match outcome.status {
+        Status::Singular => unheld(model, outcome),
+        Status::NoEquilibrium => no_equilibrium(model, outcome),
+        Status::Interrupted => "stopped on request".to_string(),
+        Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
+            "{violated}, which is what rounding the displacements of so slender a body makes; \
+             if that is enough, set solver.tolerance above it"
+        ),
+        Status::Inaccurate => {
+            format!("the method stopped with Theta = {:.1e}, but {violated}; {}", record.theta, advice(solver, model))
+        }
+        Status::MaxIterations => {
+            let limit = solver.max_iterations;
+            // Fewer than any increment of the suite of extremes is known to need.
+            let advice = if limit < 100 { "try a larger solver.max_iterations" } else { advice(solver, model) };
+            format!("no convergence within max_iterations = {limit}: {violated}; {advice}")
+        }
+        Status::Cycling => format!("the iteration goes round in a circle: {violated}; {}", advice(solver, model)),
+        Status::Stalled => format!("no step leads on: {violated}; {}", advice(solver, model)),
+        Status::Diverged | Status::NotFinite => {
+            format!("the numbers left the range of double precision: {violated}; {}", advice(solver, model))
+        }
+        Status::Converged | Status::OutOfMemory | Status::Unsupported => violated,
+    };
+    let before = record.index.checked_sub(2).map_or(0.0, |k| outcome.records[k].time);
+    let reached = match outcome.reached {
+        t if t > before => format!("; smaller parts of it converged until t = {t} s"),
+        _ => String::new(),
+    };
+    format!("increment {} (t = {} s): {why}{reached}", record.index, record.time)
+}
+
+/// What to try when the iteration stops too late or too early.
+fn advice(solver: &Solver, model: &Model) -> &'static str {
+    match solver.method {
+        Method::Bn { r_factor, .. } if r_factor != 1.0 => {
+            "r is not that of the problem: take solver.r_factor out of the scene"
+        }
+        Method::Bn { .. } => {
+            "there may be no equilibrium beyond this load, or several: try solver.method = \"ip\", more increments \
+             (time.increments) or less friction; `stickslip check` tells what holds the body"
+        }
+        Method::Ip { .. } => {
+            "try solver.method = \"bn\" or more increments (time.increments); `stickslip check` tells what holds the body"
+        }
+        // The setting's r is ten times the modulus of steel; the window that works is two decades wide.
+        Method::PaperBn | Method::PaperIp { .. } if (1e10..1e13).contains(&stiffest(model)) => {
+            "the setting paper stops at an absolute Theta, made for loads of MN; \
+             try solver.setting = \"default\", loads of that size or more increments (time.increments)"
+        }
+        Method::PaperBn | Method::PaperIp { .. } => {
+            "the setting paper has constants made for moduli near 2e11 Pa: \
+             try solver.setting = \"default\", or scale modulus and loads alike"
+        }
+    }
+}
+
+/// The largest Young's modulus of any cell, Pa; in plane stress a little less.
+fn stiffest(model: &Model) -> f64 {
+    let young = |lambda: f64, mu: f64| mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
+    model.materials().iter().map(|law| young(law.lambda, law.mu)).fold(0.0, f64::max)
+}
+
+fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
+    match motion(model, outcome) {
+        Some(motion) => format!("nothing holds the body against {motion}; add a support"),
+        None => "the linearised problem is singular".to_string(),
+    }
+}
+
+fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
+    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.to_string());
+    format!(
+        "no equilibrium exists: the loads drive {motion}, and no contact force within its friction resists; change the loads or add a support"
+    )
+}
+
+fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
+    RigidMotion::combination(&model.rigid_motions, outcome.free_motion.as_ref()?)
+}
+
+/// Where the law is violated most. A body that comes free violates nothing in particular.
+fn worst_node(model: &Model, outcome: &HistoryOutcome) -> Option<WorstNode> {
+    let violation = outcome.violation.filter(|violation| violation.error > 0.0 || violation.error.is_nan())?;
+    let node = match violation.law {
+        Law::Equilibrium => model.dofs.node_of(violation.place)?,
+        _ => model.contacts.get(violation.place)?.node,
+    };
+    let position = model.mesh.nodes[node][..model.mesh.dimension].to_vec();
+    Some(WorstNode { law: violation.law, error: violation.error, node, position })
+}

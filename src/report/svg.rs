@@ -1,0 +1,272 @@
+//! SVG pictures: lines, polygons, markers and text. Places and lengths are in pixels, y downwards.
+
+use std::fmt::Write;
+
+/// Radius of a marker.
+const RADIUS: f64 = 3.4;
+/// The width of the outline of a hollow marker.
+const OUTLINE: f64 = 1.4;
+/// How far the line on which letters stand is below their middle, in sizes of the letters.
+const HALF_A_LETTER: f64 = 0.35;
+
+/// Red, green and blue.
+pub(super) type Colour = [u8; 3];
+
+/// Why a picture could not be drawn.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the plot could not be drawn: a number is not finite")]
+pub struct PlotError;
+
+/// An error unless all `values` can be drawn.
+pub(super) fn expect_finite(mut values: impl Iterator<Item = f64>) -> Result<(), PlotError> {
+    if values.all(f64::is_finite) { Ok(()) } else { Err(PlotError) }
+}
+
+/// A line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    /// How it is broken.
+    pub dash: Dash,
+    /// Its width, px.
+    pub width: f64,
+}
+
+/// How a line is broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dash {
+    /// Not at all.
+    Solid,
+    /// Into dots.
+    Dotted,
+    /// Into dashes.
+    Dashed,
+    /// Into dashes and dots in turn.
+    DashDotted,
+}
+
+/// What stands at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marker {
+    /// A filled circle.
+    Disc,
+    /// A hollow circle.
+    Circle,
+    /// A hollow square.
+    Square,
+    /// A hollow triangle.
+    Triangle,
+}
+
+/// How a text stands to its point, which is half-way up its letters.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Anchor {
+    /// It begins there.
+    Start,
+    /// Its middle is there.
+    Middle,
+    /// The same in bold letters.
+    Bold,
+    /// It ends there.
+    End,
+    /// Its middle is there, and it reads upwards.
+    Upwards,
+}
+
+/// A picture; what is drawn later hides what was drawn before.
+pub(super) struct Svg {
+    text: String,
+}
+
+impl Svg {
+    /// A white picture.
+    pub(super) fn new(size: [f64; 2]) -> Self {
+        let [width, height] = size.map(f64::ceil);
+        Svg {
+            text: format!(
+                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+                 viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" fill=\"none\">\n\
+                 <rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>\n"
+            ),
+        }
+    }
+
+    /// The whole picture.
+    pub(super) fn finish(mut self) -> String {
+        self.text.push_str("</svg>\n");
+        self.text
+    }
+
+    /// Appends an element.
+    fn put(&mut self, element: std::fmt::Arguments<'_>) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(self.text, "{element}");
+    }
+
+    /// What `draw` draws, as far as it is within a rectangle.
+    pub(super) fn within(&mut self, [left, top]: [f64; 2], size: [f64; 2], draw: impl FnOnce(&mut Svg)) {
+        // An inner picture with the places of the outer one hides what leaves it.
+        let ([x, y], [width, height]) = ([left, top].map(tenths), size.map(tenths));
+        self.put(format_args!(
+            "<svg x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" viewBox=\"{x} {y} {width} {height}\">"
+        ));
+        draw(self);
+        self.put(format_args!("</svg>"));
+    }
+
+    /// A line through points.
+    pub(super) fn line(&mut self, points: &[[f64; 2]], line: Line, colour: Colour) {
+        let (points, colour, width) = (places(points), hex(colour), line.width);
+        let dashes = line.dash.lengths(width);
+        let dashes = if dashes.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dashes}\"") };
+        self.put(format_args!("<polyline points=\"{points}\" stroke=\"{colour}\" stroke-width=\"{width}\"{dashes}/>"));
+    }
+
+    /// A filled polygon.
+    pub(super) fn polygon(&mut self, corners: &[[f64; 2]], colour: Colour) {
+        let (corners, colour) = (places(corners), hex(colour));
+        self.put(format_args!("<polygon points=\"{corners}\" fill=\"{colour}\"/>"));
+    }
+
+    /// A marker; a hollow one hides the line behind it.
+    pub(super) fn marker(&mut self, at: [f64; 2], marker: Marker, colour: Colour) {
+        let ([x, y], colour) = (at.map(tenths), hex(colour));
+        let outline = format!("fill=\"white\" stroke=\"{colour}\" stroke-width=\"{OUTLINE}\"");
+        let mut polygon = |corners: &[[f64; 2]]| {
+            let corners: Vec<_> = corners.iter().map(|[a, b]| [at[0] + RADIUS * a, at[1] + RADIUS * b]).collect();
+            self.put(format_args!("<polygon points=\"{}\" {outline}/>", places(&corners)));
+        };
+        match marker {
+            Marker::Square => polygon(&[[-0.95, -0.95], [0.95, -0.95], [0.95, 0.95], [-0.95, 0.95]]),
+            Marker::Triangle => polygon(&[[0.0, -1.3], [1.2, 0.85], [-1.2, 0.85]]),
+            Marker::Circle => self.put(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{RADIUS}\" {outline}/>")),
+            Marker::Disc => {
+                self.put(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{RADIUS}\" fill=\"{colour}\"/>"));
+            }
+        }
+    }
+
+    /// A text in letters of `size`, in black; nothing of an empty one.
+    pub(super) fn text(&mut self, [x, y]: [f64; 2], text: &str, size: f64, anchor: Anchor) {
+        if text.is_empty() {
+            return;
+        }
+        let [x, y, base] = [x, y, y + HALF_A_LETTER * size].map(tenths);
+        let style = match anchor {
+            Anchor::Start => String::new(),
+            Anchor::Middle => " text-anchor=\"middle\"".into(),
+            Anchor::Bold => " text-anchor=\"middle\" font-weight=\"bold\"".into(),
+            Anchor::End => " text-anchor=\"end\"".into(),
+            Anchor::Upwards => format!(" text-anchor=\"middle\" transform=\"rotate(-90 {x} {y})\""),
+        };
+        let text = escaped(text);
+        self.put(format_args!(
+            "<text x=\"{x}\" y=\"{base}\" font-size=\"{size}\" fill=\"black\"{style}>\n{text}\n</text>"
+        ));
+    }
+}
+
+/// About how wide a text in letters of `size` is.
+pub(super) fn text_width(text: &str, size: f64) -> f64 {
+    let width = |c: char| match c {
+        ' ' | '.' | ',' | ':' | '\'' | 'i' | 'j' | 'l' | 't' | 'f' | 'r' | 'I' | '(' | ')' => 0.36,
+        '₀'..='ₜ' | '⁰'..='⁻' | '¹' | '²' | '³' => 0.42,
+        'm' | 'w' | 'M' | 'W' | '=' | '±' | '−' => 0.85,
+        c if c.is_uppercase() => 0.72,
+        _ => 0.61,
+    };
+    size * text.chars().map(width).sum::<f64>()
+}
+
+impl Dash {
+    /// Lengths of marks and gaps in turn; none for an unbroken line.
+    fn lengths(self, width: f64) -> &'static str {
+        match self {
+            Dash::Solid => "",
+            Dash::Dotted if width < 1.5 => "1.2 2.4",
+            Dash::Dotted => "2 3",
+            Dash::Dashed => "7 4",
+            Dash::DashDotted => "9 3.5 2 3.5",
+        }
+    }
+}
+
+/// A length with the digits that can be seen.
+fn tenths(x: f64) -> f64 {
+    // + 0.0 turns -0 into 0.
+    (10.0 * x).round() / 10.0 + 0.0
+}
+
+fn places(points: &[[f64; 2]]) -> String {
+    let place = |point: &[f64; 2]| point.map(tenths).map(|x| x.to_string()).join(",");
+    points.iter().map(place).collect::<Vec<_>>().join(" ")
+}
+
+fn hex([red, green, blue]: Colour) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
+/// A text as XML has it, which knows no control characters.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '\u{fffe}' | '\u{ffff}' => escaped.push(char::REPLACEMENT_CHARACTER),
+            c if c.is_control() => escaped.push(char::REPLACEMENT_CHARACTER),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BLACK: Colour = [0, 0, 0];
+
+    #[test]
+    fn elements_carry_what_they_show() {
+        let mut svg = Svg::new([99.5, 40.0]);
+        svg.line(&[[0.0, -0.01], [10.0 / 3.0, 20.0]], Line { dash: Dash::Dashed, width: 1.8 }, [31, 90, 160]);
+        svg.polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [255, 255, 255]);
+        svg.within([1.0, 2.0], [30.0, 20.0], |svg| svg.marker([5.0, 6.25], Marker::Disc, BLACK));
+        svg.text([50.0, 20.0], "σₙ, MPa", 10.0, Anchor::Upwards);
+        let picture = svg.finish();
+        let lines: Vec<&str> = picture.lines().collect();
+        assert!(lines[0].starts_with(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100\" height=\"40\" viewBox=\"0 0 100 40\""
+        ));
+        assert_eq!(
+            lines[2..],
+            [
+                "<polyline points=\"0,0 3.3,20\" stroke=\"#1f5aa0\" stroke-width=\"1.8\" stroke-dasharray=\"7 4\"/>",
+                "<polygon points=\"0,0 1,0 1,1\" fill=\"#ffffff\"/>",
+                "<svg x=\"1\" y=\"2\" width=\"30\" height=\"20\" viewBox=\"1 2 30 20\">",
+                "<circle cx=\"5\" cy=\"6.3\" r=\"3.4\" fill=\"#000000\"/>",
+                "</svg>",
+                "<text x=\"50\" y=\"23.5\" font-size=\"10\" fill=\"black\" text-anchor=\"middle\" transform=\"rotate(-90 50 20)\">",
+                "σₙ, MPa",
+                "</text>",
+                "</svg>",
+            ]
+        );
+    }
+
+    #[test]
+    fn any_text_is_well_formed() {
+        assert_eq!(escaped("a < b & \"c\" > d"), "a &lt; b &amp; \"c\" &gt; d");
+        assert_eq!(escaped("\u{0}a\tb\u{1b}\u{ffff}"), "\u{fffd}a\u{fffd}b\u{fffd}\u{fffd}");
+        let mut svg = Svg::new([1.0, 1.0]);
+        svg.text([0.0, 0.0], "", 10.0, Anchor::Start);
+        assert!(!svg.finish().contains("<text"));
+    }
+
+    #[test]
+    fn only_finite_numbers_are_drawn() {
+        assert_eq!(expect_finite([1.0, f64::NAN].into_iter()), Err(PlotError));
+        assert_eq!(expect_finite([1.0, f64::MAX].into_iter()), Ok(()));
+    }
+}

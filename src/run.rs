@@ -1,0 +1,192 @@
+//! The one door: a scene, or a model, solved over its history to a complete report. Nothing is printed, and no file
+//! written.
+//!
+//! ```
+//! use stickslip::run::{Recording, Run};
+//! use stickslip::scene::Scene;
+//!
+//! let scene = Scene::parse("block.toml", include_str!("../data/scenes/block.toml"), &["mesh.elements=[10,10]".parse()?])?;
+//! let report = Run::new(&scene)?.solve(&mut ())?;
+//! assert_eq!(report.status.to_string(), "converged");
+//!
+//! // Arrays of the increments that are wanted, here of all: an observer keeps them.
+//! let mut recording = Recording::all();
+//! Run::new(&scene)?.solve(&mut recording)?;
+//! assert_eq!(recording.increments.len(), report.increments.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod discretise;
+mod error;
+mod recording;
+mod watch;
+
+use std::borrow::Cow;
+use std::time::Instant;
+
+pub use discretise::discretise;
+pub use error::RunError;
+pub use recording::{RecordedIncrement, Recording};
+
+use crate::auto::{Choice, Faster};
+use crate::formulation::Layout;
+use crate::history::{self, HistoryOutcome, Observer, Solver, System};
+use crate::linear::{Direct, LinearError};
+use crate::model::Model;
+use crate::report::{Facts, Measured, RunReport, available_bytes, cpu_seconds, peak_rss_bytes};
+use crate::scene::Scene;
+use crate::uniqueness::{self, CriticalFriction};
+use watch::Watch;
+
+/// A model with the increments and the solver that it is to be run with. A run may be solved several times.
+#[derive(Debug)]
+pub struct Run<'a> {
+    scene: Option<&'a Scene>,
+    model: Cow<'a, Model>,
+    /// The ends of the increments, s.
+    times: Vec<f64>,
+    solver: Solver,
+    choice: Choice,
+    uniqueness: bool,
+    /// Wall time of mesh, assembly and choice, s.
+    model_seconds: f64,
+}
+
+impl<'a> Run<'a> {
+    /// The run that `scene` describes: mesh, stiffness, contact, loads, and the linear algebra chosen where the scene
+    /// leaves that open.
+    ///
+    /// # Errors
+    /// As [`discretise`], and when memory is short for the choice.
+    pub fn new(scene: &'a Scene) -> Result<Self, RunError> {
+        let start = Instant::now();
+        let model = Cow::Owned(discretise(scene)?);
+        Run::start(Some(scene), model, scene.time.all(), scene.solver, start)
+    }
+
+    /// The run of a `model` made in Rust, over increments that end at `times` (s).
+    ///
+    /// # Errors
+    /// When memory is short for the choice of the linear algebra.
+    pub fn of(model: &'a Model, times: Vec<f64>, solver: Solver) -> Result<Self, RunError> {
+        Run::start(None, Cow::Borrowed(model), times, solver, Instant::now())
+    }
+
+    fn start(
+        scene: Option<&'a Scene>,
+        model: Cow<'a, Model>,
+        times: Vec<f64>,
+        solver: Solver,
+        start: Instant,
+    ) -> Result<Self, RunError> {
+        let choice = match solver.linear {
+            Some(linear) => Choice::named(linear),
+            None => Choice::cheapest(&model.problem, solver.method, times.len(), available_bytes())?,
+        };
+        let model_seconds = start.elapsed().as_secs_f64();
+        Ok(Run { scene, model, times, solver, choice, uniqueness: false, model_seconds })
+    }
+
+    /// The same run, whose report also tells the critical friction at the end.
+    ///
+    /// # Errors
+    /// [`RunError::SlidesInAPlane`] where that cannot be told.
+    pub fn with_uniqueness(self) -> Result<Self, RunError> {
+        let layout = Layout::new(&self.model.problem);
+        if (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i)) {
+            return Err(RunError::SlidesInAPlane);
+        }
+        Ok(Run { uniqueness: true, ..self })
+    }
+
+    /// What is solved.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The ends of the increments, s.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// The linear algebra, and why.
+    pub fn choice(&self) -> &Choice {
+        &self.choice
+    }
+
+    /// Solves the history and reports on it. `observer` sees every iteration and increment, and may stop the run.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on. Whether the history converged is the status of the report.
+    pub fn solve(&self, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
+        self.solve_with(self.choice.linear.into(), observer)
+    }
+
+    /// The same with another linear system than the chosen one, as by a linear solver of one's own: `System::from(solver)`.
+    ///
+    /// # Errors
+    /// As [`Run::solve`].
+    pub fn solve_with(&self, system: System, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
+        let start = Instant::now();
+        let (linear, condensed) = (system.name(), system.condenses());
+        let mut watch = Watch::new(&self.model, self.uniqueness, observer);
+        let outcome = self.history_with(system, &mut watch)?;
+        let Watch { validity, forces, last, .. } = watch;
+        let critical_friction = match last {
+            Some(last) => self.critical_friction(&last, &outcome)?,
+            None => None,
+        };
+        let measured = Measured {
+            cpu_seconds: cpu_seconds(),
+            wall_seconds: self.model_seconds + start.elapsed().as_secs_f64(),
+            model_seconds: self.model_seconds,
+            peak_rss_bytes: peak_rss_bytes(),
+        };
+        Ok(RunReport::new(Facts {
+            scene: self.scene,
+            model: &self.model,
+            solver: &self.solver,
+            condensed,
+            faster: self.faster(&linear, measured.wall_seconds)?,
+            linear,
+            choice: &self.choice,
+            outcome: &outcome,
+            validity: &validity,
+            forces,
+            critical_friction,
+            measured,
+        }))
+    }
+
+    /// Solves the history and hands back its bare outcome: the last state, records, scales of the error measure.
+    ///
+    /// # Errors
+    /// As [`Run::solve`].
+    pub fn history(&self, observer: &mut dyn Observer) -> Result<HistoryOutcome, RunError> {
+        self.history_with(self.choice.linear.into(), observer)
+    }
+
+    fn history_with(&self, system: System, observer: &mut dyn Observer) -> Result<HistoryOutcome, RunError> {
+        let Model { problem, loading, .. } = &*self.model;
+        let settings = self.solver.settings(problem, loading)?;
+        Ok(history::run(problem, loading, &self.times, &settings, system, observer)?)
+    }
+
+    fn critical_friction(
+        &self,
+        last: &RecordedIncrement,
+        outcome: &HistoryOutcome,
+    ) -> Result<Option<CriticalFriction>, history::Error> {
+        let HistoryOutcome { state, scales, .. } = outcome;
+        let (problem, scaling) = (&self.model.problem, self.model.scaling());
+        uniqueness::critical_friction(problem, &last.data(), state, scales, scaling, &mut Direct::default())
+    }
+
+    /// What would have been much faster than the linear algebra that somebody named.
+    fn faster(&self, linear: &str, seconds: f64) -> Result<Option<Faster>, LinearError> {
+        if linear != self.choice.linear.to_string() {
+            return Ok(None);
+        }
+        self.choice.faster(&self.model.problem, self.solver.method, self.times.len(), seconds)
+    }
+}

@@ -1,0 +1,51 @@
+//! A scene to its model, if the machine has room for it and the method knows such a problem.
+
+use super::RunError;
+use crate::formulation::Layout;
+use crate::model::Model;
+use crate::report::available_bytes;
+use crate::scene::Scene;
+
+/// Discretises `scene`.
+///
+/// # Errors
+/// When the scene contradicts its mesh, when its method knows one tangent a node but nodes slide in a plane, and when
+/// the matrices would not fit into the memory that is free.
+pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
+    has_room(scene.description.mesh.nodes(), available_bytes())?;
+    let model = Model::new(scene)?;
+    if let Some(key) = scene.one_tangent_key
+        && Layout::new(&model.problem).has_second_tangent()
+    {
+        let message = "this interior point method knows one tangent a node, but nodes of this scene slide in a plane";
+        let help = "leave solver.setting and solver.newton out, or use the method \"bn\"";
+        return Err(scene.error_at(key, message, help).into());
+    }
+    Ok(model)
+}
+
+/// Whether so many nodes in so many dimensions, where that is known beforehand, fit into the `available` bytes. Asking
+/// first is kinder than being killed half-way.
+fn has_room(nodes: Option<(usize, usize)>, available: Option<u64>) -> Result<(), RunError> {
+    let (Some((nodes, d)), Some(available)) = (nodes, available) else { return Ok(()) };
+    // The matrices alone, 16 bytes an entry, and for each unknown 27 of them in two dimensions and 81 in three; the
+    // factors take more.
+    let needed = (nodes * d * 3_usize.pow(d as u32 + 1) * 16) as u64;
+    if needed > available { Err(RunError::NoRoom { needed, available }) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        // Two displacements a node, 27 entries each.
+        let needed = 1_000_000 * 2 * 27 * 16;
+        assert!(has_room(Some((1_000_000, 2)), Some(needed)).is_ok());
+        let refused = has_room(Some((1_000_000, 2)), Some(needed - 1)).err().map(|error| error.to_string());
+        let words = "the matrices of this mesh need 0.9 GB and the factors more, but 0.9 GB are free";
+        assert_eq!(refused.as_deref(), Some(words));
+        assert!(has_room(None, Some(0)).is_ok() && has_room(Some((1, 3)), None).is_ok());
+    }
+}

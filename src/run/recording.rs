@@ -1,0 +1,109 @@
+//! Results as arrays: what is known at the end of each increment that is wanted.
+
+use serde::Serialize;
+
+use crate::contact::ContactStatus;
+use crate::history::{IncrementRecord, Observer, Step};
+use crate::nonlinear::Flow;
+use crate::problem::{Increment, State};
+
+/// Keeps the increments of a history as it goes: an [`Observer`], and afterwards plain data.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Recording {
+    #[serde(skip)]
+    wanted: Wanted,
+    /// The increments that were wanted and reached, in order.
+    pub increments: Vec<RecordedIncrement>,
+}
+
+/// The increments that are wanted. One that does not converge is the last that is reached.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+enum Wanted {
+    #[default]
+    All,
+    Last,
+    These(Vec<usize>),
+}
+
+/// An increment with its data and its result, SI units throughout.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecordedIncrement {
+    /// Number, time, verdict, errors, counts.
+    #[serde(flatten)]
+    pub record: IncrementRecord,
+    /// `u` and `u_rest` (n_u, m), `p_n`, `p_t` and `p_o` (n_c, N) at its end.
+    #[serde(flatten)]
+    pub state: State,
+    /// The status of each contact node, n_c.
+    pub statuses: Vec<ContactStatus>,
+    /// `f`, external nodal forces, n_u, N.
+    pub force: Vec<f64>,
+    /// `g`, gaps, n_c, m.
+    pub gap: Vec<f64>,
+    /// `w̄_t`, tangential displacements at the end of the increment before, n_c, m; of the last part of an increment
+    /// that was halved.
+    pub w_t_last: Vec<f64>,
+    /// `w̄_o`, the same along the other tangent, n_c, m.
+    pub w_o_last: Vec<f64>,
+}
+
+impl Recording {
+    /// Keeps every increment.
+    pub fn all() -> Self {
+        Recording::default()
+    }
+
+    /// Keeps the last increment that is reached.
+    pub fn last() -> Self {
+        Recording { wanted: Wanted::Last, increments: Vec::new() }
+    }
+
+    /// Keeps the increments of these numbers, from 1.
+    pub fn of(numbers: impl IntoIterator<Item = usize>) -> Self {
+        Recording { wanted: Wanted::These(numbers.into_iter().collect()), increments: Vec::new() }
+    }
+
+    /// The states at the ends of the increments kept.
+    pub fn states(&self) -> impl Iterator<Item = &State> {
+        self.increments.iter().map(|increment| &increment.state)
+    }
+}
+
+impl Observer for Recording {
+    fn increment(&mut self, step: &Step<'_>) -> Flow {
+        let wanted = match &self.wanted {
+            Wanted::All => true,
+            Wanted::Last => {
+                self.increments.clear();
+                true
+            }
+            Wanted::These(numbers) => numbers.contains(&step.record.index),
+        };
+        if wanted {
+            self.increments.push(RecordedIncrement::new(step));
+        }
+        Flow::Continue
+    }
+}
+
+impl RecordedIncrement {
+    /// A copy of what an observer is shown.
+    pub fn new(step: &Step<'_>) -> Self {
+        let Increment { force, gap, w_t_last, w_o_last } = *step.increment;
+        RecordedIncrement {
+            record: step.record.clone(),
+            state: step.state.clone(),
+            statuses: step.statuses.to_vec(),
+            force: force.to_vec(),
+            gap: gap.to_vec(),
+            w_t_last: w_t_last.to_vec(),
+            w_o_last: w_o_last.to_vec(),
+        }
+    }
+
+    /// What drove it, as [`crate::contact::KktErrors::measure`] wants it.
+    pub fn data(&self) -> Increment<'_> {
+        let RecordedIncrement { force, gap, w_t_last, w_o_last, .. } = self;
+        Increment { force, gap, w_t_last, w_o_last }
+    }
+}

@@ -1,0 +1,87 @@
+//! The command line: the only place that prints. A command computes, writes the files it is told to write, and hands
+//! back what there is to say.
+
+mod extremes;
+mod figures;
+mod jobs;
+mod tables;
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use miette::{IntoDiagnostic, WrapErr};
+use stickslip::linear::process;
+use stickslip::report::write_file;
+
+/// The paper's tables and figures, computed again, and a suite of scenes at the limits
+#[derive(Parser)]
+#[command(version)]
+struct Cli {
+    #[command(subcommand)]
+    study: Study,
+}
+
+#[derive(Subcommand)]
+enum Study {
+    /// Compute a table of the paper and set it beside the published one
+    Tables(tables::TablesArgs),
+    /// Draw the figures of the paper
+    Figures(figures::FiguresArgs),
+    /// Run the suite of extreme scenes
+    Extremes(extremes::ExtremesArgs),
+}
+
+/// What a study ends with.
+struct Answer {
+    /// What there is to say.
+    lines: Vec<String>,
+    /// Whether everything came out as it should.
+    sound: bool,
+}
+
+pub(crate) fn main() -> ExitCode {
+    let cli = Cli::parse();
+    // Studies are parallel from case to case.
+    #[cfg(feature = "umfpack")]
+    let _ = process::set_blas_threads(1);
+    process::keep_freed_memory();
+    let answer = match &cli.study {
+        Study::Tables(args) => tables::tables(args),
+        Study::Figures(args) => figures::figures(args),
+        Study::Extremes(args) => extremes::extremes(args),
+    };
+    match answer.and_then(|answer| print(&answer.lines).map(|()| answer.sound)) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(report) => {
+            // Where standard error cannot be written either, the exit status has to do.
+            let _ = writeln!(io::stderr(), "{report:?}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// A reader who has gone, as in `... | head`, is no failure.
+fn print(lines: &[String]) -> miette::Result<()> {
+    let mut out = io::stdout().lock();
+    match lines.iter().try_for_each(|line| writeln!(out, "{line}")) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(error).into_diagnostic().wrap_err("standard output cannot be written")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes the named texts into `folder`, which is made if need be.
+fn write(folder: &Path, files: &[(String, String)]) -> miette::Result<()> {
+    let mut written = fs::create_dir_all(folder);
+    for (name, text) in files {
+        written = written.and_then(|()| write_file(folder, name, text));
+    }
+    written
+        .into_diagnostic()
+        .wrap_err_with(|| format!("{} cannot be written; --out names the folder", folder.display()))
+}

@@ -1,0 +1,149 @@
+//! The suite of extreme scenes: the default settings come to the right verdict in all of them, and every
+//! "converged" stands up to a check that shares nothing with the library's own: the natural map of the
+//! laws, summed in twice the working precision.
+
+use stickslip::contact::KktScales;
+use stickslip::history::{self, Observer, Status, Step};
+use stickslip::linear::Direct;
+use stickslip::nonlinear::Flow;
+use stickslip::problem::{ContactProblem, Increment, State};
+use stickslip_studies::extremes::{self, SuiteMethod};
+
+/// Twice the working precision, by fused multiplication.
+#[derive(Clone, Copy)]
+struct Double {
+    high: f64,
+    low: f64,
+}
+
+impl Double {
+    const ZERO: Double = Double { high: 0.0, low: 0.0 };
+
+    fn plus(self, x: f64) -> Double {
+        let sum = self.high + x;
+        let back = sum - self.high;
+        let error = (self.high - (sum - back)) + (x - back);
+        Double { high: sum, low: self.low + error }
+    }
+
+    fn plus_product(self, a: f64, b: f64) -> Double {
+        let product = a * b;
+        let sum = self.plus(product);
+        Double { low: sum.low + a.mul_add(b, -product), ..sum }
+    }
+
+    fn value(self) -> f64 {
+        self.high + self.low
+    }
+}
+
+/// `Σ c_j (u_j + rest_j)` of one row.
+fn along(row: &[(usize, f64)], state: &State) -> f64 {
+    let rest = |dof: usize| state.u_rest.get(dof).copied().unwrap_or(0.0);
+    let sum = row.iter().fold(Double::ZERO, |sum, &(dof, c)| sum.plus_product(c, state.u[dof]).plus(c * rest(dof)));
+    sum.value()
+}
+
+/// The largest imbalance of any displacement, relative to `force`.
+fn imbalance(problem: &ContactProblem, increment: &Increment<'_>, state: &State, force: f64) -> f64 {
+    let mut sums = vec![Double::ZERO; state.u.len()];
+    for (row, column, value) in problem.stiffness().entries() {
+        let rest = state.u_rest.get(column).copied().unwrap_or(0.0);
+        sums[row] = sums[row].plus_product(value, state.u[column]).plus(value * rest);
+    }
+    for i in 0..problem.contacts() {
+        for (map, p) in [(problem.c_n(), state.p_n[i]), (problem.c_t(), state.p_t[i])] {
+            for &(dof, c) in map.row(i) {
+                sums[dof] = sums[dof].plus_product(c, p);
+            }
+        }
+    }
+    let largest = sums.iter().zip(increment.force).map(|(sum, f)| sum.plus(-f).value().abs()).fold(0.0, f64::max);
+    if largest == 0.0 { 0.0 } else { largest / force }
+}
+
+/// The largest component of the natural map of the contact laws: `min(p_n, g - w_n)` and
+/// `p_t - Π(p_t + w_t - w̄_t)`, forces in units of `force` and lengths in units of `length`.
+fn natural_map(problem: &ContactProblem, increment: &Increment<'_>, state: &State, scales: &KktScales) -> f64 {
+    let unit = |x: f64| if x > 0.0 { x } else { 1.0 };
+    let (force, length) = (unit(scales.force), unit(scales.length));
+    let mut largest = 0.0_f64;
+    for i in 0..problem.contacts() {
+        let (p_n, p_t) = (state.p_n[i] / force, state.p_t[i] / force);
+        let distance = (increment.gap[i] - along(problem.c_n().row(i), state)) / length;
+        let slip = (along(problem.c_t().row(i), state) - increment.w_t_last[i]) / length;
+        let radius = problem.mu()[i] * p_n.max(0.0);
+        let mut worst = p_n.min(distance).abs();
+        if !problem.c_t().row(i).is_empty() {
+            worst = worst.max((p_t - (p_t + slip).clamp(-radius, radius)).abs());
+        }
+        assert!(worst.is_finite());
+        largest = largest.max(worst);
+    }
+    largest
+}
+
+/// Checks every converged increment.
+struct Judge<'a> {
+    name: &'a str,
+    problem: &'a ContactProblem,
+    scales: KktScales,
+}
+
+impl Observer for Judge<'_> {
+    fn increment(&mut self, step: &Step<'_>) -> Flow {
+        let Judge { name, problem, .. } = *self;
+        if step.record.status != Status::Converged {
+            return Flow::Continue;
+        }
+        self.scales = KktScales::after(&self.scales, problem, step.increment, step.state);
+        let map = natural_map(problem, step.increment, step.state, &self.scales);
+        assert!(map <= 2e-10, "{name}, increment {}: natural map {map}", step.record.index);
+        let (told, truth) =
+            (step.record.kkt.equilibrium, imbalance(problem, step.increment, step.state, self.scales.force));
+        assert!(truth <= 1e-10, "{name}, increment {}: imbalance {truth}", step.record.index);
+        // Within a factor of ten, but for what is rounding anyway; the parts of a halved increment before
+        // the last are not seen here.
+        assert!(truth <= 10.0 * told + 1e-15, "{name}, increment {}: {told} for {truth}", step.record.index);
+        if step.record.parts == 1 {
+            assert!(told <= 10.0 * truth + 1e-14, "{name}, increment {}: {told} for {truth}", step.record.index);
+        }
+        Flow::Continue
+    }
+}
+
+fn every_verdict_is_right(method: SuiteMethod) {
+    let cases = extremes::cases().unwrap();
+    assert!(cases.len() >= 100);
+    let mut solved = 0;
+    for case in cases.iter().filter(|case| !case.long && case.methods.contains(&method)) {
+        let name = format!("{} = {}, {}", case.sweep, case.value, method.title());
+        let scene = case.scene().unwrap();
+        let model = case.model(&scene).unwrap();
+        let settings = case.settings(&scene, &model, method);
+        let mut linear = Direct::default();
+        let mut judge = Judge { name: &name, problem: &model.problem, scales: KktScales::default() };
+        let times = scene.time.all();
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut judge).unwrap();
+        match case.expect {
+            extremes::Expect::Solved => {
+                assert_eq!(outcome.status, Status::Converged, "{name}: {:?}", outcome.violation);
+                assert!(outcome.records.iter().all(|record| record.kkt.worst().1 <= 1e-10), "{name}");
+                solved += 1;
+            }
+            extremes::Expect::None => assert_eq!(outcome.status, Status::NoEquilibrium, "{name}"),
+            extremes::Expect::Unknown => {}
+        }
+    }
+    assert!(solved >= 100, "{solved}");
+}
+
+#[test]
+fn bn() {
+    every_verdict_is_right(SuiteMethod::Bn);
+}
+
+#[test]
+fn ip() {
+    every_verdict_is_right(SuiteMethod::Ip);
+}

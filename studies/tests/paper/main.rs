@@ -1,0 +1,37 @@
+//! The tables and figures of the paper, the suite of extremes, and the program that computes them.
+#![allow(clippy::unwrap_used)]
+
+mod extremes;
+mod figures;
+mod program;
+mod svg;
+mod table_block;
+mod table_punch;
+
+use stickslip::history::{self, HistoryOutcome, Observer, Step};
+use stickslip::model::Model;
+use stickslip::nonlinear::Flow;
+use stickslip::problem::State;
+use stickslip_studies::tables::{PaperMethod, PaperTable};
+
+/// The states at the ends of all increments.
+#[derive(Default)]
+struct States(Vec<State>);
+
+impl Observer for States {
+    fn increment(&mut self, step: &Step<'_>) -> Flow {
+        self.0.push(step.state.clone());
+        Flow::Continue
+    }
+}
+
+/// Algorithm BN on a problem of the paper, mu = 0.4, with the model and the states of all increments.
+fn bn(table: PaperTable, contact_nodes: usize, increments: usize) -> (Model, HistoryOutcome, Vec<State>) {
+    let scene = table.scene(contact_nodes, 0.4, increments).unwrap();
+    let model = Model::new(&scene).unwrap();
+    let settings = table.settings(PaperMethod::Bn, &model);
+    let (mut linear, mut states) = (model.linear(stickslip::scene::LinearBackend::default()), States::default());
+    let times = scene.time.all();
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut states).unwrap();
+    (model, outcome, states.0)
+}
