@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use toml_edit::{Document, Item, TableLike, Value};
 
-/// The keys of a text, such as `contact[0].friction`, each before what stands under it.
+/// The keys of a text, such as `contact[0].friction`: first the place of the value, then those of what stands under it,
+/// then that of the name itself.
 pub(super) struct Places(Vec<(String, Range<usize>)>);
 
 impl Places {
@@ -43,7 +44,9 @@ impl Places {
     fn take_table(&mut self, table: &dyn TableLike, above: &str) {
         for (name, item) in table.iter() {
             let key = if above.is_empty() { name.to_string() } else { format!("{above}.{name}") };
+            let name = table.key(name).and_then(|name| Some((key.clone(), name.span()?)));
             self.take(item, key);
+            self.0.extend(name);
         }
     }
 
@@ -119,6 +122,8 @@ gap = 3
         assert_eq!((places.span("solver.method"), places.key(&(0..0)).as_str()), (0..0, ""));
         let two = TEXT.find("2, 3").unwrap();
         assert_eq!(places.key(&(two..two + 1)), "mesh.size[1]");
+        let name = TEXT.rfind("friction").unwrap();
+        assert_eq!(places.key(&(name..name + 8)), "contact[1].friction");
         assert_eq!(Places::of("[mesh").key(&(0..1)), "");
     }
 }
