@@ -66,7 +66,7 @@ extremes: deps
 COMPARE = cargo run --release -- compare
 PAGE = doc/error-vs-time
 SOLID = --solvers umfpack,condensed
-PLATE = --set 'title="Elastic plate on a frictional foundation"' --set mesh.elements=[16,16,4] --set mesh.size=[1,1,0.25]
+PLATE = --set 'title="Elastic plate on a frictional foundation"' --set 'mesh.elements=[16,16,4]' --set 'mesh.size=[1,1,0.25]'
 
 compare: deps
 	$(COMPARE) data/scenes/block.toml --settings default,paper --meshes 25,50,100 --increments 10,20,40 --reference 16 --out $(PAGE)/block

@@ -12,7 +12,7 @@ mod common;
 use std::time::Instant;
 
 use common::{Who, block, compare, prune};
-use stickslip::formulation::{Bdiff, Conventions, Formulation};
+use stickslip::formulation::{Bdiff, Conventions};
 use stickslip::linear::{self, Direct, LinearSolver, Strategy, Umfpack, backward_error};
 use stickslip::model::Model;
 use stickslip::problem::{Increment, State};

@@ -8,7 +8,7 @@ mod common;
 
 use common::block;
 use stickslip::condense::Condensed;
-use stickslip::formulation::{Bdiff, Conventions, Formulation};
+use stickslip::formulation::{Bdiff, Conventions};
 use stickslip::linear::{self, Dense, Direct};
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Increment, State};

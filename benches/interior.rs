@@ -13,12 +13,12 @@ mod common;
 use std::time::Instant;
 
 use common::block;
-use stickslip::formulation::{Constrained, Conventions, InteriorPoint};
+use stickslip::formulation::{Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
+use stickslip::history::System;
 use stickslip::linear::{self, Direct, FactorInfo, LinearSolver, Umfpack, backward_error};
 use stickslip::model::Model;
 use stickslip::problem::Increment;
 use stickslip::report::Table;
-use stickslip::scene::{NewtonSystem, Partition};
 use stickslip::sparse::Csc;
 
 const PRODUCTS: [f64; 3] = [1.0, 1e-4, 1e-8];

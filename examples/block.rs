@@ -4,7 +4,7 @@
 
 #![allow(clippy::print_stdout)]
 
-use stickslip::history::{self, HistorySettings, Observer, Step};
+use stickslip::history::{self, HistorySettings, Method, Observer, Step};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
@@ -30,11 +30,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let overrides = ["mesh.elements=[60,60]".parse()?];
     let scene = Scene::read("data/scenes/block.toml".as_ref(), &overrides)?;
     let model = Model::new(&scene)?;
-    let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-10);
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-10);
     let mut linear = Direct::default();
     println!("time  contact line from the wall: # stick, - slip");
-    let outcome =
-        history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut Picture)?;
+    let outcome = history::run(&model.problem, &model.loading, &scene.time.all(), &settings, linear, &mut Picture)?;
     println!("{}", outcome.status);
     Ok(())
 }

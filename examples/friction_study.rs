@@ -4,7 +4,7 @@
 
 #![allow(clippy::print_stdout)]
 
-use stickslip::history::{self, HistorySettings};
+use stickslip::history::{self, HistorySettings, Method};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::report::Table;
@@ -16,10 +16,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let overrides = ["mesh.elements=[40,40]".parse()?, Override::value("contact.friction", mu)];
         let scene = Scene::read("data/scenes/block.toml".as_ref(), &overrides)?;
         let model = Model::new(&scene)?;
-        let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-10);
+        let settings = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-10);
         let mut linear = Direct::default();
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ())?;
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut ())?;
         let contact = outcome.records.last().map(|record| record.contact).unwrap_or_default();
         table.push(vec![
             mu.to_string(),

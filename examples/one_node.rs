@@ -7,7 +7,7 @@
 
 #![allow(clippy::print_stdout)]
 
-use stickslip::history::{self, HistorySettings};
+use stickslip::history::{self, HistorySettings, Method};
 use stickslip::linear::Direct;
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::problem::ContactProblem;
@@ -28,9 +28,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let load = LoadCase { force: vec![1.0, 1.0], history: vec![[0.0, 0.0], [1.0, 1.0]] };
     let loading = Loading { cases: vec![load], gap: vec![0.0], ..Loading::default() };
 
-    let settings = HistorySettings::bn(&problem, Scaling::SI, 50, 1e-12);
+    let settings = HistorySettings::new(&problem, &loading, Method::BN).unwrap().until(50, 1e-12);
     let mut linear = Direct::default();
-    let outcome = history::run(&problem, &loading, &[1.0], &settings, &mut linear, &mut ())?;
+    let outcome = history::run(&problem, &loading, &[1.0], &settings, linear, &mut ())?;
     println!(
         "{}: u = {:?} m, p_n = {:?} N, p_t = {:?} N",
         outcome.status, outcome.state.u, outcome.state.p_n, outcome.state.p_t

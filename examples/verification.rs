@@ -8,12 +8,12 @@ mod hertz;
 use std::error::Error;
 
 use hertz::Hertz;
-use stickslip::history::{self, HistorySettings, Observer, Step};
+use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Step, System};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
 use stickslip::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, write_file};
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 
 const YOUNG: f64 = 210e9;
 const RADIUS: f64 = 100.0;
@@ -32,11 +32,11 @@ impl Observer for States {
 fn solve(name: &str) -> Result<(Model, Vec<State>), Box<dyn Error>> {
     let scene = Scene::read(format!("data/scenes/{name}.toml").as_ref(), &[])?;
     let model = Model::new(&scene)?;
-    let settings = HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10);
     let mut states = States::default();
     let times = scene.time.all();
-    let mut linear = model.linear(LinearBackend::Condensed);
-    history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut states)?;
+    let linear = System::from(LinearAlgebra::condensed());
+    history::run(&model.problem, &model.loading, &times, &settings, linear, &mut states)?;
     Ok((model, states.0))
 }
 

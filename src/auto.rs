@@ -7,10 +7,10 @@
 use serde::Serialize;
 
 use crate::formulation::Layout;
+use crate::history::{LinearAlgebra, Method};
 use crate::linear::cost::{self, Cost, Sizes, Work};
 use crate::linear::{Cholesky, LinearError, SparseLu};
 use crate::problem::ContactProblem;
-use crate::history::{LinearAlgebra, Method};
 
 /// BN keeps its factors while no contact status changes, so its factorisations grow as the root of the number
 /// of increments, this many times it: 5, 7.5, 11 and 14 on the paper's block with 25, 50, 100 and 200 contact nodes (2 to

@@ -11,10 +11,12 @@ macro_rules! say {
 mod bug;
 mod check;
 mod compare;
+mod init;
 mod interrupt;
 mod output;
 mod progress;
 mod run;
+mod shell;
 mod uniqueness;
 
 use std::path::PathBuf;
@@ -46,6 +48,12 @@ enum Command {
     Check(check::CheckArgs),
     /// Compare methods, linear algebra, increments and meshes on a scene: error against time
     Compare(compare::CompareArgs),
+    /// Print a scene to start from, with comments
+    Init(init::InitArgs),
+    /// Print a script that completes the commands in a shell
+    Completions(shell::CompletionsArgs),
+    /// Print a page of the manual, for man(1)
+    Man(shell::ManArgs),
 }
 
 /// A scene and what to change in it.
@@ -53,7 +61,7 @@ enum Command {
 struct SceneArgs {
     /// The scene file (TOML)
     scene: PathBuf,
-    /// Put VALUE in place of what the scene says, e.g. mesh.elements=[50,50] or contact[0].friction=0.3
+    /// Put VALUE in place of what the scene says, e.g. 'mesh.elements=[50,50]' or 'contact[0].friction=0.3'
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
     /// The algorithm, as solver.method; ip comes with its own default setting
@@ -128,10 +136,13 @@ impl Command {
         match self {
             Command::Run(args) => run::run(args),
             Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
-            Command::Tables(args) => tables::tables(args),
-            Command::Figures(args) => figures::figures(args),
-            Command::Extremes(args) => extremes::extremes(args),
             Command::Compare(args) => compare::compare(args),
+            Command::Init(args) => init::init(args).map(|()| ExitCode::SUCCESS),
+            Command::Completions(args) => {
+                shell::completions(args, program());
+                Ok(ExitCode::SUCCESS)
+            }
+            Command::Man(args) => shell::man(args, program()).map(|()| ExitCode::SUCCESS),
         }
     }
 }
@@ -153,9 +164,14 @@ fn version() -> &'static str {
     concat!(env!("CARGO_PKG_VERSION"), " (without UMFPACK)")
 }
 
+/// The program as its help, its completions and its manual describe it.
+fn program() -> clap::Command {
+    Cli::command().version(version())
+}
+
 pub(crate) fn main() -> ExitCode {
     let json = std::env::args_os().any(|argument| argument == "--json");
-    let matches = Cli::command().version(version()).try_get_matches();
+    let matches = program().try_get_matches();
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) => {

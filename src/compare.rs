@@ -23,29 +23,28 @@ pub use pareto::front;
 pub use picture::charts;
 pub use tractions::{Interior, Tractions};
 
-use cases::Study;
+use cases::{Study, first_elements};
 
-use crate::history::Status;
+use crate::history::{LinearAlgebra, Method, Status};
 use crate::run::RunError;
-use crate::scene::{LinearBackend, MethodName, Scene, Setting};
+use crate::scene::Scene;
 
 /// A way to solve a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolverPath {
-    /// The algorithm.
-    pub method: MethodName,
-    /// Its named set of constants; that of the paper's interior point method starts from the safe point.
-    pub setting: Setting,
+    /// The algorithm with its constants.
+    pub method: Method,
     /// The linear algebra.
-    pub linear: LinearBackend,
+    pub linear: LinearAlgebra,
 }
 
 /// What to compare.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// The ways to solve the scene.
     pub paths: Vec<SolverPath>,
-    /// The first number of elements of each mesh; the others follow in the proportions of the scene.
+    /// The first number of elements of each mesh; the others follow in the proportions of the scene. Without any it is the
+    /// scene's own mesh, and nothing else if that comes from a file.
     pub meshes: Vec<usize>,
     /// Increments of a whole history.
     pub increments: Vec<usize>,
@@ -93,9 +92,9 @@ pub struct Iterate {
 /// A history, solved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
-    /// How.
+    /// The way it was solved.
     pub path: SolverPath,
-    /// The first number of elements of the mesh.
+    /// Which mesh, by [`MeshResult::mesh`].
     pub mesh: usize,
     /// The number of increments asked for.
     pub increments: usize,
@@ -124,7 +123,7 @@ pub struct Trial {
 /// A mesh and its reference, the default BN with many increments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshResult {
-    /// The first number of elements.
+    /// The first number of elements; of a mesh from a file the number of all.
     pub mesh: usize,
     /// n_u.
     pub displacements: usize,
@@ -155,20 +154,31 @@ pub struct Comparison {
     pub runs: Vec<Trial>,
 }
 
+/// Why scenes could not be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// A scene of the plan could not be solved.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// Meshes were asked for that only the scene could make.
+    #[error("the mesh of the scene comes from a file, so it cannot be computed on others")]
+    FixedMesh,
+}
+
 impl fmt::Display for SolverPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}, {}", self.method, self.setting, self.linear)
+        write!(f, "{} {}, {}", self.method.name(), self.method.setting(), self.linear)
     }
 }
 
 impl Plan {
     /// How many histories are computed, the references included.
     pub fn histories(&self) -> usize {
-        self.meshes.len() * (1 + self.paths.len() * self.increments.len())
+        self.meshes.len().max(1) * (1 + self.paths.len() * self.increments.len())
     }
 
     /// A plan for `paths` that takes seconds to minutes: meshes with an eighth, a quarter and half of the scene's
-    /// elements in each direction, histories with a quarter, half and all of its increments.
+    /// elements in each direction, or the one from its file, histories with a quarter, half and all of its increments.
     pub fn modest(scene: &Scene, paths: Vec<SolverPath>) -> Self {
         let shares = |whole: usize, parts: [usize; 3], least: usize| {
             let mut counts = parts.map(|part| (whole / part).max(least)).to_vec();
@@ -177,7 +187,7 @@ impl Plan {
         };
         Plan {
             paths,
-            meshes: shares(scene.description.mesh.first_elements(), [8, 4, 2], 2),
+            meshes: first_elements(&scene.description.mesh).map_or(Vec::new(), |whole| shares(whole, [8, 4, 2], 2)),
             increments: shares(scene.time.increments, [4, 2, 1], 1),
             reference: 8,
         }
@@ -187,23 +197,29 @@ impl Plan {
 /// Computes every history of `plan`, one after the other, and tells `progress` before each what it is.
 ///
 /// # Errors
-/// When a mesh of the plan cannot be built, or the linear algebra cannot go on.
-pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> Result<Comparison, RunError> {
+/// When a mesh of the plan cannot be built or the scene's comes from a file, or the linear algebra cannot go on.
+pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> Result<Comparison, CompareError> {
     let sorted = |numbers: &[usize]| {
         let mut numbers = numbers.to_vec();
         numbers.sort_unstable();
         numbers.dedup();
         numbers
     };
-    let (meshes, increments) = (sorted(&plan.meshes), sorted(&plan.increments));
+    let increments = sorted(&plan.increments);
+    let meshes: Vec<Option<usize>> = match &plan.meshes[..] {
+        [] => vec![None],
+        _ if first_elements(&scene.description.mesh).is_none() => return Err(CompareError::FixedMesh),
+        meshes => sorted(meshes).into_iter().map(Some).collect(),
+    };
     let reference = plan.reference * increments.last().copied().unwrap_or(1);
     let (mut results, mut runs) = (Vec::new(), Vec::new());
     for mesh in meshes {
-        progress(format!("n = {mesh}, reference with {reference} increments"));
+        let named = mesh.map_or("the scene's mesh".to_string(), |mesh| format!("n = {mesh}"));
+        progress(format!("{named}, reference with {reference} increments"));
         let study = Study::new(scene, mesh, reference)?;
         for &path in &plan.paths {
             for &increments in &increments {
-                progress(format!("n = {mesh}, {path}, {increments} increments"));
+                progress(format!("{named}, {path}, {increments} increments"));
                 runs.push(study.run(path, increments)?);
             }
         }

@@ -17,7 +17,7 @@
 
 use std::sync::Arc;
 
-use crate::linear::{Cholesky, SparseCholesky, FactorInfo, LinearError, Reduced, times_transposed};
+use crate::linear::{Cholesky, FactorInfo, LinearError, Reduced, SparseCholesky, times_transposed};
 use crate::loading::{LoadCase, Loading};
 use crate::problem::{ContactProblem, Parts, State};
 use crate::sparse::{Csc, Csr, Pattern, Symmetric};
@@ -117,7 +117,11 @@ fn schur_complement(
         Err(LinearError::Singular { .. }) if !border.is_empty() => {
             let (mut held, diagonal) = (stiffness.clone(), stiffness.diagonal());
             shift.extend(border.iter().map(|&dof| diagonal[dof]));
-            border.iter().zip(&shift).filter(|entry| *entry.1 > 0.0).for_each(|(&dof, rho)| held.add(dof, dof, *rho).expect("a diagonal entry above 0"));
+            border
+                .iter()
+                .zip(&shift)
+                .filter(|entry| *entry.1 > 0.0)
+                .for_each(|(&dof, rho)| held.add(dof, dof, *rho).expect("a diagonal entry above 0"));
             cholesky.factor(&held, border)?
         }
         factor => factor?,

@@ -11,8 +11,8 @@ use std::sync::Arc;
 use crate::sparse::Pattern;
 
 pub mod built_in;
-mod cholesky;
 mod choice;
+mod cholesky;
 #[cfg(feature = "umfpack")]
 mod cholmod;
 pub mod cost;

@@ -39,7 +39,7 @@ pub struct Bend {
 /// // 2 N on the first of two displacements, raised over a second; one node, 1 mm from its obstacle.
 /// let load = LoadCase::new(vec![2.0, 0.0], vec![[0.0, 0.0], [1.0, 1.0]])?;
 /// let loading = Loading::new(vec![load], vec![1e-3])?;
-/// assert_eq!(loading.force_at(0.5), [1.0, 0.0]);
+/// assert_eq!(loading.force_at(0.5, 2), [1.0, 0.0]);
 /// # Ok::<(), stickslip::problem::ProblemError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -185,7 +185,10 @@ impl Loading {
     /// When one names a contact node that there is not.
     pub fn with_motions(self, motions: Vec<Motion>, bends: Vec<Bend>) -> Result<Self, ProblemError> {
         let n_c = self.gap.len();
-        let ends = motions.iter().map(|motion| ("motion", &motion.nodes)).chain(bends.iter().map(|bend| ("bend", &bend.nodes)));
+        let ends = motions
+            .iter()
+            .map(|motion| ("motion", &motion.nodes))
+            .chain(bends.iter().map(|bend| ("bend", &bend.nodes)));
         for (what, nodes) in ends {
             if nodes.end > n_c {
                 return expect_length(format!("nodes of a {what}"), n_c, nodes.end, "at most one for each gap")
@@ -231,9 +234,9 @@ impl Loading {
         expect_length("gap", problem.contacts(), self.gap.len(), "one for each contact node")
     }
 
-    /// The external forces (n_u, N) at time `t`; none where there is no load.
-    pub fn force_at(&self, t: f64) -> Vec<f64> {
-        let mut force = vec![0.0; self.cases.first().map_or(0, |case| case.force.len())];
+    /// The external forces (n_u, N) at time `t` on so many displacements; 0 where there is no load.
+    pub fn force_at(&self, t: f64, displacements: usize) -> Vec<f64> {
+        let mut force = vec![0.0; displacements];
         self.force(t, &mut force);
         force
     }

@@ -10,9 +10,7 @@ use std::sync::Arc;
 use crate::contact::{ContactBoundary, ContactNode, Facing, ObstacleMotion, PlacedObstacle, Row, share_edges};
 use crate::description::Description;
 use crate::fault::Fault;
-use crate::fem::{
-    Dofs, Elasticity, Element, InvertedElement, Plane, RigidMotion, assemble, facet_load, rigid_motions,
-};
+use crate::fem::{Dofs, Elasticity, Element, InvertedElement, Plane, RigidMotion, assemble, facet_load, rigid_motions};
 use crate::loading::{Bend, LoadCase, Loading, Motion};
 use crate::mesh::{Boundary, Mesh, MeshFileError};
 use crate::problem::{ContactProblem, Parts, ProblemError};
@@ -194,8 +192,12 @@ fn find<'a>(mesh: &'a Mesh, name: &str, key: &str) -> Result<&'a Boundary, Fault
     mesh.boundary(name).ok_or_else(|| {
         let known = mesh.boundary_names();
         let help = match (&known[..], mesh.dimension) {
-            ([], 2) => "the mesh has no boundaries: put its outer curves into physical groups, too, and mesh again".into(),
-            ([], _) => "the mesh has no boundaries: put its outer surfaces into physical groups, too, and mesh again".into(),
+            ([], 2) => {
+                "the mesh has no boundaries: put its outer curves into physical groups, too, and mesh again".into()
+            }
+            ([], _) => {
+                "the mesh has no boundaries: put its outer surfaces into physical groups, too, and mesh again".into()
+            }
             (known, _) => format!("the mesh has the boundaries {}", known.join(", ")),
         };
         Fault::new(format!("{key}.boundary"), format!("the mesh has no boundary `{name}`"), help)

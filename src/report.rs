@@ -6,6 +6,7 @@ mod contact_surface;
 mod csv;
 mod explain;
 mod fields;
+mod file_names;
 mod folder;
 mod increments;
 mod map;

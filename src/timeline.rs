@@ -36,7 +36,8 @@ pub fn check_times(key: &str, times: &[f64]) -> Result<(), Fault> {
     match before.zip(times).find(|(before, t)| !(t.is_finite() && before < *t)) {
         None => Ok(()),
         Some((before, t)) => {
-            let message = format!("{key} goes from {before} to {t}, but the ends of increments must increase from 0 on");
+            let message =
+                format!("{key} goes from {before} to {t}, but the ends of increments must increase from 0 on");
             Err(Fault::new(key, message, "give finite times in s, each later than the one before"))
         }
     }

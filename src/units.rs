@@ -4,7 +4,8 @@
 ///
 /// Contact forces and displacements of order one, with a stiffness of order one, is what makes the
 /// factorisation of the mixed system `(u, p)` sound: with newtons beside metres its pivots span
-/// eleven decades more than they need to. Both units are powers of two, so that converting is exact.
+/// eleven decades more than they need to. The units that [`Scaling::near`] chooses are powers of two, so that converting
+/// is exact; the setting `paper` of the interior point method has MN and 10⁻⁵ m, as the paper does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scaling {
     /// The unit of force, N.
@@ -17,7 +18,7 @@ impl Scaling {
     /// Newtons and metres: no scaling.
     pub const SI: Scaling = Scaling { force: 1.0, length: 1.0 };
 
-    /// Units near the given `stiffness` (N/m) and `length` (m).
+    /// The powers of two that are nearest to the given `stiffness` (N/m) and `length` (m).
     pub fn near(stiffness: f64, length: f64) -> Self {
         let length = power_of_two(length);
         Scaling { force: power_of_two(stiffness) * length, length }

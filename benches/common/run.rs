@@ -7,11 +7,10 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 use stickslip::auto::Choice;
-use stickslip::history::{self, HistorySettings, Observer, Status};
+use stickslip::history::{self, HistorySettings, LinearAlgebra, Observer, Status, System};
 use stickslip::linear::{self, Direct};
 use stickslip::problem::ContactProblem;
 use stickslip::report::{available_bytes, cpu_seconds, peak_rss_bytes};
-use stickslip::scene::LinearBackend;
 use stickslip::units::Scaling;
 
 use super::{Naive, scene};
@@ -145,13 +144,12 @@ fn run(case: Case, who: &str, setting: Setting) -> Measured {
             Choice::cheapest(&model.problem, scene.solver.method.name(), scene.time.increments, available_bytes())
                 .unwrap()
                 .backend;
-        let condensed = backend == LinearBackend::Condensed;
-        (model.scaling(), model.linear(backend), scene.solver.tolerance, condensed)
+        let condensed = backend == LinearAlgebra::condensed();
+        (model.scaling(), System::from(backend), scene.solver.tolerance, condensed)
     };
     let settings = setting(&model.problem, scaling, scene.solver.max_iterations, tolerance);
     let times = scene.time.all();
-    let outcome =
-        history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut KeepMemory).unwrap();
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut KeepMemory).unwrap();
     let cpu = cpu_seconds();
     // The naive caller may give up on the way.
     assert!(who == "naive" || outcome.status == Status::Converged, "{case:?} {who}: {:?}", outcome.status);

@@ -5,7 +5,7 @@ mod histories;
 use std::collections::BTreeSet;
 
 use clap::Args;
-use stickslip::contact::{Obstacle, Rotation, Shape};
+use stickslip::contact::{GapDirection, Obstacle, PlacedObstacle, Rotation, Shape};
 use stickslip::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::formulation::Layout;
 use stickslip::mesh::{CellKind, HalfPlane, MeshSource, Segment};
@@ -13,8 +13,8 @@ use stickslip::model::Model;
 use stickslip::report::Warning;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::vector::Vector;
 use stickslip::solvability::{Conditions, rigid_equilibrium};
+use stickslip::vector::Vector;
 
 use super::{Failure, SceneArgs};
 use histories::points;
@@ -30,7 +30,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     let model = discretise(&scene)?;
     say!("{}", scene.title);
     body(&scene, &model);
-    contact(&scene, &model);
+    contacts(&scene, &model);
     loads(&scene, &model);
     let solver = &scene.solver;
     say!(
@@ -80,7 +80,9 @@ fn body(scene: &Scene, model: &Model) {
             };
             format!("block {lengths}, {elements}{graded}")
         }
-        MeshSource::HalfPlane(HalfPlane { size: [width, height], contact_elements, outer_elements, layers, .. }) => {
+        MeshSource::HalfPlane(HalfPlane {
+            size: [width, height], contact_elements, outer_elements, layers, ..
+        }) => {
             format!("half-plane {width} m x {height} m, ({contact_elements} + {outer_elements}) x {layers}")
         }
         MeshSource::Gmsh { file, scale } => {
@@ -136,11 +138,12 @@ fn body(scene: &Scene, model: &Model) {
     }
 }
 
-fn contact(scene: &Scene, model: &Model) {
-    for contact in &scene.description.contacts {
+fn contacts(scene: &Scene, model: &Model) {
+    for (contact, (facing, _)) in scene.description.contacts.iter().zip(&model.obstacles) {
         let mut obstacle = vec![shape(model, &contact.obstacle.shape)];
         obstacle.extend(motions(model, &contact.obstacle));
         say!("contact      {}: {}, mu = {}", contact.boundary, obstacle.join(", "), contact.friction);
+        say!("             {}", frame(model, facing, contact.obstacle.direction));
     }
     let layout = Layout::new(&model.problem);
     say!("unknowns     {} displacements u", layout.displacements());
@@ -159,6 +162,26 @@ fn contact(scene: &Scene, model: &Model) {
             };
             say!("             {t} tangential forces {along}{rest}");
         }
+    }
+}
+
+/// Along which normals the gaps of an obstacle are measured, and which slip is positive.
+fn frame(model: &Model, obstacle: &PlacedObstacle, direction: GapDirection) -> String {
+    let rounded = |c: &f64| format!("{c:.6}").parse().unwrap_or(*c) + 0.0;
+    let vector = |x: [f64; 3]| {
+        let components = x[..model.mesh.dimension].iter().map(|c| rounded(c).to_string());
+        format!("({})", components.collect::<Vec<_>>().join(", "))
+    };
+    let normal = vector(obstacle.normal);
+    let gaps = match direction {
+        GapDirection::Normal => format!("gaps along the normal n = {normal}"),
+        GapDirection::Nearest => {
+            format!("gaps to the nearest point, each node along its own normal; n = {normal} at large")
+        }
+    };
+    match (model.mesh.dimension, obstacle.tangents) {
+        (2, [t, _]) => format!("{gaps}, slip along t = {}", vector(t)),
+        (_, [t, o]) => format!("{gaps}, slip along t = {} and o = {}", vector(t), vector(o)),
     }
 }
 
@@ -193,10 +216,10 @@ fn shape(model: &Model, shape: &Shape) -> String {
 }
 
 fn loads(scene: &Scene, model: &Model) {
-    for (load, case) in scene.description.loads.iter().zip(&model.loading.cases) {
+    for (load, case) in scene.description.loads.iter().zip(model.loading.cases()) {
         let sum = model
             .dofs
-            .displacements(&case.force)
+            .displacements(case.force())
             .into_iter()
             .fold([0.0; 3], |sum, force| [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]);
         say!(
@@ -269,9 +292,8 @@ fn equilibrium(scene: &Scene, model: &Model) {
     if model.rigid_motions.is_empty() {
         return;
     }
-    let mut force = vec![0.0; model.problem.displacements()];
     let failed = scene.time.all().into_iter().find_map(|time| {
-        model.loading.force(time, &mut force);
+        let force = model.loading.force_at(time, model.problem.displacements());
         Some((time, rigid_equilibrium(&model.problem, &force).err()?))
     });
     if let Some((time, weights)) = failed

@@ -6,13 +6,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use serde::de::value::Error as NameError;
-use serde::de::{DeserializeOwned, IntoDeserializer};
-use stickslip::compare::{self, Comparison, End, MeshResult, Phases, Plan, SolverPath, Trial};
-use stickslip::history::Status;
+use stickslip::compare::{self, CompareError, Comparison, End, MeshResult, Phases, Plan, SolverPath, Trial};
+use stickslip::history::{LinearAlgebra, Method, Start, Status};
 use stickslip::linear;
 use stickslip::report::{Table, csv_table, write_file};
-use stickslip::scene::{LinearBackend, MethodName, Override, Scene, Setting};
+use stickslip::scene::{Override, Scene};
 
 use super::Failure;
 use super::progress::bar;
@@ -26,16 +24,16 @@ pub(super) struct CompareArgs {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
     /// The algorithms
-    #[arg(long, value_delimiter = ',', value_parser = named::<MethodName>, default_value = "bn,ip")]
-    methods: Vec<MethodName>,
+    #[arg(long, value_delimiter = ',', value_parser = ["bn", "ip"], default_value = "bn,ip")]
+    methods: Vec<String>,
     /// Their settings
-    #[arg(long, value_delimiter = ',', value_parser = named::<Setting>, default_value = "default")]
-    settings: Vec<Setting>,
+    #[arg(long, value_delimiter = ',', value_parser = ["default", "paper"], default_value = "default")]
+    settings: Vec<String>,
     /// The linear algebra
-    #[arg(long, value_delimiter = ',', value_parser = named::<LinearBackend>, default_value = "umfpack,condensed,faer")]
-    solvers: Vec<LinearBackend>,
+    #[arg(long, value_delimiter = ',', value_parser = linear_algebra, default_value = "umfpack,condensed,faer")]
+    solvers: Vec<LinearAlgebra>,
     /// The first number of elements of each mesh, the others in the proportions of the scene; an eighth, a
-    /// quarter and half of the scene's unless given
+    /// quarter and half of the scene's unless given; not for a mesh from a file
     #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     meshes: Vec<u32>,
     /// Increments of the whole history; a quarter, half and all of the scene's unless given
@@ -53,9 +51,23 @@ pub(super) struct CompareArgs {
     csv: bool,
 }
 
-/// A name as a scene writes it.
-fn named<T: DeserializeOwned>(text: &str) -> Result<T, NameError> {
-    T::deserialize(text.into_deserializer())
+/// A linear algebra by the word that scenes have for it.
+fn linear_algebra(word: &str) -> Result<LinearAlgebra, String> {
+    let mut known = LinearAlgebra::WORDS.into_iter().chain([("condensed", LinearAlgebra::condensed())]);
+    known.clone().find(|(known, _)| *known == word).map(|(_, linear)| linear).ok_or_else(|| {
+        let words: Vec<_> = known.by_ref().map(|(word, _)| word).collect();
+        format!("it is one of {}", words.join(", "))
+    })
+}
+
+/// The method of these names; that of the paper's interior point method starts from the safe point.
+fn method(name: &str, setting: &str) -> Method {
+    match (name, setting) {
+        ("ip", "paper") => Method::paper_ip(Start::Safe),
+        ("ip", _) => Method::IP,
+        (_, "paper") => Method::PaperBn,
+        _ => Method::BN,
+    }
 }
 
 /// Exit status 1: a history in a default setting, or a reference, did not converge. The settings of the paper may
@@ -71,7 +83,13 @@ pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
         started = true;
         bar.set_message(what);
     };
-    let comparison = compare::compute(&scene, &plan, &mut progress)?;
+    let comparison = compare::compute(&scene, &plan, &mut progress).map_err(|error| match error {
+        CompareError::Run(error) => Failure::from(error),
+        CompareError::FixedMesh => {
+            let help = "leave out --meshes, or compare scenes with several files";
+            Failure::Input(miette::miette!(help = help, "{}: {error}", args.scene.display()))
+        }
+    })?;
     bar.finish_and_clear();
 
     if args.csv {
@@ -86,7 +104,7 @@ pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
             say!("written to   {}", folder.display());
         }
     }
-    let runs = comparison.runs.iter().filter(|run| run.path.setting == Setting::Default).map(|run| run.status);
+    let runs = comparison.runs.iter().filter(|run| !run.path.method.is_of_paper()).map(|run| run.status);
     let mut statuses = runs.chain(comparison.meshes.iter().map(|result| result.status));
     let sound = statuses.all(|status| status == Status::Converged);
     Ok(if sound { ExitCode::SUCCESS } else { ExitCode::from(1) })
@@ -95,8 +113,8 @@ pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
 fn plan(args: &CompareArgs, scene: &Scene) -> Plan {
     let mut paths = Vec::new();
     for &linear in &args.solvers {
-        for &method in &args.methods {
-            paths.extend(args.settings.iter().map(|&setting| SolverPath { method, setting, linear }));
+        for name in &args.methods {
+            paths.extend(args.settings.iter().map(|setting| SolverPath { method: method(name, setting), linear }));
         }
     }
     let mut plan = Plan { reference: args.reference as usize, ..Plan::modest(scene, paths) };
@@ -249,9 +267,9 @@ fn runs_csv(comparison: &Comparison) -> String {
 }
 
 fn named_path(run: &Trial) -> Vec<String> {
-    let SolverPath { method, setting, linear } = run.path;
+    let SolverPath { method, linear } = run.path;
     let numbers = [run.mesh, run.increments].map(|number| number.to_string());
-    [method.to_string(), setting.to_string(), linear.to_string()].into_iter().chain(numbers).collect()
+    [method.name().to_string(), method.setting().to_string(), linear.to_string()].into_iter().chain(numbers).collect()
 }
 
 /// Empty fields for what is not known.
@@ -303,14 +321,19 @@ fn meshes_csv(comparison: &Comparison) -> String {
     csv_table(&header, comparison.meshes.iter().map(row))
 }
 
+/// An argument as a shell takes it: brackets mean something there, too.
+fn quoted(argument: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./,:=+".contains(c);
+    if argument.chars().all(plain) { argument.to_string() } else { format!("'{}'", argument.replace('\'', r"'\''")) }
+}
+
 fn write(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
     let written = |result: std::io::Result<()>| result.map_err(|error| write_failure(folder, &error));
     written(fs::create_dir_all(folder))?;
     written(write_file(folder, "compare.csv", &runs_csv(comparison)))?;
     written(write_file(folder, "iterations.csv", &iterations_csv(comparison)))?;
     written(write_file(folder, "meshes.csv", &meshes_csv(comparison)))?;
-    let quoted = |argument: String| if argument.contains(' ') { format!("'{argument}'") } else { argument };
-    let command = std::env::args().skip(1).map(quoted).collect::<Vec<_>>().join(" ");
+    let command = std::env::args().skip(1).map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
     let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
     page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));
     for (stem, what, chart) in compare::charts(comparison) {

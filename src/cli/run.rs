@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use stickslip::formulation::Layout;
-use stickslip::history::{Observer, Status, Step};
+use stickslip::formulation::{Layout, NewtonSystem};
+use stickslip::history::{Method, Observer, Status, Step};
 use stickslip::linear;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IterationRecord};
@@ -15,7 +15,7 @@ use stickslip::report::{
     Warning, fields,
 };
 use stickslip::run::Run;
-use stickslip::scene::{LinearBackend, Method, NewtonSystem, Scene};
+use stickslip::scene::Scene;
 
 use super::progress::Progress;
 use super::{Failure, SceneArgs, interrupt, uniqueness};
@@ -78,7 +78,7 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
             say!("warning      {}", warning.message);
         }
         if let Some(critical) = &report.critical_friction {
-            say!("uniqueness   {}", uniqueness::explain(critical, &run.model().problem.mu));
+            say!("uniqueness   {}", uniqueness::explain(critical, run.model().problem.mu()));
         }
         if let Some(folder) = &folder {
             say!("results      {}", folder.path().display());
@@ -151,7 +151,7 @@ fn wanted_increments(wanted: &[f64], times: &[f64]) -> Vec<usize> {
 }
 
 fn open_folder(path: &Path, model: &Model) -> Result<ResultFolder, Failure> {
-    ResultFolder::create(path, model.mesh.dimension).map_err(|error| write_failure(path, &error))
+    ResultFolder::create(path, model).map_err(|error| write_failure(path, &error))
 }
 
 /// Results cannot be written at all: the folder is to blame, unless the disk is.
@@ -172,7 +172,7 @@ fn disk_failure(path: &Path, error: &io::Error) -> Failure {
 
 fn print_head(scene: &Scene, run: &Run<'_>) {
     let (model, choice, method) = (run.model(), run.choice(), scene.solver.method);
-    let Unknowns { u, p_t, p_o, p_n, v_n, s, lambda } = Unknowns::new(&Layout::new(&model.problem), method.name());
+    let Unknowns { u, p_t, p_o, p_n, v_n, s, lambda } = Unknowns::new(&Layout::new(&model.problem), method);
     let blocks = [(u, "u"), (p_t, "p_t"), (p_o, "p_o"), (p_n, "p_n"), (v_n, "v_n"), (s, "s"), (lambda, "lambda")];
     let present = blocks.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}"));
     let reduced = match method {
@@ -187,7 +187,7 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
     }
     let total: usize = blocks.iter().map(|(count, _)| count).sum();
     say!("unknowns     {total} = {}{reduced}", present.collect::<Vec<_>>().join(" + "));
-    let left_out = LeftOut::all(model, choice.backend == LinearBackend::Condensed);
+    let left_out = LeftOut::all(model, choice.linear.condenses());
     for (k, LeftOut { count, unknown, reason }) in left_out.iter().enumerate() {
         say!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
     }

@@ -1,8 +1,7 @@
 //! What a comparison says: the cheapest way to an error, BN beside IP, growth with the mesh.
 
 use super::{Comparison, MeshResult, SolverPath, Trial};
-use crate::history::Status;
-use crate::scene::{LinearBackend, MethodName, Setting};
+use crate::history::{LinearAlgebra, Method, Start, Status};
 
 /// The errors in the contact forces that the answers are about.
 const TARGETS: [f64; 2] = [1e-3, 1e-6];
@@ -27,9 +26,9 @@ pub struct Estimate {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lead {
     /// The linear algebra.
-    pub linear: LinearBackend,
+    pub linear: LinearAlgebra,
     /// The setting of both.
-    pub setting: Setting,
+    pub setting: &'static str,
     /// The first number of elements of each mesh, and the CPU time of IP over that of BN: of all histories
     /// that both got through.
     pub ratios: Vec<(usize, f64)>,
@@ -61,11 +60,16 @@ impl Comparison {
 
     /// BN beside IP on every linear algebra and in every setting in which both were run.
     pub fn leads(&self) -> Vec<Lead> {
-        let bn = self.paths().into_iter().filter(|path| path.method == MethodName::Bn);
+        let bn = self.paths().into_iter().filter(|path| !path.method.is_interior());
         let lead = |bn: SolverPath| {
-            let ip = SolverPath { method: MethodName::Ip, ..bn };
+            let interior = if bn.method.is_of_paper() { Method::paper_ip(Start::Safe) } else { Method::IP };
+            let ip = SolverPath { method: interior, ..bn };
             let ratio = |result: &MeshResult| Some((result.mesh, self.ratio(result.mesh, ip, bn)?));
-            Lead { linear: bn.linear, setting: bn.setting, ratios: self.meshes.iter().filter_map(ratio).collect() }
+            Lead {
+                linear: bn.linear,
+                setting: bn.method.setting(),
+                ratios: self.meshes.iter().filter_map(ratio).collect(),
+            }
         };
         bn.map(lead).filter(|lead| !lead.ratios.is_empty()).collect()
     }
@@ -97,7 +101,7 @@ impl Comparison {
             answers.extend(TARGETS.iter().map(|&target| self.about_target(result.mesh, target)));
         }
         let leads = self.leads();
-        answers.extend(leads.iter().filter(|lead| lead.linear != LinearBackend::Condensed).map(Lead::sentence));
+        answers.extend(leads.iter().filter(|lead| !lead.linear.condenses()).map(Lead::sentence));
         let growth = |path| Some(format!("{path} {:.2}", self.growth(path)?));
         let growths: Vec<String> = self.paths().into_iter().filter_map(growth).collect();
         if !growths.is_empty() {
@@ -113,7 +117,7 @@ impl Comparison {
         let describe =
             |run: &Trial| format!("{} with {} increments, {} s", run.path, run.increments, round(run.seconds.cpu));
         let head = format!("Contact forces to {target:.0e}, n = {mesh}:");
-        let whole = |path: &SolverPath| path.linear != LinearBackend::Condensed;
+        let whole = |path: &SolverPath| !path.linear.condenses();
         let Some(run) = self.cheapest(mesh, target, |_| true) else {
             let nearest = self.on(mesh).filter_map(|run| Some(run.errors?.forces)).fold(f64::INFINITY, f64::min);
             let said = if nearest.is_finite() {

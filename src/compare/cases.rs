@@ -4,21 +4,18 @@ use std::time::Instant;
 
 use super::errors::{End, TimeErrors};
 use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
-use crate::history::{HistoryOutcome, Observer, Status, Step};
+use crate::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver, Status, Step};
 use crate::mesh::{HalfPlane, MeshSource, Segment};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::report::cpu_seconds;
 use crate::run::{Run, RunError};
-use crate::scene::{LinearBackend, Method, MethodName, Override, Scene, Setting, Solver};
+use crate::scene::{Override, Scene};
 
 /// What the reference is computed with. With many increments the condensed path is the cheapest.
-const REFERENCE: SolverPath =
-    SolverPath { method: MethodName::Bn, setting: Setting::Default, linear: LinearBackend::Condensed };
-
-/// The paper's interior point method ends at an absolute Theta, which leaves errors of 1e-7 on the paper's problems;
-/// scenes ask no more of it either, unless they say so.
-const PAPER_IP_TOLERANCE: f64 = 1e-6;
+fn reference_path() -> SolverPath {
+    SolverPath { method: Method::BN, linear: LinearAlgebra::condensed() }
+}
 
 /// A scene on one mesh.
 pub(super) struct Study {
@@ -40,15 +37,18 @@ struct Solved {
 }
 
 impl Study {
-    /// `scene` with `mesh` elements in the first direction, and its reference of so many increments.
-    pub(super) fn new(scene: &Scene, mesh: usize, reference: usize) -> Result<Self, RunError> {
+    /// `scene` with `mesh` elements in the first direction, unless it is to be as it is, and its reference of so many
+    /// increments.
+    pub(super) fn new(scene: &Scene, mesh: Option<usize>, reference: usize) -> Result<Self, RunError> {
         // The gaps of obstacles that move are exact at the ends of the reference's increments, and so for all histories
         // whose increments those divide.
-        let scene = scene.with(&scene.description.mesh.refined(mesh))?.with(&[increments_of(reference)])?;
+        let refined = mesh.map_or(Vec::new(), |mesh| refined(&scene.description.mesh, mesh));
+        let scene = scene.with(&refined)?.with(&[increments_of(reference)])?;
         let (wall, cpu) = (Instant::now(), cpu_seconds());
         let model = Model::new(&scene)?;
         let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
-        let reference = solve(&scene, &model, built, REFERENCE, reference)?;
+        let mesh = mesh.or_else(|| first_elements(&scene.description.mesh)).unwrap_or(model.mesh.cells.len());
+        let reference = solve(&scene, &model, built, reference_path(), reference)?;
         Ok(Study { scene, model, mesh, built, reference })
     }
 
@@ -70,7 +70,8 @@ impl Study {
             factor_entries: outcome.linear.factor.entries,
             factor_peak_bytes: outcome.linear.factor.peak_bytes,
             kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
-            errors: sound.then(|| TimeErrors::new(&end, &self.reference.end, self.model.problem.weight())),
+            errors: sound
+                .then(|| TimeErrors::new(&end, &self.reference.end, self.model.problem.weight().unwrap_or_default())),
             iterates,
         })
     }
@@ -130,9 +131,10 @@ impl SolverPath {
     /// The solver, with the tolerance and the limit of iterations of the scene's.
     fn solver(self, of_scene: &Solver) -> Solver {
         let Solver { max_iterations, tolerance, .. } = *of_scene;
-        let method = Method::of(self.method, self.setting);
-        let tolerance = if let Method::PaperIp { .. } = method { tolerance.max(PAPER_IP_TOLERANCE) } else { tolerance };
-        Solver { method, linear: Some(self.linear), max_iterations, tolerance }
+        let SolverPath { method, linear } = self;
+        let tolerance =
+            if let Method::PaperIp { .. } = method { tolerance.max(method.default_tolerance()) } else { tolerance };
+        Solver { method, linear: Some(linear), max_iterations, tolerance }
     }
 }
 
@@ -169,36 +171,33 @@ impl Observer for Recorder {
     }
 }
 
-impl MeshSource {
-    /// The elements in the first direction, or along the contact zone.
-    pub(super) fn first_elements(&self) -> usize {
-        match self {
-            MeshSource::Block { axes, .. } => axes[0].iter().map(|segment| segment.elements).sum(),
-            MeshSource::HalfPlane(HalfPlane { contact_elements, .. }) => *contact_elements,
-            MeshSource::Gmsh { .. } | MeshSource::Given(_) => 1,
-        }
+/// The elements in the first direction, or along the contact zone; none for a mesh that is what it is.
+pub(super) fn first_elements(mesh: &MeshSource) -> Option<usize> {
+    match mesh {
+        MeshSource::Block { axes, .. } => Some(axes[0].iter().map(|segment| segment.elements).sum()),
+        MeshSource::HalfPlane(HalfPlane { contact_elements, .. }) => Some(*contact_elements),
+        MeshSource::Gmsh { .. } | MeshSource::Given(_) => None,
     }
+}
 
-    /// What makes a mesh with `first` of them of this one, the other numbers in proportion.
-    fn refined(&self, first: usize) -> Vec<Override> {
-        let share = first as f64 / self.first_elements() as f64;
-        let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
-        match self {
-            MeshSource::Block { axes, .. } => {
-                let along = |axis: &Vec<Segment>| match axis[..] {
-                    [segment] => scaled(segment.elements).into(),
-                    _ => axis.iter().map(|segment| scaled(segment.elements)).collect::<toml_edit::Value>(),
-                };
-                vec![Override::value("mesh.elements", axes.iter().map(along).collect::<toml_edit::Value>())]
-            }
-            MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => vec![
-                Override::value("mesh.contact_elements", scaled(*contact_elements)),
-                Override::value("mesh.outer_elements", scaled(*outer_elements)),
-                Override::value("mesh.layers", scaled(*layers)),
-            ],
-            // A mesh from a file is what it is.
-            MeshSource::Gmsh { .. } | MeshSource::Given(_) => Vec::new(),
+/// What makes a mesh with `first` of them of this one, the other numbers in proportion.
+fn refined(mesh: &MeshSource, first: usize) -> Vec<Override> {
+    let share = first as f64 / first_elements(mesh).unwrap_or(first) as f64;
+    let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
+    match mesh {
+        MeshSource::Block { axes, .. } => {
+            let along = |axis: &Vec<Segment>| match axis[..] {
+                [segment] => scaled(segment.elements).into(),
+                _ => axis.iter().map(|segment| scaled(segment.elements)).collect::<toml_edit::Value>(),
+            };
+            vec![Override::value("mesh.elements", axes.iter().map(along).collect::<toml_edit::Value>())]
         }
+        MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => vec![
+            Override::value("mesh.contact_elements", scaled(*contact_elements)),
+            Override::value("mesh.outer_elements", scaled(*outer_elements)),
+            Override::value("mesh.layers", scaled(*layers)),
+        ],
+        MeshSource::Gmsh { .. } | MeshSource::Given(_) => Vec::new(),
     }
 }
 
@@ -215,9 +214,9 @@ mod tests {
         let overrides = ["mesh.contact_elements=4", "mesh.outer_elements=4", "mesh.layers=4", "time.increments=1"];
         let moving = "contact.obstacle.motion.translation=[[0,0,0],[1,0.02,0]]";
         let overrides = overrides.into_iter().chain([moving]).map(|text| text.parse().unwrap()).collect::<Vec<_>>();
-        let study = Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), 4, 8).unwrap();
+        let study = Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), Some(4), 8).unwrap();
         let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
-        assert_eq!(study.model.loading.bends[0].times, ends);
+        assert_eq!(study.model.loading.bends()[0].times(), ends);
     }
 
     #[test]

@@ -14,8 +14,8 @@ pub struct End {
     pub p_t: Vec<f64>,
     /// `p_o` at the end, n_c, N.
     pub p_o: Vec<f64>,
-    /// Work that friction has dissipated in the whole history, J, or J per m of depth; NaN if an
-    /// increment was halved, since the slip of its parts is not seen.
+    /// Work that friction has dissipated in the whole history, J, or J per m of depth; of an increment that was halved, that
+    /// of its parts.
     pub work: f64,
     /// `½ uᵀ K u` at the end, J, or J per m of depth.
     pub energy: f64,

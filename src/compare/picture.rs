@@ -1,9 +1,10 @@
 //! A comparison as charts: error against time, growth with the mesh, the error within an increment.
 
 use super::{Comparison, Iterate, SolverPath, TimeErrors, Trial, front};
+use crate::history::LinearAlgebra;
 use crate::history::Status;
+use crate::linear::SparseLu;
 use crate::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale};
-use crate::scene::{LinearBackend, MethodName, Setting};
 
 const BLACK: [u8; 3] = [0, 0, 0];
 const BLUE: [u8; 3] = [0, 90, 181];
@@ -129,18 +130,12 @@ fn is_drawn(curve: &Curve) -> bool {
 /// Colours tell the linear algebra, lines the method, markers the setting.
 fn curve(path: SolverPath, points: Vec<[f64; 2]>) -> Curve {
     let colour = match path.linear {
-        LinearBackend::Umfpack => BLACK,
-        LinearBackend::Condensed => BLUE,
-        LinearBackend::Faer => RED,
+        LinearAlgebra::Whole(SparseLu::Umfpack) => BLACK,
+        LinearAlgebra::Condensed(_) => BLUE,
+        LinearAlgebra::Whole(SparseLu::Faer) => RED,
     };
-    let dash = match path.method {
-        MethodName::Bn => Dash::Solid,
-        MethodName::Ip => Dash::Dashed,
-    };
-    let marker = match path.setting {
-        Setting::Default => Marker::Disc,
-        Setting::Paper => Marker::Triangle,
-    };
+    let dash = if path.method.is_interior() { Dash::Dashed } else { Dash::Solid };
+    let marker = if path.method.is_of_paper() { Marker::Triangle } else { Marker::Disc };
     let line = Some(Line { dash, width: 1.8 });
     Curve { label: path.to_string(), points, line, marker: Some(marker), colour }
 }

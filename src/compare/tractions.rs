@@ -74,7 +74,7 @@ impl Tractions {
         }
         Tractions {
             positions: model.contacts.iter().map(|contact| contact.position).collect(),
-            weight: model.problem.weight().clone(),
+            weight: model.contacts.iter().map(|contact| contact.weight).collect(),
             values: model.contacts.iter().enumerate().map(traction).collect(),
             pieces,
         }

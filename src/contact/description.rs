@@ -150,7 +150,9 @@ impl Obstacle {
             check_points("motion.translation", "x, y, z", &self.path())
                 .map_err(|fault| Fault { message: message.to_string(), ..fault })?;
         }
-        self.rotation.as_ref().map_or(Ok(()), |rotation| rotation.check().map_err(|fault| fault.under("motion.rotation")))
+        self.rotation
+            .as_ref()
+            .map_or(Ok(()), |rotation| rotation.check().map_err(|fault| fault.under("motion.rotation")))
     }
 
     /// The points `[time (s), x, y, z (m)]` of the translation; none if there is none.

@@ -76,7 +76,6 @@ impl ObstacleError {
     }
 }
 
-
 impl PlacedObstacle {
     /// The obstacle that `given`, which is sound, puts in front of `boundary`. Without a normal it faces the mean outward
     /// normal of the boundary. Without a first tangent, that is in two dimensions the normal turned by
@@ -113,9 +112,7 @@ impl PlacedObstacle {
                 Surface::Round { radius: *radius, apex: apex.components(), axis: Some(axis(*given)?) }
             }
             Shape::Sphere { .. } if mesh.dimension == 2 => return Err(ObstacleError::SphereInPlane),
-            Shape::Sphere { radius, apex } => {
-                Surface::Round { radius: *radius, apex: apex.components(), axis: None }
-            }
+            Shape::Sphere { radius, apex } => Surface::Round { radius: *radius, apex: apex.components(), axis: None },
             Shape::Wedge { apex, angle, axis: given } => {
                 let aside = unit(cross(axis(*given)?, normal));
                 Surface::Wedge { apex: apex.components(), aside, slope: angle.tan() }
@@ -124,7 +121,13 @@ impl PlacedObstacle {
             Shape::Table { file } => Surface::Table(GapTable::read(file)?),
         };
         let extent = extent(mesh, boundary);
-        Ok(PlacedObstacle { surface, direction: given.direction, extent, normal, tangents: [first, cross(normal, first)] })
+        Ok(PlacedObstacle {
+            surface,
+            direction: given.direction,
+            extent,
+            normal,
+            tangents: [first, cross(normal, first)],
+        })
     }
 
     /// What a node at `x` (m) sees.

@@ -33,7 +33,7 @@ pub(super) fn across(a: [f64; 3], axis: [f64; 3]) -> [f64; 3] {
 
 impl Surface {
     /// The distance (m) from `x` to the surface along the unit vector `n`, negative inside; NaN if the
-    /// line misses it. Only fields of gaps need `reference`, where the point at `x` came from: they are
+    /// line misses or only grazes it. Only fields of gaps need `reference`, where the point at `x` came from: they are
     /// given by reference positions, along `facing`.
     pub(super) fn along(&self, facing: [f64; 3], x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> f64 {
         let field = |gap: &dyn Fn([f64; 3]) -> f64| {
@@ -54,6 +54,10 @@ impl Surface {
                 let along = dot(from, n);
                 let aside = across(from, n);
                 let aside = dot(aside, aside);
+                // Under its very side the surface is as steep as the line: where it is then no gap can tell.
+                if aside >= radius * radius {
+                    return f64::NAN;
+                }
                 // R - √(R² - s²), without the loss of digits where s is small.
                 (aside / (radius + (radius * radius - aside).sqrt()) - along) / length
             }

@@ -65,12 +65,7 @@ impl IncrementSolver for IpMethod {
         self.formulation.unheld_motion().map_or(Ok(()), Err)
     }
 
-    fn solve(
-        &mut self,
-        task: &Task<'_>,
-        linear: &mut Direct,
-        observe: Observe<'_>,
-    ) -> Result<Outcome, LinearError> {
+    fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError> {
         self.formulation.begin(task.increment);
         task.response.add_to(&mut self.z);
         let settings = self.settings;

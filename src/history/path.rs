@@ -145,12 +145,7 @@ impl<'a> Path<'a> {
     }
 
     /// Solves the part that ends at `time`.
-    fn attempt(
-        &mut self,
-        time: f64,
-        linear: &mut Direct,
-        observe: Observe<'_>,
-    ) -> Result<Attempt, LinearError> {
+    fn attempt(&mut self, time: f64, linear: &mut Direct, observe: Observe<'_>) -> Result<Attempt, LinearError> {
         let Path { problem, loading, condensed, settings, .. } = *self;
         loading.force(time, &mut self.force);
         loading.gap_at(time, &mut self.gap);

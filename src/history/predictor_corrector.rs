@@ -35,11 +35,7 @@ pub(super) struct PredictorCorrectorMethod<'a> {
 }
 
 impl<'a> PredictorCorrectorMethod<'a> {
-    pub(super) fn new(
-        problem: &'a ContactProblem,
-        history: &HistorySettings,
-        newton: NewtonSystem,
-    ) -> Self {
+    pub(super) fn new(problem: &'a ContactProblem, history: &HistorySettings, newton: NewtonSystem) -> Self {
         let assembled = Assembled::new(problem, history.scaling);
         match newton {
             NewtonSystem::Reduced => Self::beside(problem, assembled, history),
@@ -143,12 +139,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         self.formulation.unheld_motion().map_or(Ok(()), Err)
     }
 
-    fn solve(
-        &mut self,
-        task: &Task<'_>,
-        linear: &mut Direct,
-        observe: Observe<'_>,
-    ) -> Result<Outcome, LinearError> {
+    fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError> {
         self.formulation.begin(task.increment);
         self.end.begin(task.increment);
         task.response.add_to(&mut self.z);

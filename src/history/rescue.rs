@@ -45,8 +45,7 @@ impl IncrementSolver for Rescued<'_> {
         if left == 0 || matches!(attempt.stop, Stop::Met | Stop::Interrupted) {
             return Ok(attempt);
         }
-        let rescue =
-            rescue.get_or_insert_with(|| PredictorCorrectorMethod::beside(problem, bn.assembled(), settings));
+        let rescue = rescue.get_or_insert_with(|| PredictorCorrectorMethod::beside(problem, bn.assembled(), settings));
         rescue.go_on_from(&last, left);
         let mut rescued = rescue.solve(task, linear, observe)?;
         if rescued.stop == Stop::Met {

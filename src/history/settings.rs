@@ -204,11 +204,13 @@ impl HistorySettings {
     pub(super) fn check(&self, problem: &ContactProblem) -> Result<(), Error> {
         let n_c = problem.contacts();
         let Conventions { r_n, r_t, row_unit, .. } = &self.conventions;
-        let arrays = [("r_n", r_n), ("r_t", r_t), ("row_unit", row_unit), ("contact_stiffness", &self.contact_stiffness)];
+        let arrays =
+            [("r_n", r_n), ("r_t", r_t), ("row_unit", row_unit), ("contact_stiffness", &self.contact_stiffness)];
         for (array, values) in arrays {
             crate::problem::error::expect_length(array, n_c, values.len(), "one for each contact node")?;
         }
-        let value = |array: &str, value, must| Err(ProblemError::Value { array: array.to_string(), value, must }.into());
+        let value =
+            |array: &str, value, must| Err(ProblemError::Value { array: array.to_string(), value, must }.into());
         if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
             return value("tolerance", self.tolerance, "above 0 and below 1");
         }

@@ -49,12 +49,7 @@ impl Default for Direct {
 impl Direct {
     /// Wraps `backend`.
     pub fn new(backend: Box<dyn LinearSolver>) -> Self {
-        Direct {
-            backend,
-            pattern: None,
-            work: Workspace::default(),
-            statistics: Statistics::default(),
-        }
+        Direct { backend, pattern: None, work: Workspace::default(), statistics: Statistics::default() }
     }
 
     /// The name of the solver in reports.
@@ -97,7 +92,11 @@ impl Direct {
     /// An error unless `a` stands on the analysed pattern. A formulation shares it, so that nothing is compared.
     fn expect_analysed(&self, a: &Csc) -> Result<(), LinearError> {
         let pattern = self.pattern.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
-        if Arc::ptr_eq(pattern, a.pattern()) || pattern == a.pattern() { Ok(()) } else { Err(LinearError::PatternChanged) }
+        if Arc::ptr_eq(pattern, a.pattern()) || pattern == a.pattern() {
+            Ok(())
+        } else {
+            Err(LinearError::PatternChanged)
+        }
     }
 
     /// Solves `a x = b` with the last factors, refined.

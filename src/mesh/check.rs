@@ -167,7 +167,9 @@ impl MeshFault {
             MeshFault::NotFinite(_) => "give coordinates in m other than nan or inf",
             MeshFault::OutOfPlane(_) => "give z = 0 in two dimensions; a body in space needs cells with a volume",
             MeshFault::Dimensions { .. } => "let all cells be plane, or all have a volume",
-            MeshFault::Corners { .. } => "give 3 nodes of a triangle, 4 of a quadrilateral or tetrahedron, 8 of a hexahedron",
+            MeshFault::Corners { .. } => {
+                "give 3 nodes of a triangle, 4 of a quadrilateral or tetrahedron, 8 of a hexahedron"
+            }
             MeshFault::NoNode { .. } => "number nodes from 0 on",
             MeshFault::NoGroup { .. } => "number groups from 0 on; without names there is the one group 0",
             MeshFault::RepeatedName(_) => "give every boundary a name of its own",

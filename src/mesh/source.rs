@@ -216,9 +216,7 @@ impl HalfPlane {
         let must = "positive and less than the width of the mesh";
         demand(width > 0.0 && width < self.size[0], key, &width, must, "give the contact zone in m")?;
         let (contact, outer, layers) = (self.contact_elements, self.outer_elements, self.layers);
-        for (key, n) in
-            [("mesh.contact_elements", contact), ("mesh.outer_elements", outer), ("mesh.layers", layers)]
-        {
+        for (key, n) in [("mesh.contact_elements", contact), ("mesh.outer_elements", outer), ("mesh.layers", layers)] {
             let must = "at least 1 and at most 50 million";
             demand((1..=MOST_ELEMENTS).contains(&n), key, &n, must, "give a number of elements")?;
         }

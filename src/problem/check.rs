@@ -56,7 +56,11 @@ fn semidefinite(stiffness: &Symmetric) -> Result<(), ProblemError> {
     let diagonal = stiffness.diagonal();
     for (row, column, between) in stiffness.lower().entries() {
         if !between.is_finite() {
-            return Err(ProblemError::Value { array: format!("stiffness({row}, {column})"), value: between, must: "finite" });
+            return Err(ProblemError::Value {
+                array: format!("stiffness({row}, {column})"),
+                value: between,
+                must: "finite",
+            });
         }
         let (first, second) = (diagonal[row], diagonal[column]);
         let bound = first.max(0.0).sqrt() * second.max(0.0).sqrt();

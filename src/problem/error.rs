@@ -51,7 +51,9 @@ pub enum ProblemError {
         second: f64,
     },
     /// What is called a free motion meets resistance.
-    #[error("free_motions[{motion}] is no free motion: the stiffness answers it with a force in row {row}, {share:.1e} of the sizes of its terms")]
+    #[error(
+        "free_motions[{motion}] is no free motion: the stiffness answers it with a force in row {row}, {share:.1e} of the sizes of its terms"
+    )]
     Resisted {
         /// Which one.
         motion: usize,

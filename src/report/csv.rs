@@ -1,14 +1,27 @@
-//! Comma-separated values: a header line, then numbers in the shortest form that reads back the same.
+//! Comma-separated values (RFC 4180): a header line, then numbers in the shortest form that reads back the same.
 
-/// A whole table. Fields must hold neither commas nor quotes.
+use std::borrow::Cow;
+
+/// A table of named columns; every field is quoted that has to be.
 pub fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
-    let mut text = header.join(",");
-    text.push('\n');
-    for row in rows {
-        text.push_str(&row.join(","));
-        text.push('\n');
-    }
+    let mut text = line(header);
+    text.extend(rows.map(|row| line(&row)));
     text
+}
+
+/// Fields in a line, quoted where they have to be.
+pub(super) fn line(fields: &[impl AsRef<str>]) -> String {
+    let fields: Vec<Cow<'_, str>> = fields.iter().map(|field| quoted(field.as_ref())).collect();
+    fields.join(",") + "\n"
+}
+
+/// A text as a field: names of boundaries may hold commas, quotes and line breaks.
+fn quoted(text: &str) -> Cow<'_, str> {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\"")).into()
+    } else {
+        text.into()
+    }
 }
 
 /// A number as a field: with an exponent where it would be a row of zeros otherwise.
@@ -23,7 +36,7 @@ pub(super) fn number(x: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::number;
+    use super::{line, number};
 
     #[test]
     fn numbers_are_short_and_read_back_the_same() {
@@ -32,5 +45,11 @@ mod tests {
         for x in [0.1, 1.0 / 3.0, -7e-9 / 3.0, 1e22 / 7.0] {
             assert_eq!(number(x).parse(), Ok(x));
         }
+    }
+
+    #[test]
+    fn fields_are_quoted_where_they_have_to_be() {
+        assert_eq!(line(&["1", "left edge", ""]), "1,left edge,\n");
+        assert_eq!(line(&["le,ft", "the \"top\"", "a\nb"]), "\"le,ft\",\"the \"\"top\"\"\",\"a\nb\"\n");
     }
 }

@@ -8,8 +8,9 @@ use super::contact_line::ContactLine;
 use super::contact_surface::ContactSurface;
 use super::resultant::ForceRecord;
 use super::vtu::Grid;
-use super::{increments, plot, pvd};
+use super::{file_names, increments, plot, pvd};
 use crate::history::IncrementRecord;
+use crate::model::Model;
 
 /// A folder that takes the results of one run: `increments.csv` and `forces.csv` grow line by line, contact lines
 /// and plots come as they are reached, `run.json` at the end.
@@ -18,17 +19,19 @@ pub struct ResultFolder {
     path: PathBuf,
     increments: File,
     forces: File,
+    /// Boundaries with contact, and how the names of their files end.
+    boundaries: Vec<(String, String)>,
     /// The files of fields so far, each with its time, s.
     fields: Vec<(f64, String)>,
 }
 
 impl ResultFolder {
     /// Makes the folder if need be, removes what an earlier run left there under the names used
-    /// here, and opens the two tables, those of forces for a body of `dimension` 2 or 3.
+    /// here, and opens the two tables. How files are called is settled here, before anything is solved.
     ///
     /// # Errors
     /// When the folder cannot be made or written, or holds files of these names that no run wrote.
-    pub fn create(path: &Path, dimension: usize) -> io::Result<Self> {
+    pub fn create(path: &Path, model: &Model) -> io::Result<Self> {
         fs::create_dir_all(path)?;
         let earlier: Vec<_> = fs::read_dir(path)?
             .filter_map(Result::ok)
@@ -50,8 +53,10 @@ impl ResultFolder {
         }
         increments.write_all(increments::header().as_bytes())?;
         let mut forces = table("forces.csv")?;
-        forces.write_all(increments::forces_header(dimension).as_bytes())?;
-        Ok(ResultFolder { path: path.to_path_buf(), increments, forces, fields: Vec::new() })
+        forces.write_all(increments::forces_header(model.mesh.dimension).as_bytes())?;
+        let boundaries = || model.contact_boundaries.iter().map(|boundary| boundary.name.as_str());
+        let boundaries = boundaries().map(String::from).zip(file_names::file_names(boundaries())).collect();
+        Ok(ResultFolder { path: path.to_path_buf(), increments, forces, boundaries, fields: Vec::new() })
     }
 
     /// Where the results are.
@@ -76,12 +81,12 @@ impl ResultFolder {
     }
 
     /// Writes a contact line as CSV and, in two dimensions, as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`; with
-    /// the boundary's name behind the number if there are several.
+    /// the boundary's name behind the number if there are several, made fit for a file.
     ///
     /// # Errors
     /// When the disk refuses.
     pub fn add_contact_line(&self, line: &ContactLine, title: &str) -> io::Result<()> {
-        let name = contact_name(line.index, line.boundary.as_deref());
+        let name = self.contact_name(line.index, line.boundary.as_deref());
         self.write(&format!("{name}.csv"), &line.to_csv())?;
         if line.dimension == 2 && line.points.len() > 1 {
             self.write(&format!("{name}.svg"), &plot::contact_stresses(line, title).map_err(io::Error::other)?)?;
@@ -94,7 +99,7 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_contact_surface(&self, surface: &ContactSurface, title: &str) -> io::Result<()> {
-        let name = contact_name(surface.index, surface.boundary.as_deref());
+        let name = self.contact_name(surface.index, surface.boundary.as_deref());
         self.write(&format!("{name}.svg"), &surface.to_svg(title).map_err(io::Error::other)?)
     }
 
@@ -117,6 +122,13 @@ impl ResultFolder {
     pub fn write(&self, name: &str, text: &str) -> io::Result<()> {
         write_file(&self.path, name, text)
     }
+
+    /// The name of the files of a contact boundary in an increment; the boundary is named if there are several.
+    fn contact_name(&self, index: usize, boundary: Option<&str>) -> String {
+        let file = boundary.and_then(|name| self.boundaries.iter().find(|(boundary, _)| boundary == name));
+        let boundary = file.map_or(String::new(), |(_, file)| format!("_{file}"));
+        format!("contact_{index:04}{boundary}")
+    }
 }
 
 /// Appends whole lines.
@@ -128,12 +140,6 @@ fn append(table: &mut File, lines: &str) -> io::Result<()> {
         let _ = table.set_len(complete);
     }
     written
-}
-
-/// The name of the files of a contact boundary in an increment; the boundary is named if there are several.
-fn contact_name(index: usize, boundary: Option<&str>) -> String {
-    let boundary = boundary.map_or(String::new(), |name| format!("_{name}"));
-    format!("contact_{index:04}{boundary}")
 }
 
 /// Writes a whole file into a folder; a reader never sees half of it.

@@ -36,7 +36,7 @@ pub(super) fn line(record: &IncrementRecord) -> String {
     let s = r.seconds;
     fields.extend([s.assembly, s.factorization, s.solve, s.rest].map(|seconds| format!("{seconds:.6}")));
     fields.extend([r.parts.to_string(), r.rescued.to_string(), number(r.friction_work)]);
-    fields.join(",") + "\n"
+    csv::line(&fields)
 }
 
 /// The header of the table of forces, for so many dimensions.
@@ -53,5 +53,5 @@ pub(super) fn forces_line(record: &ForceRecord) -> String {
     let Resultant { boundary, force, moment, sums } = &record.resultant;
     let numbers = force.iter().chain(moment).chain([&sums.sum_p_n, &sums.sum_p_t]).chain(&sums.sum_p_o);
     let fields = [record.index.to_string(), number(record.time), boundary.clone()];
-    fields.into_iter().chain(numbers.map(|x| number(*x))).collect::<Vec<_>>().join(",") + "\n"
+    csv::line(&fields.into_iter().chain(numbers.map(|x| number(*x))).collect::<Vec<_>>())
 }

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::formulation::Layout;
-use crate::model::Model;
 use crate::history::Method;
+use crate::model::Model;
 
 /// The numbers of unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -13,7 +13,9 @@ pub enum MatrixError {
         rows: usize,
     },
     /// An entry stands beyond the last column.
-    #[error("an entry of row {row} stands in column {column} of a matrix with {columns} columns: columns are counted from 0")]
+    #[error(
+        "an entry of row {row} stands in column {column} of a matrix with {columns} columns: columns are counted from 0"
+    )]
     Column {
         /// Its row.
         row: usize,

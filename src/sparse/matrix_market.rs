@@ -26,7 +26,8 @@ pub fn read_matrix_market(text: &str) -> Result<Csc, MatrixError> {
         }
     };
     let mut lines = lines.filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('%'));
-    let (k, sizes) = lines.next().ok_or_else(|| fault(1, "the line with rows, columns and entries is missing".into()))?;
+    let (k, sizes) =
+        lines.next().ok_or_else(|| fault(1, "the line with rows, columns and entries is missing".into()))?;
     let counts: Vec<usize> = sizes.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     let [rows, columns, count] = counts[..] else {
         return Err(fault(k, format!("expected the numbers of rows, columns and entries, found `{sizes}`")));
@@ -50,7 +51,8 @@ pub fn read_matrix_market(text: &str) -> Result<Csc, MatrixError> {
             entries.push((column - 1, row - 1, value));
         }
     }
-    let found = entries.len() - if symmetric { entries.iter().filter(|(row, column, _)| row < column).count() } else { 0 };
+    let found =
+        entries.len() - if symmetric { entries.iter().filter(|(row, column, _)| row < column).count() } else { 0 };
     if found != count {
         return Err(fault(k, format!("{count} entries are announced, but {found} follow")));
     }

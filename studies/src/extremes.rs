@@ -11,10 +11,10 @@ use std::time::Instant;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use stickslip::contact::KktErrors;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
 use stickslip::linear::LinearError;
 use stickslip::model::{Model, ModelError};
-use stickslip::scene::{LinearBackend, Method, Override, OverrideSyntax, Scene, SceneError};
+use stickslip::scene::{Override, OverrideSyntax, Scene, SceneError};
 use vary::Vary;
 
 /// How the suite solves a scene.
@@ -256,10 +256,15 @@ impl Case {
     pub fn settings(&self, scene: &Scene, model: &Model, method: SuiteMethod) -> HistorySettings {
         let (problem, scaling) = (&model.problem, model.scaling());
         match method {
-            SuiteMethod::BnPaper => HistorySettings::paper_bn(problem, scaling, MAX_ITERATIONS, TOLERANCE),
-            SuiteMethod::Ip => HistorySettings::ip(problem, scaling, MAX_ITERATIONS, TOLERANCE),
+            SuiteMethod::BnPaper => {
+                HistorySettings::new(problem, loading, Method::PaperBn).unwrap().until(MAX_ITERATIONS, TOLERANCE)
+            }
+            SuiteMethod::Ip => {
+                HistorySettings::new(problem, loading, Method::IP).unwrap().until(MAX_ITERATIONS, TOLERANCE)
+            }
             SuiteMethod::Bn => {
-                let mut settings = HistorySettings::bn(problem, scaling, MAX_ITERATIONS, TOLERANCE);
+                let mut settings =
+                    HistorySettings::new(problem, loading, Method::BN).unwrap().until(MAX_ITERATIONS, TOLERANCE);
                 if let Method::Bn { r_factor } = scene.solver.method {
                     settings.conventions.scale_r(r_factor);
                 }
@@ -277,9 +282,9 @@ impl Case {
         let scene = self.scene()?;
         let model = self.model(&scene)?;
         let settings = self.settings(&scene, &model, method);
-        let mut linear = model.linear(LinearBackend::default());
+        let linear = System::from(LinearAlgebra::default());
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ())?;
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut ())?;
         let seconds = start.elapsed().as_secs_f64();
         let condition = vary::condition(&model)?;
         Ok(self.row(method, &outcome, times.len(), condition, seconds))

@@ -188,7 +188,7 @@ fn run(
     let mut linear = model.linear(scene.solver.linear.unwrap_or_default());
     let mut keep = Keep { model: &model, wanted, progress, lines: Vec::new(), iterations: Vec::new() };
     let times = scene.time.all();
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut keep)?;
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut keep)?;
     let Keep { lines, iterations, .. } = keep;
     Ok(Run { outcome, lines, iterations })
 }

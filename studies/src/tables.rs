@@ -4,10 +4,10 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::Serialize;
-use stickslip::history::{self, HistorySettings, IncrementRecord, Start, Status};
+use stickslip::history::{self, HistorySettings, IncrementRecord, LinearAlgebra, Method, Start, Status, System};
 use stickslip::linear::LinearError;
 use stickslip::model::{Model, ModelError};
-use stickslip::scene::{LinearBackend, Override, Scene, SceneError};
+use stickslip::scene::{Override, Scene, SceneError};
 
 /// Half a unit of the last digit that the paper prints: a difference up to this is rounding.
 pub const ROUNDING: f64 = 0.05;
@@ -173,14 +173,14 @@ impl PaperTable {
     ///
     /// # Errors
     /// When memory is short; the scenes themselves are sound.
-    pub fn cell(self, case: &Case, method: PaperMethod, linear: LinearBackend) -> Result<Cell, PaperError> {
+    pub fn cell(self, case: &Case, method: PaperMethod, linear: LinearAlgebra) -> Result<Cell, PaperError> {
         let start = Instant::now();
         let scene = self.scene(case.contact_nodes, case.mu, case.increments)?;
         let model = Model::new(&scene)?;
         let settings = self.settings(method, &model);
-        let mut linear = model.linear(linear);
+        let linear = System::from(linear);
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ())?;
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut ())?;
         let mean = |count: fn(&IncrementRecord) -> usize| {
             outcome.records.iter().map(count).sum::<usize>() as f64 / outcome.records.len() as f64
         };
@@ -205,16 +205,22 @@ impl PaperTable {
     pub fn settings(self, method: PaperMethod, model: &Model) -> HistorySettings {
         let (problem, scaling) = (&model.problem, model.scaling());
         // The paper's IP ends at an absolute Theta, which leaves errors of 1e-7.
-        let paper_ip = |start| HistorySettings::paper_ip(problem, start, MAX_ITERATIONS, 1e-6);
+        let paper_ip = |start| {
+            HistorySettings::new(problem, loading, Method::paper_ip(start)).unwrap().until(MAX_ITERATIONS, 1e-6)
+        };
         match method {
-            PaperMethod::BnDefault => HistorySettings::bn(problem, scaling, MAX_ITERATIONS, 1e-10),
-            PaperMethod::Bn => HistorySettings::paper_bn(problem, scaling, MAX_ITERATIONS, 1e-10),
+            PaperMethod::BnDefault => {
+                HistorySettings::new(problem, loading, Method::BN).unwrap().until(MAX_ITERATIONS, 1e-10)
+            }
+            PaperMethod::Bn => {
+                HistorySettings::new(problem, loading, Method::PaperBn).unwrap().until(MAX_ITERATIONS, 1e-10)
+            }
             PaperMethod::IpSafe => paper_ip(Start::Safe),
             PaperMethod::IpPrev if self == PaperTable::Block => paper_ip(Start::PREV),
             // The paper restarts nothing here, and lets σ fall by (36); with that the iteration
             // stalls in the second increment or soon after. With the block's rule it gets through in most cells.
             PaperMethod::IpPrev => paper_ip(Start::PREV.patient()),
-            PaperMethod::Ip => HistorySettings::ip(problem, scaling, MAX_ITERATIONS, 1e-10),
+            PaperMethod::Ip => HistorySettings::new(problem, loading, Method::IP).unwrap().until(MAX_ITERATIONS, 1e-10),
         }
     }
 }

@@ -3,11 +3,11 @@
 
 use crate::common::{Keep, block};
 use stickslip::auto::Choice;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
 use stickslip::model::Model;
 use stickslip::problem::State;
 use stickslip::run::Run;
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 
 const STRIP: [&str; 2] = ["mesh.size=[1000,4]", "mesh.elements=[1000,4]"];
 
@@ -30,9 +30,9 @@ fn choice(overrides: &[&str], available: Option<u64>) -> Choice {
 fn squares_are_condensed_and_strips_are_not() {
     for increments in ["time.increments=2", "time.increments=40"] {
         let square = choice(&["mesh.elements=[60,60]", increments], None);
-        assert_eq!(square.backend, LinearBackend::Condensed, "{:?}", square.reason());
+        assert_eq!(square.backend, LinearAlgebra::condensed(), "{:?}", square.reason());
         let strip = choice(&[&STRIP[..], &[increments]].concat(), None);
-        assert_eq!(strip.backend, LinearBackend::default(), "{:?}", strip.reason());
+        assert_eq!(strip.backend, LinearAlgebra::default(), "{:?}", strip.reason());
     }
 }
 
@@ -40,9 +40,9 @@ fn squares_are_condensed_and_strips_are_not() {
 fn cubes_are_condensed_and_the_thinnest_plate_is_not() {
     let text = include_str!("../../data/scenes/cube.toml");
     for (elements, size, expected) in [
-        ("[8,8,8]", "[1,1,1]", LinearBackend::Condensed),
-        ("[16,16,4]", "[1,1,0.25]", LinearBackend::Condensed),
-        ("[32,32,2]", "[1,1,0.0625]", LinearBackend::default()),
+        ("[8,8,8]", "[1,1,1]", LinearAlgebra::condensed()),
+        ("[16,16,4]", "[1,1,0.25]", LinearAlgebra::condensed()),
+        ("[32,32,2]", "[1,1,0.0625]", LinearAlgebra::default()),
     ] {
         let overrides = [format!("mesh.elements={elements}"), format!("mesh.size={size}")];
         let overrides = overrides.iter().map(String::as_str).chain(["solver.linear=\"auto\""]);
@@ -56,20 +56,20 @@ fn cubes_are_condensed_and_the_thinnest_plate_is_not() {
 #[test]
 fn the_reason_is_told() {
     let reason = choice(&["mesh.elements=[40,40]"], None).reason().unwrap();
-    let other = format!("for {}", LinearBackend::default());
+    let other = format!("for {}", LinearAlgebra::default());
     for part in ["condensed (estimated ", " s against ", &other, " flops an iteration against "] {
         assert!(reason.contains(part), "{part}: {reason}");
     }
     let named = block(&["mesh.elements=[5,5]", "solver.linear=\"condensed\""]);
     let run = Run::new(&named).unwrap();
     let choice = run.choice();
-    assert_eq!((choice.backend, choice.reason()), (LinearBackend::Condensed, None));
+    assert_eq!((choice.backend, choice.reason()), (LinearAlgebra::condensed(), None));
 }
 
 #[test]
 fn what_memory_does_not_hold_is_not_chosen() {
     let short = choice(&["mesh.elements=[40,40]"], Some(1000));
-    assert_eq!(short.backend, LinearBackend::default());
+    assert_eq!(short.backend, LinearAlgebra::default());
     assert!(short.reason().unwrap().contains("GB of memory"), "{:?}", short.reason());
 }
 
@@ -84,11 +84,11 @@ fn without_contact_any_choice_solves() {
     assert_eq!(run(&scene, &model, choice.backend).0.status, Status::Converged);
 }
 
-fn run(scene: &Scene, model: &Model, backend: LinearBackend) -> (HistoryOutcome, Vec<State>) {
-    let settings = HistorySettings::bn(&model.problem, model.scaling(), 100, 1e-10);
-    let (mut linear, mut keep) = (model.linear(backend), Keep::default());
+fn run(scene: &Scene, model: &Model, backend: LinearAlgebra) -> (HistoryOutcome, Vec<State>) {
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
+    let (linear, mut keep) = (System::from(backend), Keep::default());
     let times = scene.time.all();
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut keep).unwrap();
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut keep).unwrap();
     (outcome, keep.states)
 }
 
@@ -96,14 +96,14 @@ fn run(scene: &Scene, model: &Model, backend: LinearBackend) -> (HistoryOutcome,
 #[test]
 fn both_ways_have_the_same_result() {
     for (overrides, expected) in [
-        (&["mesh.elements=[30,30]"][..], LinearBackend::Condensed),
-        (&["mesh.elements=[300,2]", "mesh.size=[300,2]"], LinearBackend::default()),
+        (&["mesh.elements=[30,30]"][..], LinearAlgebra::condensed()),
+        (&["mesh.elements=[300,2]", "mesh.size=[300,2]"], LinearAlgebra::default()),
     ] {
         let (scene, model) = scene(&[overrides, &["time.increments=2"]].concat());
         let chosen = cheapest(&scene, &model, None).backend;
         assert_eq!(chosen, expected);
         let [(whole, whole_states), (condensed, condensed_states)] =
-            [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&scene, &model, backend));
+            [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&scene, &model, backend));
         assert_eq!((whole.status, condensed.status), (Status::Converged, Status::Converged));
         for (a, b) in whole_states.iter().zip(&condensed_states) {
             let largest = a.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));

@@ -109,7 +109,7 @@ fn one_node() {
             halvings: 0,
         };
         let mut linear = Direct::default();
-        let outcome = history::run(&problem, &loading, &[1.0], &settings, &mut linear, &mut ()).unwrap();
+        let outcome = history::run(&problem, &loading, &[1.0], &settings, linear, &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{force:?}");
         let found = [outcome.state.u[0], outcome.state.p_n[0], outcome.state.p_t[0]];
         for (found, exact) in found.into_iter().zip([u_t, p_n, p_t]) {

@@ -9,9 +9,9 @@ use crate::common;
 use crate::common::Keep;
 use stickslip::contact::ContactNode;
 use stickslip::formulation::Conventions;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
 use stickslip::model::Model;
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 
 fn solve(scene: &Scene) -> (Model, HistoryOutcome, Keep) {
     let mut keep = Keep::default();
@@ -62,11 +62,13 @@ fn cubes_by_the_interior_point_method() {
     let (mut iterations, mut increments) = (0, 0);
     for scene in [4, 6].into_iter().flat_map(cubes) {
         let (model, _, by_bn) = solve(&scene);
-        let settings = HistorySettings::ip(&model.problem, model.scaling(), 100, scene.solver.tolerance);
-        let mut linear = model.linear(LinearBackend::Condensed);
+        let settings = HistorySettings::new(&model.problem, &model.loading, Method::IP)
+            .unwrap()
+            .until(100, scene.solver.tolerance);
+        let linear = System::from(LinearAlgebra::condensed());
         let mut by_ip = Keep::default();
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut by_ip).unwrap();
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut by_ip).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{scene:?}");
         assert!(outcome.records.iter().all(|r| r.parts == 1), "{scene:?}");
         iterations += outcome.records.iter().map(|r| r.iterations).sum::<usize>();
@@ -86,12 +88,11 @@ fn cubes_in_the_setting_of_the_paper() {
     for scene in cubes(4) {
         let (model, _, by_default) = solve(&scene);
         // It stops by its own test, with errors up to 1e-6.
-        let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-6);
-        let mut linear = model.linear(LinearBackend::Condensed);
+        let settings = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-6);
+        let linear = System::from(LinearAlgebra::condensed());
         let mut by_paper = Keep::default();
         let times = scene.time.all();
-        let outcome =
-            history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut by_paper).unwrap();
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut by_paper).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{scene:?}");
         iterations += outcome.records.iter().map(|r| r.iterations).sum::<usize>();
         increments += outcome.records.len();
@@ -190,14 +191,14 @@ fn a_slab_is_plane() {
         plane.contacts.iter().position(|c| (c.position[0] - contact.position[0]).abs() < 1e-9).unwrap()
     };
     // Alone, either of the two nodes across the slab is softer; with the same r, for half of the thickness, the way is the same.
-    let mut settings = HistorySettings::bn(&space.problem, space.scaling(), 200, slab.solver.tolerance);
+    let mut settings =
+        HistorySettings::new(&space.problem, &space.loading, Method::BN).unwrap().until(200, slab.solver.tolerance);
     let natural = Conventions::natural(&plane.problem);
     let across = |r: &[f64]| space.contacts.iter().map(|contact| 0.5 * thickness * r[in_plane(contact)]).collect();
     (settings.conventions.r_n, settings.conventions.r_t) = (across(&natural.r_n), across(&natural.r_t));
-    let (mut linear, mut thick_states) = (space.linear(LinearBackend::Condensed), Keep::default());
+    let (linear, mut thick_states) = (System::from(LinearAlgebra::condensed()), Keep::default());
     let times = slab.time.all();
-    let thick =
-        history::run(&space.problem, &space.loading, &times, &settings, &mut linear, &mut thick_states).unwrap();
+    let thick = history::run(&space.problem, &space.loading, &times, &settings, linear, &mut thick_states).unwrap();
     assert_eq!(thick.status, Status::Converged);
     let counts = |outcome: &HistoryOutcome| -> Vec<_> { outcome.records.iter().map(|r| r.iterations).collect() };
     assert_eq!(counts(&flat), counts(&thick));

@@ -92,20 +92,20 @@ fn obstacles_that_move_from_text_and_from_rust() {
     let roller = Obstacle {
         direction: GapDirection::Nearest,
         translation: Some(vec![(0.0, [0.0; 2].into()), (3.0, [0.1, 0.0].into())]),
-        rotation: Some(Rotation {
-            axis: None,
-            through: [0.5, -5.001].into(),
-            history: vec![[0.0, 0.0], [1.0, 0.1]],
-        }),
+        rotation: Some(Rotation { axis: None, through: [0.5, -5.001].into(), history: vec![[0.0, 0.0], [1.0, 0.1]] }),
         ..Obstacle::at_rest(Shape::Cylinder { radius: 5.0, apex: [0.5, -1e-3].into(), axis: None })
             .approaching(&[[0.0, 0.0], [1.0, 2e-3]])
     };
-    let description = Description::new(source, Material { layers, ..Material::new(1e9, 0.3) }, equal_increments(2.0, 4))
-        .support("top", &[Axis::X, Axis::Y])
-        .contact("bottom", 0.3, roller);
+    let description =
+        Description::new(source, Material { layers, ..Material::new(1e9, 0.3) }, equal_increments(2.0, 4))
+            .support("top", &[Axis::X, Axis::Y])
+            .contact("bottom", 0.3, roller);
     let of_text = Model::new(&Scene::parse("roller.toml", text, &[]).unwrap()).unwrap();
     assert_equal(&of_text, &Model::build(&description).unwrap());
-    assert_eq!((of_text.times(), of_text.loading.bends()[0].times()), (&description.times[..], &[0.0, 0.5, 1.0, 1.5, 2.0][..]));
+    assert_eq!(
+        (of_text.times(), of_text.loading.bends()[0].times()),
+        (&description.times[..], &[0.0, 0.5, 1.0, 1.5, 2.0][..])
+    );
 }
 
 #[test]
@@ -113,7 +113,8 @@ fn a_model_without_text_is_solved() {
     let model = Model::build(&paper_block()).unwrap();
     let settings = HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
     let outcome =
-        history::run(&model.problem, &model.loading, model.times(), &settings, &mut Direct::default(), &mut ()).unwrap();
+        history::run(&model.problem, &model.loading, model.times(), &settings, &mut Direct::default(), &mut ())
+            .unwrap();
     assert_eq!((outcome.status, outcome.records.len()), (Status::Converged, 40));
 }
 
@@ -135,7 +136,8 @@ fn nonsense_in_the_plane() {
         description
     };
     let mesh = |source: MeshSource| with(&|d| d.mesh = source.clone());
-    let half_plane = HalfPlane { size: [1.0, 1.0], contact_width: 0.1, contact_elements: 2, outer_elements: 2, layers: 2 };
+    let half_plane =
+        HalfPlane { size: [1.0, 1.0], contact_width: 0.1, contact_elements: 2, outer_elements: 2, layers: 2 };
     let half = |half_plane| mesh(MeshSource::HalfPlane(half_plane));
     let segment = Segment { length: 1.0, elements: 2, grading: 1.0 };
     let axes = |axes: Vec<Vec<Segment>>| mesh(MeshSource::Block { axes, cells: CellKind::Quadrilateral });
@@ -164,11 +166,31 @@ fn nonsense_in_the_plane() {
         (material(Material::new(0.0, 0.3)), "material.young", "positive"),
         (material(Material::new(f64::INFINITY, 0.3)), "material.young", "finite"),
         (material(Material::new(1e9, 0.5)), "material.poisson", "below 0.5"),
-        (material(Material { layers: vec![layer, Layer { thickness: -0.1, ..layer }], ..steel() }), "material.layers[1]", "thickness"),
-        (material(Material { layers: vec![Layer { thickness: 5.0, ..layer }, layer], ..steel() }), "material.layers[1]", "no element"),
-        (material(Material { groups: vec![group("body"), group("body")], ..steel() }), "material.group[1].name", "already"),
-        (material(Material { groups: vec![group("core")], ..steel() }), "material.group[0].name", "no material group `core`"),
-        (material(Material { groups: vec![group("body")], layers: vec![layer], ..steel() }), "material.layers", "layers and groups"),
+        (
+            material(Material { layers: vec![layer, Layer { thickness: -0.1, ..layer }], ..steel() }),
+            "material.layers[1]",
+            "thickness",
+        ),
+        (
+            material(Material { layers: vec![Layer { thickness: 5.0, ..layer }, layer], ..steel() }),
+            "material.layers[1]",
+            "no element",
+        ),
+        (
+            material(Material { groups: vec![group("body"), group("body")], ..steel() }),
+            "material.group[1].name",
+            "already",
+        ),
+        (
+            material(Material { groups: vec![group("core")], ..steel() }),
+            "material.group[0].name",
+            "no material group `core`",
+        ),
+        (
+            material(Material { groups: vec![group("body")], layers: vec![layer], ..steel() }),
+            "material.layers",
+            "layers and groups",
+        ),
         (paper_block().support("right", &[]), "support[1].fix", "holds nothing"),
         (paper_block().support("right", &[Axis::Z]), "support[1].fix", "holds z"),
         (paper_block().support("rigth", &[Axis::X]), "support[1].boundary", "no boundary `rigth`"),
@@ -184,11 +206,23 @@ fn nonsense_in_the_plane() {
         (contact(Obstacle::at_rest(round(0.1))), "contact[0].obstacle", "does not reach"),
         (contact(Obstacle { normal: Some([0.0; 2].into()), ..plane() }), "contact[0].obstacle.normal", "[0.0, 0.0]"),
         (contact(Obstacle { normal: Some([0.0, 1.0].into()), ..plane() }), "contact[0].obstacle", "into the body"),
-        (contact(Obstacle { normal: Some([0.0, -1.0, 1.0].into()), ..plane() }), "contact[0].obstacle", "leaves the plane"),
-        (contact(Obstacle { tangent: Some([1.0, 0.0].into()), ..plane() }), "contact[0].obstacle.tangent", "right angles"),
+        (
+            contact(Obstacle { normal: Some([0.0, -1.0, 1.0].into()), ..plane() }),
+            "contact[0].obstacle",
+            "leaves the plane",
+        ),
+        (
+            contact(Obstacle { tangent: Some([1.0, 0.0].into()), ..plane() }),
+            "contact[0].obstacle.tangent",
+            "right angles",
+        ),
         (contact(Obstacle { direction: GapDirection::Nearest, ..plane() }), "contact[0].obstacle.direction", "nearest"),
         (contact(plane().approaching(&[])), "contact[0].obstacle.approach", "empty"),
-        (contact(plane().approaching(&[[1.0, 0.0], [0.0, 1.0]])), "contact[0].obstacle.approach", "times must increase"),
+        (
+            contact(plane().approaching(&[[1.0, 0.0], [0.0, 1.0]])),
+            "contact[0].obstacle.approach",
+            "times must increase",
+        ),
         (
             contact(Obstacle { translation: Some(vec![(f64::NAN, [0.0; 2].into())]), ..plane() }),
             "contact[0].obstacle.motion.translation",
@@ -296,7 +330,10 @@ fn a_mesh_from_arrays() {
     let model = Model::build(&paper_block()).unwrap();
     assert_eq!(format!("{:?}", of_arrays.problem), format!("{:?}", model.problem));
     let cube = block(&[1.0; 3], &[2; 3]).into_simplices();
-    assert_eq!(Mesh::new(cube.nodes.clone(), cube.cells.clone(), cube.groups.clone(), cube.boundaries.clone()), Ok(cube));
+    assert_eq!(
+        Mesh::new(cube.nodes.clone(), cube.cells.clone(), cube.groups.clone(), cube.boundaries.clone()),
+        Ok(cube)
+    );
 }
 
 #[test]
@@ -322,7 +359,10 @@ fn meshes_that_are_none() {
         (with(&|m| m.nodes.push([5.0, 5.0, 0.0])), MeshFault::UnusedNodes(vec![9])),
         (with(&|m| m.boundaries.push(facet(&[1, 4]))), MeshFault::InnerFacet { boundary: "odd".into(), element: 0 }),
         (with(&|m| m.boundaries.push(facet(&[0, 77]))), MeshFault::LooseFacet { boundary: "odd".into(), element: 0 }),
-        (with(&|m| m.boundaries[0].facets.push(vec![0, 1])), MeshFault::RepeatedFacet { boundary: "bottom".into(), elements: (0, 2) }),
+        (
+            with(&|m| m.boundaries[0].facets.push(vec![0, 1])),
+            MeshFault::RepeatedFacet { boundary: "bottom".into(), elements: (0, 2) },
+        ),
         (with(&|m| m.boundaries[1].name = "top".into()), MeshFault::RepeatedName("top".into())),
     ];
     for (mesh, fault) in faults {

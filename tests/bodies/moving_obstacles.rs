@@ -3,18 +3,19 @@
 
 use crate::common;
 use crate::common::{BELT, Keep};
-use stickslip::history::Status;
+use stickslip::history::{LinearAlgebra, Method, Status, System};
 use stickslip::model::Model;
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 
 fn solve(text: &str) -> (Model, Vec<[f64; 2]>) {
     let scene = Scene::parse("belt.toml", text, &[]).unwrap();
     let model = Model::new(&scene).unwrap();
     let mut keep = Keep::default();
-    let settings = stickslip::history::HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
-    let mut linear = model.linear(LinearBackend::default());
+    let settings =
+        stickslip::history::HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10);
+    let linear = System::from(LinearAlgebra::default());
     let outcome =
-        stickslip::history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut keep)
+        stickslip::history::run(&model.problem, &model.loading, &scene.time.all(), &settings, linear, &mut keep)
             .unwrap();
     assert_eq!(outcome.status, Status::Converged);
     let sums = keep.states.iter().map(|state| [state.p_n.iter().sum(), state.p_t.iter().sum()]).collect();

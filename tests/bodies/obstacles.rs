@@ -36,7 +36,10 @@ fn gaps_along_one_normal() {
     let mesh = block(&[1.0, 1.0], &[2, 2]);
     let points = [[0.0, 1.0, 0.0], [0.3, 1.0, 0.0], [0.3, 0.9, 0.0]];
     assert_eq!(gaps(&mesh, Shape::Plane { gap: 1e-5 }, &points)[..2], [1e-5; 2]);
-    assert!(close(&gaps(&mesh, Shape::PlaneThrough { through: [9.0, 1.25, 0.0].into() }, &points), &[0.25, 0.25, 0.35]));
+    assert!(close(
+        &gaps(&mesh, Shape::PlaneThrough { through: [9.0, 1.25, 0.0].into() }, &points),
+        &[0.25, 0.25, 0.35]
+    ));
     let round = Shape::Cylinder { radius: 0.5, apex: [0.0, 1.1, 0.0].into(), axis: None };
     assert!(close(&gaps(&mesh, round, &points), &[0.1, 0.2, 0.3]));
     let wedge = Shape::Wedge { apex: [0.1, 1.0, 0.0].into(), angle: 0.5_f64.atan(), axis: None };
@@ -52,8 +55,11 @@ fn a_sphere_and_an_oblique_cylinder_over_a_cube() {
     let sphere = Shape::Sphere { radius: 1.3, apex: [0.5, 0.5, 1.0].into() };
     assert!(close(&gaps(&mesh, sphere, &points), &[0.0, 1.3 - 1.6_f64.sqrt(), 1.3 - 1.44_f64.sqrt()]));
     // Across an axis along (1, 1, 0) the last point is 0.1 / √2 away.
-    let cylinder =
-        Shape::Cylinder { radius: 1.0, apex: [0.5, 0.5, 1.0].into(), axis: Some([FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0].into()) };
+    let cylinder = Shape::Cylinder {
+        radius: 1.0,
+        apex: [0.5, 0.5, 1.0].into(),
+        axis: Some([FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0].into()),
+    };
     let expected = [0.0, 1.0 - (1.0_f64 - 0.045).sqrt(), 1.0 - (1.0_f64 - 0.005).sqrt()];
     assert!(close(&gaps(&mesh, cylinder, &points), &expected));
 }
@@ -114,7 +120,8 @@ fn obstacles_that_do_not_suit_the_dimension_are_refused() {
 #[test]
 fn motions_of_a_plane_over_a_cube() {
     let mesh = block(&[1.0, 1.0, 1.0], &[2, 2, 2]);
-    let rotation = Rotation { axis: Some(Z.into()), through: [0.5, 0.5, 0.0].into(), history: vec![[0.0, 0.0], [1.0, 20.0 * PI]] };
+    let rotation =
+        Rotation { axis: Some(Z.into()), through: [0.5, 0.5, 0.0].into(), history: vec![[0.0, 0.0], [1.0, 20.0 * PI]] };
     let given = Obstacle {
         translation: Some(vec![(0.0, [0.0; 3].into()), (2.0, [0.2, -0.4, -1e-3].into())]),
         rotation: Some(rotation),
@@ -138,7 +145,8 @@ fn motions_of_a_plane_over_a_cube() {
     // Neither a plane that slides nor one that turns about its normal bends.
     let bends = motion.bends(&obstacle, &[x], &[facing], &[0.0, 0.3, 1.0, 2.0]);
     assert_eq!(bends, None);
-    let quarter = Rotation { axis: Some(Z.into()), through: [0.5, 0.5, 0.0].into(), history: vec![[0.0, 0.0], [1.0, PI / 2.0]] };
+    let quarter =
+        Rotation { axis: Some(Z.into()), through: [0.5, 0.5, 0.0].into(), history: vec![[0.0, 0.0], [1.0, PI / 2.0]] };
     let turned = ObstacleMotion::new(&Obstacle { rotation: Some(quarter), ..given }, facing.normal, 2.0);
     let (back, n) = turned.back(1.0, [0.6 + 0.1, 0.75 - 0.2, 1.0 - 5e-4], Z);
     assert!(close(&back, &[0.75, 0.4, 1.0]) && close(&n, &Z), "{back:?}");
@@ -161,7 +169,8 @@ fn leaning_surfaces_change_the_gap_as_they_pass() {
     let round = Obstacle::at_rest(Shape::Cylinder { radius: 0.5, apex: [0.5, 1.0, 0.0].into(), axis: None });
     let (gap, drift) = rates(&Obstacle { translation: along.clone(), ..round.clone() });
     assert!((gap + 0.75).abs() < 1e-14 && drift == -1.0, "{gap} {drift}");
-    let rotation = Rotation { axis: Some(Z.into()), through: [0.5, 1.5, 0.0].into(), history: vec![[0.0, 0.0], [1.0, 1.0]] };
+    let rotation =
+        Rotation { axis: Some(Z.into()), through: [0.5, 1.5, 0.0].into(), history: vec![[0.0, 0.0], [1.0, 1.0]] };
     let (gap, drift) = rates(&Obstacle { rotation: Some(rotation), ..round });
     // At the node itself, 0.5 below the axis, the surface passes with 0.5.
     assert!(gap.abs() < 1e-15 && (drift + 0.5).abs() < 1e-15, "{gap} {drift}");
@@ -178,6 +187,12 @@ fn bad_obstacles_get_one_message() {
         ("kind = \"plane\", gap = -0.05, approach = [[0, 0.1]]", "the obstacle starts 1.5"),
         (
             "kind = \"cylinder\", radius = 0.3, apex = [0.5, 0.0]",
+            "the obstacle does not reach over the contact node at (0, 0) m",
+        ),
+        // Right under its side a cylinder is as steep as the normal: its gap is finite, but not how it changes.
+        (
+            "kind = \"cylinder\", radius = 1.0, apex = [1.0, 0.0], normal = [0, -1], \
+             motion.translation = [[0, 0, 0], [1, 1e-5, 0]]",
             "the obstacle does not reach over the contact node at (0, 0) m",
         ),
         (

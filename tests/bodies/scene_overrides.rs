@@ -92,12 +92,14 @@ fn bare_words_are_strings() {
 
 #[test]
 fn one_contact_or_all() {
-    let frictions = |sets: &[&str]| two_contacts(sets).description.contacts.iter().map(|c| c.friction).collect::<Vec<_>>();
+    let frictions =
+        |sets: &[&str]| two_contacts(sets).description.contacts.iter().map(|c| c.friction).collect::<Vec<_>>();
     assert_eq!(frictions(&[]), [0.4, 0.2]);
     assert_eq!(frictions(&["contact.friction=0.7"]), [0.7, 0.7]);
     assert_eq!(frictions(&["contact[0].friction=0.7"]), [0.7, 0.2]);
     assert_eq!(frictions(&["contact[1].friction=0.7"]), [0.4, 0.7]);
-    let gaps = |sets: &[&str]| two_contacts(sets).description.contacts.iter().map(|c| gap(&c.obstacle)).collect::<Vec<_>>();
+    let gaps =
+        |sets: &[&str]| two_contacts(sets).description.contacts.iter().map(|c| gap(&c.obstacle)).collect::<Vec<_>>();
     assert_eq!(gaps(&["contact.obstacle.gap=3e-5"]), [3e-5, 3e-5]);
     assert_eq!(gaps(&["contact[0].obstacle.gap=3e-5"]), [3e-5, 2e-5]);
     let loads = scene(&["load[1].traction=[1, 2]"]).description.loads;

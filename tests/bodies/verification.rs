@@ -8,11 +8,13 @@ use crate::common::Keep;
 use crate::common::hertz::Hertz;
 use stickslip::contact::ContactStatus;
 use stickslip::fem::{Dofs, assemble};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Observer, Status, Step};
+use stickslip::history::{
+    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, Status, Step, System,
+};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::report::Resultant;
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 use stickslip::vector::norm;
 
 const YOUNG: f64 = 210e9;
@@ -119,9 +121,9 @@ fn indenting_wedge(elements: usize) -> [f64; 2] {
     let mesh = [("contact_elements", elements), ("outer_elements", elements), ("layers", 4 + elements / 2)];
     let mesh = mesh.map(|(key, value)| format!("mesh.{key}={value}").parse().unwrap());
     let model = Model::new(&Scene::parse("wedge.toml", &text, &mesh).unwrap()).unwrap();
-    let settings = HistorySettings::bn(&model.problem, model.scaling(), 100, 1e-10);
-    let mut linear = model.linear(LinearBackend::Condensed);
-    let outcome = history::run(&model.problem, &model.loading, &[1.0], &settings, &mut linear, &mut ()).unwrap();
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
+    let linear = System::from(LinearAlgebra::condensed());
+    let outcome = history::run(&model.problem, &model.loading, &[1.0], &settings, linear, &mut ()).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     let p_n = &outcome.state.p_n;
     let moment: f64 = p_n.iter().zip(&model.contacts).map(|(p, contact)| p * contact.position[0].powi(2)).sum();

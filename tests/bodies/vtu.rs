@@ -5,11 +5,11 @@
 use std::fs;
 
 use crate::common;
-use stickslip::history::{self, HistorySettings, Observer, Step};
+use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Step, System};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::report::{Grid, ResultFolder, fields};
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 use vtkio::Vtk;
 use vtkio::model::{Attribute, CellType, DataSet, Piece, UnstructuredGridPiece, VertexNumbers};
 
@@ -25,10 +25,10 @@ impl Observer for Fields<'_> {
 
 fn solve(scene: &Scene) -> (Model, Vec<Grid>) {
     let model = Model::new(scene).unwrap();
-    let settings = HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
-    let mut linear = model.linear(LinearBackend::default());
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10);
+    let linear = System::from(LinearAlgebra::default());
     let mut observer = Fields(&model, Vec::new());
-    history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut observer).unwrap();
+    history::run(&model.problem, &model.loading, &scene.time.all(), &settings, linear, &mut observer).unwrap();
     let grids = observer.1;
     (model, grids)
 }
@@ -238,9 +238,9 @@ fn bodies_in_space_read_back_as_they_were_computed() {
 #[test]
 fn the_series_names_whole_files() {
     let scene = common::block(&["mesh.elements=[4,3]", "time.increments=2"]);
-    let (_, grids) = solve(&scene);
+    let (model, grids) = solve(&scene);
     let path = std::env::temp_dir().join(format!("stickslip_series_{}", std::process::id()));
-    let mut folder = ResultFolder::create(&path, 2).unwrap();
+    let mut folder = ResultFolder::create(&path, &model).unwrap();
     for (k, grid) in grids.iter().enumerate() {
         folder.add_fields(k + 1, 0.5 * (k + 1) as f64, grid).unwrap();
         let series = fs::read_to_string(path.join("fields.pvd")).unwrap();
@@ -252,7 +252,7 @@ fn the_series_names_whole_files() {
         assert!(series.contains(&format!("timestep=\"{}\"", 0.5 * (k + 1) as f64)));
     }
     // A new run removes them.
-    ResultFolder::create(&path, 2).unwrap();
+    ResultFolder::create(&path, &model).unwrap();
     assert!(!path.join("fields.pvd").exists() && !path.join("fields_0001.vtu").exists());
     fs::remove_dir_all(path).unwrap();
 }

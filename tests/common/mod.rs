@@ -9,12 +9,12 @@ pub mod random;
 
 use std::sync::Arc;
 
-use stickslip::history::{HistoryOutcome, Observer};
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::problem::{Increment, State};
 use stickslip::run::Run;
-use stickslip::scene::{LinearBackend, Method, MethodName, Scene, Setting, Solver};
+use stickslip::scene::Scene;
 use stickslip::sparse::{Csc, Pattern, Symmetric};
 
 /// The paper's block with overrides.
@@ -43,7 +43,7 @@ pub fn scene(name: &str, overrides: &[&str]) -> Scene {
 
 /// The same with BN in its default setting on condensed matrices, whatever the scene says.
 pub fn run_default(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> HistoryOutcome {
-    let (method, linear) = (Method::of(MethodName::Bn, Setting::Default), Some(LinearBackend::Condensed));
+    let (method, linear) = (Method::of(MethodName::Bn, Setting::Default), Some(LinearAlgebra::condensed()));
     let solver = Solver { method, linear, ..scene.solver };
     Run::of(model, scene.time.all(), solver).unwrap().history(observer).unwrap()
 }

@@ -3,9 +3,9 @@
 
 use crate::common;
 use crate::common::{Keep, difference};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
 use stickslip::model::Model;
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 
@@ -37,16 +37,16 @@ fn histories() -> Vec<History> {
     [0.0, 0.4, 0.8].map(block).into_iter().chain([history("punch", &punch), history("strip", &strip)]).collect()
 }
 
-fn run(history: &History, settings: &HistorySettings, backend: LinearBackend) -> (HistoryOutcome, Keep) {
+fn run(history: &History, settings: &HistorySettings, backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let History { model, times, .. } = history;
-    let (mut linear, mut keep) = (model.linear(backend), Keep::default());
-    let outcome = history::run(&model.problem, &model.loading, times, settings, &mut linear, &mut keep).unwrap();
+    let (linear, mut keep) = (System::from(backend), Keep::default());
+    let outcome = history::run(&model.problem, &model.loading, times, settings, linear, &mut keep).unwrap();
     (outcome, keep)
 }
 
 fn backends_agree(settings: fn(&Model) -> HistorySettings) {
     for history in histories() {
-        let [whole, condensed] = [LinearBackend::default(), LinearBackend::Condensed]
+        let [whole, condensed] = [LinearAlgebra::default(), LinearAlgebra::condensed()]
             .map(|backend| run(&history, &settings(&history.model), backend));
         // Which nodes stick is not compared: in the strip some have next to no friction force and next
         // to no slip, and rounding tells which of the two is the larger.
@@ -65,15 +65,17 @@ fn backends_agree(settings: fn(&Model) -> HistorySettings) {
 
 #[test]
 fn with_bn_as_in_the_paper() {
-    backends_agree(|model| HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-8));
+    backends_agree(|model| {
+        HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-8)
+    });
 }
 
 #[test]
 fn with_bn() {
-    backends_agree(|model| HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10));
+    backends_agree(|model| HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10));
 }
 
 #[test]
 fn with_ip() {
-    backends_agree(|model| HistorySettings::ip(&model.problem, model.scaling(), 200, 1e-10));
+    backends_agree(|model| HistorySettings::new(&model.problem, &model.loading, Method::IP).unwrap().until(200, 1e-10));
 }

@@ -3,10 +3,11 @@
 
 use crate::common;
 use crate::common::{Keep, difference};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status};
+use stickslip::formulation::NewtonSystem;
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Start, Status, System};
 use stickslip::model::Model;
 use stickslip::problem::State;
-use stickslip::scene::{LinearBackend, NewtonSystem, Scene};
+use stickslip::scene::Scene;
 
 fn block(n: usize, mu: f64, increments: usize) -> (Model, Vec<f64>) {
     let overrides =
@@ -25,18 +26,18 @@ fn punch(increments: usize) -> (Model, Vec<f64>) {
 /// The states at the end of all increments, which have to converge.
 fn states((model, times): &(Model, Vec<f64>), settings: &HistorySettings) -> (Vec<State>, HistoryOutcome) {
     let mut keep = Keep::default();
-    let mut linear = model.linear(LinearBackend::Condensed);
-    let outcome = history::run(&model.problem, &model.loading, times, settings, &mut linear, &mut keep).unwrap();
+    let linear = System::from(LinearAlgebra::condensed());
+    let outcome = history::run(&model.problem, &model.loading, times, settings, linear, &mut keep).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     (keep.states, outcome)
 }
 
 fn bn(model: &Model) -> HistorySettings {
-    HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-10)
+    HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-10)
 }
 
 fn ip(model: &Model) -> HistorySettings {
-    HistorySettings::ip(&model.problem, model.scaling(), 100, 1e-10)
+    HistorySettings::new(&model.problem, &model.loading, Method::IP).unwrap().until(100, 1e-10)
 }
 
 #[test]
@@ -63,7 +64,9 @@ fn the_punch() {
 #[test]
 fn the_papers_ip_within_its_stop() {
     for case in [block(10, 0.4, 10), block(20, 0.8, 10), punch(2)] {
-        let paper = HistorySettings::paper_ip(&case.0.problem, Start::Safe, 200, 1e-6);
+        let paper = HistorySettings::new(&case.0.problem, &case.0.loading, Method::paper_ip(Start::Safe))
+            .unwrap()
+            .until(200, 1e-6);
         let found = difference(&states(&case, &bn(&case.0)).0, &states(&case, &paper).0);
         assert!(found <= 1e-6, "{found:e}");
     }

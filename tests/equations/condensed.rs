@@ -4,11 +4,11 @@
 
 use crate::common::Keep;
 use stickslip::condense::Condensed;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
 use stickslip::linear::LinearError;
 use stickslip::model::Model;
 use stickslip::problem::State;
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
@@ -18,10 +18,10 @@ fn model(text: &str, overrides: &[&str]) -> Model {
     Model::new(&Scene::parse("scene.toml", text, &overrides).unwrap()).unwrap()
 }
 
-fn run(model: &Model, times: &[f64], backend: LinearBackend) -> (HistoryOutcome, Keep) {
-    let settings = HistorySettings::bn(&model.problem, model.scaling(), 100, 1e-10);
-    let (mut linear, mut keep) = (model.linear(backend), Keep::default());
-    let outcome = history::run(&model.problem, &model.loading, times, &settings, &mut linear, &mut keep).unwrap();
+fn run(model: &Model, times: &[f64], backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
+    let (linear, mut keep) = (System::from(backend), Keep::default());
+    let outcome = history::run(&model.problem, &model.loading, times, &settings, linear, &mut keep).unwrap();
     (outcome, keep)
 }
 
@@ -66,7 +66,7 @@ fn a_body_that_only_contact_holds() {
     let model = Model::new(&scene).unwrap();
     assert!(!model.problem.free_motions().is_empty());
     let [whole, condensed] =
-        [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&model, &scene.time.all(), backend));
+        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&model, &scene.time.all(), backend));
     assert_eq!((whole.0.status, condensed.0.status), (Status::Converged, Status::Converged));
     let largest = whole.0.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
     let pairs = whole.1.states.iter().zip(&condensed.1.states);
@@ -82,7 +82,7 @@ fn a_body_that_nothing_holds() {
     let without = [&BLOCK[..contact], &BLOCK[load..]].concat();
     let free = model(&without.replace(SUPPORT, ""), &["mesh.elements=[4,4]"]);
     assert!(matches!(Condensed::new(&free.problem, &free.loading), Err(LinearError::Singular { .. })));
-    for backend in [LinearBackend::default(), LinearBackend::Condensed] {
+    for backend in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
         let outcome = run(&free, &[1.0], backend).0;
         assert_eq!(outcome.status, Status::Singular, "{backend:?}");
         assert!(outcome.free_motion.is_some(), "{backend:?}");
@@ -90,7 +90,7 @@ fn a_body_that_nothing_holds() {
     // Without contact there is nothing to condense to, and nothing to iterate.
     let held = model(&without, &["mesh.elements=[4,4]"]);
     let [whole, condensed] =
-        [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&held, &[0.5, 1.0], backend).0);
+        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&held, &[0.5, 1.0], backend).0);
     assert_eq!((whole.status, condensed.status), (Status::Converged, Status::Converged));
     let largest = whole.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
     assert!(whole.state.u.iter().zip(&condensed.state.u).all(|(a, b)| (a - b).abs() <= 1e-12 * largest));
@@ -112,7 +112,7 @@ fn slender_bodies_are_refined() {
     );
     let times = [0.5, 1.0, 1.5, 2.0];
     let [whole, condensed] =
-        [LinearBackend::default(), LinearBackend::Condensed].map(|backend| run(&strip, &times, backend));
+        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&strip, &times, backend));
     assert_eq!((whole.0.status, condensed.0.status), (Status::Converged, Status::Converged));
     assert!(condensed.0.rounding > 1e-10, "not slender enough to show anything: {:e}", condensed.0.rounding);
     assert!(condensed.1.states.iter().any(|state| !state.u_rest.is_empty()));

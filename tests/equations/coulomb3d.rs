@@ -3,8 +3,8 @@
 
 use crate::common::random::{self, Random};
 use stickslip::contact::{ContactStatus, KktErrors, KktScales, statuses};
-use stickslip::formulation::{Bdiff, Conventions, Formulation};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::formulation::{Bdiff, Conventions};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status};
 use stickslip::linear::Direct;
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::problem::{ContactProblem, Increment, State};
@@ -14,13 +14,13 @@ const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 
 fn run(problem: &ContactProblem, loading: &Loading, settings: &HistorySettings) -> HistoryOutcome {
     let mut linear = Direct::default();
-    history::run(problem, loading, &TIMES, settings, &mut linear, &mut ()).unwrap()
+    history::run(problem, loading, &TIMES, settings, linear, &mut ()).unwrap()
 }
 
 /// The default settings, without halving.
 fn settings(problem: &ContactProblem, loading: &Loading) -> HistorySettings {
     let scaling = problem.scaling(loading.largest_force(), loading.largest_interference());
-    HistorySettings { halvings: 0, ..HistorySettings::bn(problem, scaling, 100, 1e-10) }
+    HistorySettings { halvings: 0, ..HistorySettings::new(problem, loading, Method::BN).unwrap().until(100, 1e-10) }
 }
 
 fn solve(problem: &ContactProblem, loading: &Loading) -> HistoryOutcome {
@@ -57,7 +57,7 @@ fn random_histories() {
             assert_eq!(outcome.status, Status::Converged, "mu {mu}, seed {seed}: {:?}", outcome.violation);
             assert!(outcome.records.iter().all(|record| record.kkt.worst().1 <= 1e-10), "mu {mu}, seed {seed}");
             default.add(&outcome);
-            let settings = HistorySettings::paper_bn(&problem, settings.scaling, 100, 1e-6);
+            let settings = HistorySettings::new(&problem, &loading, Method::PaperBn).unwrap().until(100, 1e-6);
             paper.add(&run(&problem, &loading, &settings));
         }
         println!("mu {mu}: default {default}; paper {paper}");
@@ -107,7 +107,7 @@ fn the_choice_of_tangents_does_not_matter() {
         let mut random = Random(seed * 104_729 + 1);
         let (problem, loading) = random::problem(&mut random, 1 + seed as usize, 0.7, 0.0);
         let turned = random::turn_tangents(&problem, &mut random);
-        let paper = |problem| HistorySettings::paper_bn(problem, settings(problem, &loading).scaling, 100, 1e-6);
+        let paper = |problem| HistorySettings::new(problem, loading, Method::PaperBn).unwrap().until(100, 1e-6);
         for (tolerance, [own, other]) in [
             (1e-10, [&problem, &turned].map(|problem| solve(problem, &loading))),
             (1e-7, [&problem, &turned].map(|problem| run(problem, &loading, &paper(problem)))),

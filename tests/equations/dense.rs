@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use stickslip::condense::Condensed;
 use stickslip::contact::coulomb::{NormalCase, TangentialCase};
-use stickslip::formulation::{Bdiff, Constrained, Conventions, Formulation, InteriorPoint};
+use stickslip::formulation::{Bdiff, Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
+use stickslip::history::System;
 use stickslip::linear::{Dense, Direct, LinearError, LinearSolver, backward_error};
 use stickslip::model::Model;
 use stickslip::problem::ContactProblem;
-use stickslip::scene::{NewtonSystem, Partition, Scene};
+use stickslip::scene::Scene;
 use stickslip::sparse::{Csc, Pattern};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");

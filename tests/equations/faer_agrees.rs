@@ -4,37 +4,38 @@
 
 use crate::common;
 use crate::common::{Keep, difference};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
+use stickslip::linear::SparseLu;
 use stickslip::model::Model;
 use stickslip::problem::State;
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 
 type Settings = fn(&Model) -> HistorySettings;
 
 fn paper_bn(model: &Model) -> HistorySettings {
-    HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-10)
+    HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-10)
 }
 
 fn bn(model: &Model) -> HistorySettings {
-    HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10)
+    HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10)
 }
 
 fn ip(model: &Model) -> HistorySettings {
-    HistorySettings::ip(&model.problem, model.scaling(), 100, 1e-10)
+    HistorySettings::new(&model.problem, &model.loading, Method::IP).unwrap().until(100, 1e-10)
 }
 
-fn run(scene: &Scene, settings: Settings, backend: LinearBackend) -> (Vec<State>, HistoryOutcome) {
+fn run(scene: &Scene, settings: Settings, backend: LinearAlgebra) -> (Vec<State>, HistoryOutcome) {
     let model = Model::new(scene).unwrap();
-    let (settings, mut linear, mut keep) = (settings(&model), model.linear(backend), Keep::default());
+    let (settings, mut linear, mut keep) = (settings(&model), System::from(backend), Keep::default());
     let times = scene.time.all();
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut keep).unwrap();
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut keep).unwrap();
     (keep.states, outcome)
 }
 
 fn assert_agree(scene: &Scene, name: &str) {
     for (method, settings) in [("bn paper", paper_bn as Settings), ("bn", bn), ("ip", ip)] {
-        let [(a, umfpack), (b, faer)] =
-            [LinearBackend::Umfpack, LinearBackend::Faer].map(|backend| run(scene, settings, backend));
+        let [(a, umfpack), (b, faer)] = [LinearAlgebra::Whole(SparseLu::Umfpack), LinearAlgebra::Whole(SparseLu::Faer)]
+            .map(|backend| run(scene, settings, backend));
         let counts = |outcome: &HistoryOutcome| -> Vec<_> {
             outcome.records.iter().map(|record| (record.status, record.iterations)).collect()
         };

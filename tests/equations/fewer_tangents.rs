@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{Keep, run_default};
-use stickslip::history::{self, HistorySettings, Status};
+use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Status, System};
 use stickslip::model::Model;
 use stickslip::report::Resultant;
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 
 const MU: f64 = 0.3;
 
@@ -70,10 +70,12 @@ fn an_obstacle_that_passes_symmetry_planes() {
         );
         assert!(x == y || (x > y) == (friction[0].abs() > friction[1].abs()), "{along:?} {friction:?}");
 
-        let settings = HistorySettings::ip(&model.problem, model.scaling(), 100, scene.solver.tolerance);
-        let (mut linear, mut by_ip) = (model.linear(LinearBackend::Condensed), Keep::default());
+        let settings = HistorySettings::new(&model.problem, &model.loading, Method::IP)
+            .unwrap()
+            .until(100, scene.solver.tolerance);
+        let (linear, mut by_ip) = (System::from(LinearAlgebra::condensed()), Keep::default());
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut by_ip).unwrap();
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut by_ip).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{along:?}");
         let found = by_ip.states.last().unwrap();
         for (a, b) in found.p_n.iter().chain(&found.p_t).zip(state.p_n.iter().chain(&state.p_t)) {

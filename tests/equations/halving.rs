@@ -9,12 +9,13 @@ use stickslip::model::Model;
 
 /// BN that gives up after so many iterations, without help from the interior point method.
 fn hasty(model: &Model, iterations: usize, times: &[f64], keep: &mut Keep) -> HistoryOutcome {
-    let mut settings = HistorySettings::bn(&model.problem, model.scaling(), iterations, 1e-10);
+    let mut settings =
+        HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(iterations, 1e-10);
     if let Method::Bn { rescue, .. } = &mut settings.method {
         *rescue = None;
     }
     let mut linear = Direct::default();
-    history::run(&model.problem, &model.loading, times, &settings, &mut linear, keep).unwrap()
+    history::run(&model.problem, &model.loading, times, &settings, linear, keep).unwrap()
 }
 
 /// Nearly incompressible, which makes BN work for its solution.

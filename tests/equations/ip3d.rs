@@ -3,13 +3,13 @@
 
 use crate::common;
 use crate::common::random::{self, Random};
-use stickslip::formulation::{Cone, Conventions, InteriorPoint};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status};
+use stickslip::formulation::{Cone, Conventions, InteriorPoint, NewtonSystem};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status, System};
 use stickslip::linear::Direct;
 use stickslip::loading::Loading;
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Increment};
-use stickslip::scene::{NewtonSystem, Scene};
+use stickslip::scene::Scene;
 use stickslip::sparse::{Csr, Symmetric};
 use stickslip::units::Scaling;
 
@@ -17,7 +17,7 @@ const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 
 fn run(problem: &ContactProblem, loading: &Loading, times: &[f64], settings: &HistorySettings) -> HistoryOutcome {
     let mut linear = Direct::default();
-    history::run(problem, loading, times, settings, &mut linear, &mut ()).unwrap()
+    history::run(problem, loading, times, settings, linear, &mut ()).unwrap()
 }
 
 fn scaling(problem: &ContactProblem, loading: &Loading) -> Scaling {
@@ -26,11 +26,11 @@ fn scaling(problem: &ContactProblem, loading: &Loading) -> Scaling {
 
 /// Without halving.
 fn ip(problem: &ContactProblem, loading: &Loading) -> HistorySettings {
-    HistorySettings { halvings: 0, ..HistorySettings::ip(problem, scaling(problem, loading), 100, 1e-12) }
+    HistorySettings { halvings: 0, ..HistorySettings::new(problem, loading, Method::IP).unwrap().until(100, 1e-12) }
 }
 
 fn bn(problem: &ContactProblem, loading: &Loading) -> HistorySettings {
-    HistorySettings { halvings: 0, ..HistorySettings::bn(problem, scaling(problem, loading), 100, 1e-12) }
+    HistorySettings { halvings: 0, ..HistorySettings::new(problem, loading, Method::BN).unwrap().until(100, 1e-12) }
 }
 
 fn iterations(outcome: &HistoryOutcome) -> Vec<usize> {
@@ -174,7 +174,7 @@ fn the_choice_of_tangents_does_not_matter() {
         // The interior point method alone: below 1e-10 rounding decides how many steps of BN it takes to the end.
         let settings = |problem| HistorySettings {
             halvings: 0,
-            ..HistorySettings::ip(problem, scaling(problem, &loading), 100, 1e-8)
+            ..HistorySettings::new(problem, loading, Method::IP).unwrap().until(100, 1e-8)
         };
         let [own, other] = [&problem, &turned].map(|problem| run(problem, &loading, &TIMES, &settings(problem)));
         assert_eq!(own.status, Status::Converged, "seed {seed}");
@@ -233,7 +233,7 @@ fn the_newton_system_is_the_derivative() {
 #[test]
 fn the_paper_knows_one_tangent() {
     let (problem, loading) = random::problem(&mut Random(1), 3, 0.5, 0.0);
-    let paper = HistorySettings::paper_ip(&problem, Start::Safe, 100, 1e-6);
+    let paper = HistorySettings::new(&problem, &loading, Method::paper_ip(Start::Safe)).unwrap().until(100, 1e-6);
     assert_eq!(run(&problem, &loading, &TIMES, &paper).status, Status::Unsupported);
     let mut extended = ip(&problem, &loading);
     let Method::PredictorCorrector { newton, .. } = &mut extended.method else { unreachable!() };

@@ -3,13 +3,12 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::formulation::{Constrained, Conventions, InteriorPoint};
-use stickslip::history::{self, HistorySettings, Method, Start, Status};
+use stickslip::formulation::{Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
+use stickslip::history::{self, HistorySettings, Method, Start, Status, System};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::IpSettings;
 use stickslip::problem::Increment;
-use stickslip::scene::{NewtonSystem, Partition};
 
 /// A small block in which a node has friction, one has none, and one cannot slide.
 fn model() -> Model {
@@ -178,12 +177,15 @@ fn both_partitions_solve_the_block() {
         for newton in [NewtonSystem::Reduced, NewtonSystem::Extended] {
             for start in [Start::Safe, Start::PREV] {
                 let method = Method::Ip { settings: IpSettings::paper(200), start, partition, newton };
-                let settings =
-                    HistorySettings { method, ..HistorySettings::paper_ip(&model.problem, start, 200, 1e-6) };
+                let settings = HistorySettings {
+                    method,
+                    ..HistorySettings::new(&model.problem, &model.loading, Method::paper_ip(start))
+                        .unwrap()
+                        .until(200, 1e-6)
+                };
                 let mut linear = Direct::default();
                 let times = scene.time.all();
-                let run =
-                    history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ()).unwrap();
+                let run = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut ()).unwrap();
                 assert_eq!(run.status, Status::Converged, "{partition:?} {newton:?} {start:?}");
                 assert!(run.records.iter().all(|record| record.theta <= 1e-2));
                 assert_eq!(run.linear.analyses, 1);

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::formulation::{Bdiff, Conventions, Formulation};
+use stickslip::formulation::{Bdiff, Conventions};
 use stickslip::model::Model;
 use stickslip::problem::Increment;
 

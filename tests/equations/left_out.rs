@@ -4,18 +4,20 @@
 
 use crate::common;
 use crate::common::Keep;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
 use stickslip::model::Model;
 use stickslip::report::LeftOut;
-use stickslip::scene::{LinearBackend, Scene};
+use stickslip::scene::Scene;
 
-fn solve(scene: &Scene, backend: LinearBackend) -> (HistoryOutcome, Keep) {
+fn solve(scene: &Scene, backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let model = Model::new(scene).unwrap();
     let solver = &scene.solver;
-    let settings = HistorySettings::bn(&model.problem, model.scaling(), solver.max_iterations, solver.tolerance);
-    let (mut linear, mut keep) = (model.linear(backend), Keep::default());
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN)
+        .unwrap()
+        .until(solver.max_iterations, solver.tolerance);
+    let (linear, mut keep) = (System::from(backend), Keep::default());
     let outcome =
-        history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut keep).unwrap();
+        history::run(&model.problem, &model.loading, &scene.time.all(), &settings, linear, &mut keep).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     (outcome, keep)
 }
@@ -25,13 +27,13 @@ fn solve(scene: &Scene, backend: LinearBackend) -> (HistoryOutcome, Keep) {
 fn friction() {
     for (name, mesh) in [("block.toml", "mesh.elements=[20,20]"), ("cube.toml", "mesh.elements=[6,6,6]")] {
         let scene = |mu: &str| common::scene(name, &[mesh, &format!("contact.friction={mu}")]);
-        for backend in [LinearBackend::default(), LinearBackend::Condensed] {
+        for backend in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
             let ((none, smooth), (little, rough)) = (solve(&scene("0"), backend), solve(&scene("1e-9"), backend));
             assert_eq!(none.layout.tangentials(), 0);
             assert!(none.layout.unknowns() < little.layout.unknowns());
             let (fewer, more) = (none.linear.factor.entries, little.linear.factor.entries);
             // In the plane the few unknowns less do not outweigh what the ordering leaves to chance.
-            let chance = if backend == LinearBackend::Condensed || name == "cube.toml" { 1.0 } else { 1.03 };
+            let chance = if backend == LinearAlgebra::condensed() || name == "cube.toml" { 1.0 } else { 1.03 };
             assert!((fewer as f64) < chance * more as f64, "{name} {backend}: {fewer} {more}");
             for (a, b) in smooth.states.iter().zip(&rough.states) {
                 let largest = a.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
@@ -46,7 +48,7 @@ fn friction() {
 #[test]
 fn factors_of_a_proportional_history() {
     let overrides = ["mesh.elements=[20,20]", "contact.obstacle.gap=0", "time.increments=10"];
-    let (outcome, _) = solve(&common::scene("frictionless.toml", &overrides), LinearBackend::default());
+    let (outcome, _) = solve(&common::scene("frictionless.toml", &overrides), LinearAlgebra::default());
     let contact: Vec<_> = outcome.records.iter().map(|record| record.contact).collect();
     assert!(contact.windows(2).all(|pair| pair[0] == pair[1]), "{contact:?}");
     // That of the held body, which tells where to start, and that of the contact zone.
@@ -60,9 +62,9 @@ fn contact() {
     let (start, end) = (text.find("[[contact]]").unwrap(), text.find("[[load]]").unwrap());
     let text = [&text[..start], &text[end..]].concat();
     let scene = Scene::parse("loose.toml", &text, &["mesh.elements=[5,5,5]".parse().unwrap()]).unwrap();
-    assert_eq!(scene.solver.linear, Some(LinearBackend::Condensed));
+    assert_eq!(scene.solver.linear, Some(LinearAlgebra::condensed()));
     let [(whole, states), (cholesky, others)] =
-        [LinearBackend::default(), LinearBackend::Condensed].map(|backend| solve(&scene, backend));
+        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| solve(&scene, backend));
     assert_eq!((whole.linear.factorizations, cholesky.linear.factorizations), (1, 0));
     assert!(cholesky.linear.factor.entries < whole.linear.factor.entries);
     assert!(cholesky.records.iter().all(|record| record.iterations == 0));
@@ -77,15 +79,15 @@ fn contact() {
 fn the_list() {
     let list = |name: &str, overrides: &[&str], backend| {
         let scene = common::scene(name, overrides);
-        let all = LeftOut::all(&Model::new(&scene).unwrap(), backend == LinearBackend::Condensed);
+        let all = LeftOut::all(&Model::new(&scene).unwrap(), backend == LinearAlgebra::condensed());
         all.into_iter().map(|LeftOut { count, unknown, .. }| (count, unknown)).collect::<Vec<_>>()
     };
-    let whole = LinearBackend::default();
+    let whole = LinearAlgebra::default();
     let block = ["mesh.elements=[4,4]", "contact.friction=0"];
     assert_eq!(list("block.toml", &block[..1], whole), [(10, "u"), (1, "p_n")]);
     assert_eq!(list("block.toml", &block, whole), [(10, "u"), (1, "p_n"), (4, "p_t")]);
     assert_eq!(
-        list("block.toml", &block, LinearBackend::Condensed),
+        list("block.toml", &block, LinearAlgebra::condensed()),
         [(10, "u"), (40 - 4, "u"), (1, "p_n"), (4, "p_t")]
     );
     let cube = ["mesh.elements=[2,2,2]", "contact.friction=0"];

@@ -16,6 +16,7 @@ mod halving;
 mod ip3d;
 mod ip_step;
 mod jacobian_fd;
+mod labels;
 mod left_out;
 mod robust;
 mod uniqueness;

@@ -4,7 +4,7 @@
 
 use stickslip::fem::{Elasticity, Element, RigidMotion, assemble};
 use stickslip::formulation::{Layout, SlackLayout};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Status};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::scene::Scene;
@@ -17,11 +17,11 @@ const METHODS: [&str; 2] = ["bn", "ip"];
 fn solve(method: &str, model: &Model, times: &[f64]) -> HistoryOutcome {
     let (problem, scaling) = (&model.problem, model.scaling());
     let settings = match method {
-        "bn" => HistorySettings::bn(problem, scaling, 100, 1e-10),
-        _ => HistorySettings::ip(problem, scaling, 100, 1e-10),
+        "bn" => HistorySettings::new(problem, loading, Method::BN).unwrap().until(100, 1e-10),
+        _ => HistorySettings::new(problem, loading, Method::IP).unwrap().until(100, 1e-10),
     };
     let mut linear = Direct::default();
-    history::run(problem, &model.loading, times, &settings, &mut linear, &mut ()).unwrap()
+    history::run(problem, &model.loading, times, &settings, linear, &mut ()).unwrap()
 }
 
 /// Fails unless both methods get through whole increments by themselves, in 40 iterations each and 20
@@ -123,10 +123,10 @@ fn held_by_contact_only() {
 fn r_does_not_matter() {
     let (model, times) = block(base(), 20, &[]);
     let with = |factor: f64| {
-        let mut settings = HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
+        let mut settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10);
         settings.conventions.scale_r(factor);
         let mut linear = Direct::default();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut ()).unwrap();
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{factor:e}: {:?}", outcome.violation);
         outcome.state
     };
@@ -257,9 +257,9 @@ fn no_equilibrium() {
     let text = base().replace(SUPPORT, "");
     let run = |side: &str| {
         let (model, times) = block(&text, 8, &["contact.obstacle.gap=0", "load[0].history=[[0,1]]", side]);
-        let paper = HistorySettings::paper_bn(&model.problem, model.scaling(), 100, 1e-10);
+        let paper = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(100, 1e-10);
         let mut linear = Direct::default();
-        let bn = history::run(&model.problem, &model.loading, &times, &paper, &mut linear, &mut ()).unwrap();
+        let bn = history::run(&model.problem, &model.loading, &times, &paper, linear, &mut ()).unwrap();
         let [default, ip] = METHODS.map(|method| solve(method, &model, &times));
         (model, [bn, default, ip])
     };

@@ -7,7 +7,7 @@ use crate::common;
 use faer::Mat;
 use faer::prelude::Solve;
 use stickslip::contact::{ContactStatus, KktErrors, KktScales, statuses};
-use stickslip::formulation::{Bdiff, Conventions, Formulation, Pressure};
+use stickslip::formulation::{Bdiff, Conventions, Pressure};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Bn, BnSettings, End, Flow};

@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use stickslip::contact::ContactStatus;
-use stickslip::history::{self, HistorySettings, Observer, Status, Step};
+use stickslip::history::{self, HistorySettings, Method, Observer, Status, Step};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
@@ -92,12 +92,12 @@ fn run(method: &str, scene: &Scene, inside: impl Fn(Scaling) -> Scaling) -> Told
     let model = Model::new(scene).unwrap();
     let scaling = inside(model.scaling());
     let settings = match method {
-        "bn" => HistorySettings::bn(&model.problem, scaling, 100, 1e-10),
-        _ => HistorySettings::ip(&model.problem, scaling, 100, 1e-10),
+        "bn" => HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10),
+        _ => HistorySettings::new(&model.problem, &model.loading, Method::IP).unwrap().until(100, 1e-10),
     };
     let mut linear = Direct::default();
     let (mut told, times) = (Told::default(), scene.time.all());
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut told).unwrap();
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut told).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     told
 }

@@ -99,6 +99,17 @@ fn warnings() {
     }
 }
 
+/// Planes that touch from the start: nothing is indented, and what rounding leaves of gaps is no error of theirs.
+#[test]
+fn planes_that_touch_have_no_warning() {
+    let touching = edit(&small(), "gap = 1e-5", "normal = [0.001, -1]");
+    let upright = "[[support]]\nboundary = \"left\"\nfix = [\"x\"]";
+    let clamped = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]";
+    for scene in [edit(&touching, clamped, upright), touching] {
+        assert_eq!(report(&edit(&scene, "\"paper\"", "\"default\""), 0)["warnings"], json_value!([]));
+    }
+}
+
 #[test]
 fn the_report_has_every_field() {
     let report = report(&small(), 0);
@@ -209,6 +220,7 @@ fn check_explains_without_solving() {
     let output = stickslip(&["check", &scene]);
     assert_exit(&output, 0);
     for words in [
+        "gaps along the normal n = (0, -1), slip along t = (1, 0)",
         "Elastic block on a frictional foundation",
         "4 x 4 bilinear quadrilaterals, 25 nodes",
         "left: x and y held",

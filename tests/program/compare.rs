@@ -3,18 +3,19 @@
 #![allow(clippy::unwrap_used)]
 
 use stickslip::compare::{
-    self, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, SolverPath, TimeErrors, Tractions, Trial,
-    front,
+    self, CompareError, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, SolverPath, TimeErrors,
+    Tractions, Trial, front,
 };
-use stickslip::history::{self, HistorySettings, Observer, Status, Step};
-use stickslip::linear::Direct;
+use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step};
+use stickslip::linear::{Direct, SparseLu};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
-use stickslip::scene::{LinearBackend, MethodName, Scene, Setting};
+use stickslip::scene::Scene;
 
-const BN: SolverPath = SolverPath { method: MethodName::Bn, setting: Setting::Default, linear: LinearBackend::Umfpack };
+const BN: SolverPath =
+    SolverPath { method: MethodName::Bn, setting: Setting::Default, linear: LinearAlgebra::Whole(SparseLu::Umfpack) };
 const IP: SolverPath = SolverPath { method: MethodName::Ip, ..BN };
-const CONDENSED: SolverPath = SolverPath { linear: LinearBackend::Condensed, ..BN };
+const CONDENSED: SolverPath = SolverPath { linear: LinearAlgebra::condensed(), ..BN };
 
 fn block(overrides: &[&str]) -> Scene {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
@@ -117,10 +118,10 @@ fn friction_dissipates_what_the_loads_do_beyond_the_strain_energy() {
         let problem = &model.problem;
         let zero = vec![0.0; problem.displacements()];
         let mut external = External { work: 0.0, force: zero.clone(), u: zero.clone() };
-        let settings = HistorySettings::bn(problem, model.scaling(), 100, 1e-10);
+        let settings = HistorySettings::new(problem, loading, Method::BN).unwrap().until(100, 1e-10);
         let mut linear = Direct::default();
         let times = scene.time.all();
-        let outcome = history::run(problem, &model.loading, &times, &settings, &mut linear, &mut external).unwrap();
+        let outcome = history::run(problem, &model.loading, &times, &settings, linear, &mut external).unwrap();
         assert_eq!(outcome.status, Status::Converged);
 
         let mut force = zero;
@@ -255,7 +256,10 @@ fn by_hand() -> Comparison {
 fn the_cheapest_run_is_the_cheapest() {
     let comparison = by_hand();
     assert_eq!(comparison.cheapest(10, 1e-3, |_| true), Some(&comparison.runs[5]));
-    assert_eq!(comparison.cheapest(10, 1e-2, |path| path.linear == LinearBackend::Umfpack), Some(&comparison.runs[0]));
+    assert_eq!(
+        comparison.cheapest(10, 1e-2, |path| path.linear == LinearAlgebra::Whole(SparseLu::Umfpack)),
+        Some(&comparison.runs[0])
+    );
     assert_eq!(comparison.cheapest(10, 1e-4, |_| true), None);
     assert_eq!(comparison.front(10), [&comparison.runs[4], &comparison.runs[5]]);
 
@@ -336,4 +340,28 @@ fn the_command_writes_tables_charts_and_a_page() {
         let output = stickslip(bad);
         assert_eq!(output.status.code(), Some(2));
     }
+}
+
+/// A mesh from a file is the only one: it is called by the number of its elements, and others are refused.
+#[test]
+fn a_mesh_from_a_file_is_what_it_is() {
+    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/data/meshes/square_triangles.msh");
+    let text = format!(
+        "mesh = {{ kind = \"gmsh\", file = {mesh:?} }}
+        material = {{ young = 1e9, poisson = 0.3 }}
+        support = [{{ boundary = \"top\", fix = [\"x\", \"y\"] }}]
+        time = {{ end = 1, increments = 2 }}
+        [[contact]]
+        boundary = \"bottom\"
+        friction = 0.3
+        obstacle = {{ kind = \"plane\", approach = [[0, 0], [1, 1e-3]] }}"
+    );
+    let scene = Scene::parse("square.toml", &text, &[]).unwrap();
+    let plan = Plan { increments: vec![1, 2], ..Plan::modest(&scene, vec![BN]) };
+    assert_eq!((plan.meshes.len(), plan.histories()), (0, 3));
+    let comparison = compare::compute(&scene, &plan, &mut |_| {}).unwrap();
+    assert_eq!(comparison.meshes.iter().map(|result| result.mesh).collect::<Vec<_>>(), [32]);
+    assert!(comparison.answers()[0].contains("n = 32:"), "{:?}", comparison.answers());
+    let others = compare::compute(&scene, &Plan { meshes: vec![4], ..plan }, &mut |_| {});
+    assert!(matches!(others, Err(CompareError::FixedMesh)));
 }

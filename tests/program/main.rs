@@ -6,4 +6,7 @@ mod common;
 mod cli;
 mod cli_failures;
 mod compare;
+mod documented;
+mod names;
 mod solvability;
+mod start;

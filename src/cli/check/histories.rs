@@ -37,7 +37,8 @@ pub(super) fn stepped_over(scene: &Scene) -> Vec<String> {
         ]
         .map(|(what, times)| (format!("the {what} of the obstacle at {}", contact.boundary), times))
     };
-    let all = scene.description.loads.iter().map(of_load).chain(scene.description.contacts.iter().flat_map(of_obstacle));
+    let all =
+        scene.description.loads.iter().map(of_load).chain(scene.description.contacts.iter().flat_map(of_obstacle));
     let missed = all.filter(|(_, times)| !times.is_empty());
     let in_words = |(what, times): (String, Vec<f64>)| {
         let kinks = if times.len() == 1 { "kink" } else { "kinks" };

@@ -5,9 +5,8 @@ use miette::IntoDiagnostic;
 use serde::Serialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::Error as NameError;
-use stickslip::history::Status;
+use stickslip::history::{LinearAlgebra, Status};
 use stickslip::report::{Table, csv_table};
-use stickslip::scene::LinearBackend;
 use stickslip_studies::tables::{Agreement, Case, Cell, Counts, PaperMethod, PaperTable};
 
 use super::{Answer, jobs};
@@ -48,7 +47,7 @@ struct Selection {
     methods: Vec<PaperMethod>,
     /// The linear algebra: condensed, as the paper does it, or umfpack or faer, several times slower
     #[arg(long, default_value = "condensed", value_parser = backend)]
-    solver: LinearBackend,
+    solver: LinearAlgebra,
     /// Cells computed at the same time; as many as there are processors
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=256))]
     jobs: Option<u16>,
@@ -61,7 +60,7 @@ struct Selection {
 }
 
 /// A backend by the name that scenes have for it.
-fn backend(name: &str) -> Result<LinearBackend, NameError> {
+fn backend(name: &str) -> Result<LinearAlgebra, NameError> {
     serde::Deserialize::deserialize(name.into_deserializer())
 }
 

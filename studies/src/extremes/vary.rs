@@ -3,7 +3,7 @@
 
 use serde::Deserialize;
 use stickslip::fem::{Elasticity, Element, assemble};
-use stickslip::formulation::{Bdiff, Conventions, Formulation};
+use stickslip::formulation::{Bdiff, Conventions};
 use stickslip::linear::{Direct, LinearError};
 use stickslip::model::{Model, ModelError};
 use stickslip::scene::Scene;
@@ -30,7 +30,8 @@ impl Vary {
                 let young: Vec<f64> = (model.mesh.cells.iter())
                     .map(|_| scene.description.material.young * 10_f64.powf(by * (random.next() - 0.5)))
                     .collect();
-                let material = |element: usize| Elasticity::plane_strain(young[element], scene.description.material.poisson);
+                let material =
+                    |element: usize| Elasticity::plane_strain(young[element], scene.description.material.poisson);
                 model.problem.stiffness =
                     assemble(&model.mesh, &model.dofs, Element::Bilinear, material).map_err(ModelError::from)?;
             }

@@ -124,7 +124,7 @@ fn every_verdict_is_right(method: SuiteMethod) {
         let mut linear = Direct::default();
         let mut judge = Judge { name: &name, problem: &model.problem, scales: KktScales::default() };
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut judge).unwrap();
+        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut judge).unwrap();
         match case.expect {
             extremes::Expect::Solved => {
                 assert_eq!(outcome.status, Status::Converged, "{name}: {:?}", outcome.violation);

@@ -8,7 +8,7 @@ mod svg;
 mod table_block;
 mod table_punch;
 
-use stickslip::history::{self, HistoryOutcome, Observer, Step};
+use stickslip::history::{self, HistoryOutcome, Observer, Step, System};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
@@ -30,8 +30,8 @@ fn bn(table: PaperTable, contact_nodes: usize, increments: usize) -> (Model, His
     let scene = table.scene(contact_nodes, 0.4, increments).unwrap();
     let model = Model::new(&scene).unwrap();
     let settings = table.settings(PaperMethod::Bn, &model);
-    let (mut linear, mut states) = (model.linear(stickslip::scene::LinearBackend::default()), States::default());
+    let (linear, mut states) = (System::from(stickslip::history::LinearAlgebra::default()), States::default());
     let times = scene.time.all();
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, &mut linear, &mut states).unwrap();
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut states).unwrap();
     (model, outcome, states.0)
 }

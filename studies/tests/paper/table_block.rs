@@ -1,13 +1,12 @@
 //! The paper's block: Table II as far as it is quick, and the check values of the reconstruction.
 
-use stickslip::history::Status;
-use stickslip::scene::LinearBackend;
+use stickslip::history::{LinearAlgebra, Status};
 use stickslip_studies::tables::{Agreement, Case, Cell, PaperMethod, PaperTable};
 
 use super::bn;
 
 /// The cells of `method` whose cases are `wanted`.
-fn cells(method: PaperMethod, linear: LinearBackend, wanted: fn(&Case) -> bool) -> Vec<Cell> {
+fn cells(method: PaperMethod, linear: LinearAlgebra, wanted: fn(&Case) -> bool) -> Vec<Cell> {
     let cases = PaperTable::Block.cases().into_iter().filter(wanted);
     cases.map(|case| PaperTable::Block.cell(&case, method, linear).unwrap()).collect()
 }
@@ -16,9 +15,9 @@ fn cells(method: PaperMethod, linear: LinearBackend, wanted: fn(&Case) -> bool) 
 /// `make tables` computes those.
 #[test]
 fn table_ii_bn() {
-    let coarse = cells(PaperMethod::Bn, LinearBackend::default(), |case| case.contact_nodes <= 20);
+    let coarse = cells(PaperMethod::Bn, LinearAlgebra::default(), |case| case.contact_nodes <= 20);
     let fine =
-        cells(PaperMethod::Bn, LinearBackend::default(), |case| case.contact_nodes == 50 && case.increments == 5);
+        cells(PaperMethod::Bn, LinearAlgebra::default(), |case| case.contact_nodes == 50 && case.increments == 5);
     let cells = [coarse, fine].concat();
     assert!(cells.iter().all(|cell| cell.status == Status::Converged));
     for difference in [Cell::nle_difference, Cell::nls_difference] {
@@ -31,13 +30,13 @@ fn table_ii_bn() {
 /// than 1. From the last solution single cells are chance, so that only the mean says anything.
 #[test]
 fn table_ii_ip() {
-    let safe = cells(PaperMethod::IpSafe, LinearBackend::Condensed, |case| case.contact_nodes <= 20);
+    let safe = cells(PaperMethod::IpSafe, LinearAlgebra::condensed(), |case| case.contact_nodes <= 20);
     let agreement = Agreement::of(safe.iter().map(Cell::nle_difference));
     assert!(agreement.failed == 0 && agreement.mean <= 0.35 && agreement.largest <= 1.0, "{agreement:?}");
-    let prev = cells(PaperMethod::IpPrev, LinearBackend::Condensed, |case| case.contact_nodes <= 20);
+    let prev = cells(PaperMethod::IpPrev, LinearAlgebra::condensed(), |case| case.contact_nodes <= 20);
     let agreement = Agreement::of(prev.iter().map(Cell::nle_difference));
     assert!(agreement.failed == 0 && agreement.mean <= 3.0, "{agreement:?}");
-    let default = cells(PaperMethod::Ip, LinearBackend::Condensed, |case| case.contact_nodes <= 20);
+    let default = cells(PaperMethod::Ip, LinearAlgebra::condensed(), |case| case.contact_nodes <= 20);
     for cell in default {
         assert!(cell.status == Status::Converged && cell.here.nle <= 10.0, "{cell:?}");
     }
@@ -48,7 +47,7 @@ fn table_ii_ip() {
 fn condensation_changes_no_count() {
     let some = |case: &Case| case.contact_nodes == 20 && case.increments == 10;
     for method in [PaperMethod::Bn, PaperMethod::IpSafe, PaperMethod::Ip] {
-        let [whole, condensed] = [LinearBackend::default(), LinearBackend::Condensed].map(|l| cells(method, l, some));
+        let [whole, condensed] = [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|l| cells(method, l, some));
         assert_eq!(whole.len(), 3);
         for (whole, condensed) in whole.iter().zip(&condensed) {
             assert_eq!((whole.status, whole.here), (condensed.status, condensed.here));
@@ -102,7 +101,7 @@ fn the_default_setting_needs_fewer_iterations() {
         let cases: Vec<_> = table.cases().into_iter().filter(|case| case.contact_nodes <= largest).collect();
         let (mut here, mut paper) = (0.0, 0.0);
         for case in &cases {
-            let cell = table.cell(case, PaperMethod::BnDefault, LinearBackend::default()).unwrap();
+            let cell = table.cell(case, PaperMethod::BnDefault, LinearAlgebra::default()).unwrap();
             assert_eq!(cell.status, Status::Converged, "{case:?}");
             here += cell.here.nle;
             paper += case.bn.nle;

@@ -1,14 +1,13 @@
 //! The paper's punch: Table I.
 
-use stickslip::history::Status;
-use stickslip::scene::LinearBackend;
+use stickslip::history::{LinearAlgebra, Status};
 use stickslip_studies::tables::{Agreement, Cell, PaperMethod, PaperTable};
 
 use super::bn;
 
 fn cells(method: PaperMethod, increments: usize) -> Vec<Cell> {
     let cases = PaperTable::Punch.cases().into_iter().filter(|case| case.increments <= increments);
-    cases.map(|case| PaperTable::Punch.cell(&case, method, LinearBackend::default()).unwrap()).collect()
+    cases.map(|case| PaperTable::Punch.cell(&case, method, LinearAlgebra::default()).unwrap()).collect()
 }
 
 /// The reconstructed mesh reproduces BN's nle to rounding in 19 of 21 cells and to 0.1 in all; nls

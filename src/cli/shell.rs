@@ -1,0 +1,44 @@
+//! What a shell and a manual know of the program, from the same description as `--help`.
+
+use clap::{Args, Command};
+use clap_complete::Shell;
+
+use super::Failure;
+
+#[derive(Args)]
+pub(super) struct CompletionsArgs {
+    /// The shell that is to complete the commands
+    shell: Shell,
+}
+
+#[derive(Args)]
+pub(super) struct ManArgs {
+    /// The command to explain; without one, the program
+    command: Option<String>,
+}
+
+pub(super) fn completions(args: &CompletionsArgs, mut program: Command) {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut program, "stickslip", &mut script);
+    say!("{}", String::from_utf8_lossy(&script).trim_end());
+}
+
+pub(super) fn man(args: &ManArgs, mut program: Command) -> Result<(), Failure> {
+    // Names of commands in their own pages begin with that of the program only once it is built.
+    program.build();
+    let page = match &args.command {
+        None => Some(program.clone()),
+        Some(name) => program.find_subcommand(name).map(|command| command.clone().name(format!("stickslip-{name}"))),
+    };
+    let Some(page) = page else {
+        let names: Vec<&str> = program.get_subcommands().map(Command::get_name).collect();
+        let help = format!("the commands are {}", names.join(", "));
+        let name = args.command.as_deref().unwrap_or_default();
+        return Err(Failure::Input(miette::miette!(help = help, "there is no command `{name}`")));
+    };
+    let mut text = Vec::new();
+    let rendered = clap_mangen::Man::new(page).render(&mut text);
+    rendered.map_err(|error| Failure::Machine(miette::miette!("the page cannot be written: {error}")))?;
+    say!("{}", String::from_utf8_lossy(&text).trim_end());
+    Ok(())
+}

@@ -1,0 +1,111 @@
+//! Where an equation is: the table of doc/architecture.md against the numbers in the code's own comments.
+
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+/// What the paper's two algorithms are made of: from the README it takes two files to get to any of them.
+const WANTED: [u32; 14] = [11, 12, 19, 20, 21, 22, 25, 26, 27, 28, 29, 30, 31, 36];
+
+fn read(path: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path))
+        .unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// The numbers of equations in `text`: `(12)`, and all of `(29)–(31)`.
+fn numbers(text: &str) -> BTreeSet<u32> {
+    let label = |text: &str| {
+        let inner = text.strip_prefix('(')?;
+        let (number, rest) = inner.split_once(')')?;
+        let sound = number.len() <= 2 && number.bytes().all(|c| c.is_ascii_digit());
+        Some((number.parse().ok().filter(|_| sound)?, rest.to_string()))
+    };
+    let mut found = BTreeSet::new();
+    for (at, _) in text.match_indices('(') {
+        let Some((first, rest)) = label(&text[at..]) else { continue };
+        let last = rest.strip_prefix('–').and_then(label).map_or(first, |(last, _)| last);
+        found.extend(first..=last);
+    }
+    found
+}
+
+/// The comments of a source file.
+fn comments(text: &str) -> String {
+    text.lines().filter_map(|line| Some(line.split_once("//")?.1)).collect::<Vec<_>>().join("\n")
+}
+
+/// The rows of the table: the first column, and the files that the second names.
+fn rows(page: &str) -> Vec<(&str, Vec<String>)> {
+    let section = page.split_once("## Where an equation is\n").unwrap().1;
+    let section = section.split("\n## ").next().unwrap();
+    let rows = section.lines().filter_map(|line| line.strip_prefix("| ")?.strip_suffix(" |")?.split_once(" | "));
+    let files = |place: &str| {
+        let quoted = place.split('`').skip(1).step_by(2).filter(|name| name.ends_with(".rs"));
+        quoted.map(|name| format!("src/{name}")).collect()
+    };
+    rows.map(|(what, place)| (what, files(place))).filter(|(_, files): &(_, Vec<_>)| !files.is_empty()).collect()
+}
+
+#[test]
+fn every_equation_is_where_the_table_says() {
+    let page = read("doc/architecture.md");
+    let mut listed = BTreeSet::new();
+    for (what, files) in rows(&page) {
+        let equations = numbers(what);
+        for file in files {
+            let labels = numbers(&comments(&read(&file)));
+            let missing: Vec<&u32> = equations.difference(&labels).collect();
+            assert!(
+                missing.is_empty(),
+                "no comment of {file} has the equations {missing:?}, but the row `{what}` says so"
+            );
+        }
+        listed.extend(equations);
+    }
+    let missing: Vec<u32> = WANTED.into_iter().filter(|number| !listed.contains(number)).collect();
+    assert!(missing.is_empty(), "doc/architecture.md does not say where the equations {missing:?} are");
+    assert!(read("README.md").contains("](doc/architecture.md#where-an-equation-is)"));
+}
+
+/// The names of the code that the glossary gives are there.
+#[test]
+fn the_glossary_names_what_there_is() {
+    fn all(folder: &Path, into: &mut String) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                all(&path, into);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                into.push_str(&fs::read_to_string(&path).unwrap());
+            }
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut code = String::new();
+    all(&root.join("src"), &mut code);
+    let page = read("doc/glossary.md").replace("\\|", "");
+    let columns = page.lines().filter_map(|line| line.strip_prefix("| **")?.strip_suffix(" |")?.rsplit('|').next());
+    let names: Vec<&str> = columns.flat_map(|column| column.split('`').skip(1).step_by(2)).collect();
+    assert!(names.len() > 40);
+    for name in names {
+        let last = |name: &str| name.split([':', '.']).next_back().unwrap().to_string();
+        // `kind = "value"` is a key of a scene and its value, `a/b.rs` a file, the rest a path.
+        let parts = match name.split_once(" = ") {
+            Some((key, value)) => vec![last(key), value.trim_matches('"').to_string()],
+            None => vec![last(name)],
+        };
+        let there = match name.strip_suffix(".rs") {
+            Some(_) => root.join("src").join(name).exists(),
+            None => parts.iter().all(|part| code.contains(part.as_str()) || code.contains(&part.replace('-', ""))),
+        };
+        assert!(there, "doc/glossary.md names `{name}`, which the code does not have");
+    }
+}
+
+#[test]
+fn numbers_are_read_from_labels_only() {
+    assert_eq!(numbers("the rows of (19), (21)–(23)"), BTreeSet::from([19, 21, 22, 23]));
+    assert_eq!(numbers("(1998) (a) f(3) (12"), BTreeSet::from([3]));
+}

@@ -1,0 +1,48 @@
+//! What the documentation and the help say can be typed as it stands.
+
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::common::program::{stdout, stickslip};
+
+/// README.md and the pages of doc.
+fn pages() -> Vec<(PathBuf, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let doc = fs::read_dir(root.join("doc")).unwrap().map(|entry| entry.unwrap().path());
+    let pages = doc.filter(|path| path.extension().is_some_and(|extension| extension == "md"));
+    let pages = pages.chain([root.join("README.md"), root.join("CONTRIBUTING.md")]);
+    pages.map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
+}
+
+/// A shell such as zsh takes brackets for a pattern of file names, and stops where there is no such file.
+#[test]
+fn brackets_are_quoted() {
+    let helps = ["run", "check", "compare"].map(|command| {
+        let output = stickslip(&[command, "--help"]);
+        (PathBuf::from(command), stdout(&output).to_string())
+    });
+    for (page, text) in pages().into_iter().chain(helps) {
+        for line in text.lines().filter(|line| line.contains("--set ") || line.contains("e.g. ")) {
+            let bare = line.split(' ').find(|word| {
+                let word = word.trim_start_matches('`');
+                word.contains('=') && word.contains('[') && word.starts_with(|c: char| c.is_ascii_alphabetic())
+            });
+            assert_eq!(bare, None, "{}: {line}", page.display());
+        }
+    }
+}
+
+/// With `-save` Gmsh writes the geometry alone, whatever else it is told.
+#[test]
+fn gmsh_is_told_to_make_a_mesh() {
+    let all = pages();
+    let said = all.iter().flat_map(|(_, text)| text.lines()).filter(|line| line.contains("-format msh41"));
+    assert!(
+        said.clone().count() > 0 && said.clone().all(|line| !line.contains("-save")),
+        "{:?}",
+        said.collect::<Vec<_>>()
+    );
+}
