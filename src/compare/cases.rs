@@ -222,17 +222,17 @@ mod tests {
     #[test]
     fn all_directions_are_refined_in_proportion() {
         let punch = Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &[]).unwrap();
-        let Mesh::HalfPlane(finer) = punch.with(&punch.mesh.refined(60)).unwrap().mesh else { panic!() };
+        let MeshSource::HalfPlane(finer) = punch.with(&refined(&punch.description.mesh, 60)).unwrap().description.mesh else { panic!() };
         assert_eq!((finer.contact_elements, finer.outer_elements, finer.layers), (60, 100, 22));
         let block = "mesh.elements=[40,8]".parse().unwrap();
         let block = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &[block]).unwrap();
-        let elements = |mesh: Mesh| -> Vec<usize> {
-            let Mesh::Block { axes, .. } = mesh else { panic!() };
+        let elements = |mesh: MeshSource| -> Vec<usize> {
+            let MeshSource::Block { axes, .. } = mesh else { panic!() };
             axes.concat().iter().map(|segment| segment.elements).collect()
         };
-        assert_eq!(elements(block.with(&block.mesh.refined(2)).unwrap().mesh), [2, 1]);
+        assert_eq!(elements(block.with(&refined(&block.description.mesh, 2)).unwrap().description.mesh), [2, 1]);
         let segments = ["mesh.size=[[0.25,0.75],1]", "mesh.elements=[[2,4],4]"].map(|text| text.parse().unwrap());
         let block = block.with(&segments).unwrap();
-        assert_eq!(elements(block.with(&block.mesh.refined(12)).unwrap().mesh), [4, 8, 8]);
+        assert_eq!(elements(block.with(&refined(&block.description.mesh, 12)).unwrap().description.mesh), [4, 8, 8]);
     }
 }

@@ -8,10 +8,10 @@ use stickslip::contact::{GapDirection, Obstacle, Rotation, Shape};
 use stickslip::description::{Axis, Description, Load};
 use stickslip::fem::{Element, Layer, Material, MaterialGroup, Plane};
 use stickslip::formula::Formula;
-use stickslip::history::{self, HistorySettings, Status};
-use stickslip::linear::Direct;
+use stickslip::history::{Method, Solver, Status};
 use stickslip::mesh::{Boundary, Cell, CellKind, HalfPlane, Mesh, MeshFault, MeshSource, Segment, block};
 use stickslip::model::{Model, ModelError};
+use stickslip::run::Run;
 use stickslip::scene::{Scene, SceneError};
 use stickslip::timeline::equal_increments;
 
@@ -111,11 +111,9 @@ fn obstacles_that_move_from_text_and_from_rust() {
 #[test]
 fn a_model_without_text_is_solved() {
     let model = Model::build(&paper_block()).unwrap();
-    let settings = HistorySettings::bn(&model.problem, model.scaling(), 200, 1e-10);
-    let outcome =
-        history::run(&model.problem, &model.loading, model.times(), &settings, &mut Direct::default(), &mut ())
-            .unwrap();
-    assert_eq!((outcome.status, outcome.records.len()), (Status::Converged, 40));
+    let run = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap();
+    let report = run.solve(&mut ()).unwrap();
+    assert_eq!((report.status, report.increments.len()), (Status::Converged, 40));
 }
 
 /// A fault that the model of `description` has to have, with the key and words of the message.
