@@ -9,10 +9,10 @@ mod common;
 
 use common::run::{Case, Elements, is_child, measure};
 use common::{Rows, option};
-use stickslip::history::HistorySettings;
+use stickslip::history::Method;
 
 fn main() {
-    if is_child(HistorySettings::paper_bn) {
+    if is_child(Method::PaperBn) {
         return;
     }
     let args: Vec<String> = std::env::args().skip(1).collect();

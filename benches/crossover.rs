@@ -8,7 +8,7 @@ mod common;
 
 use common::run::{Case, Elements, is_child, measure};
 use common::{Rows, option};
-use stickslip::history::HistorySettings;
+use stickslip::history::Method;
 
 const MESHES: [&str; 18] = [
     "25", "50", "100", "200", "400", "1000x4", "2000x4", "4000x4", "1000x16", "2000x16", "2000x50", "8x8x8",
@@ -16,7 +16,7 @@ const MESHES: [&str; 18] = [
 ];
 
 fn main() {
-    if is_child(HistorySettings::bn) {
+    if is_child(Method::BN) {
         return;
     }
     let args: Vec<String> = std::env::args().skip(1).collect();

@@ -62,11 +62,10 @@ fn measure(n: usize, who: Who) -> [f64; 6] {
     let (_, model) = block(n, 2);
     let problem = &model.problem;
     let scaling = if who == Who::Ours { model.scaling() } else { Scaling::SI };
-    let mut formulation = Bdiff::new(problem, scaling, &Conventions::paper(problem));
-    let mut force = vec![0.0; problem.displacements()];
-    model.loading.force(1.0, &mut force);
+    let mut formulation = Bdiff::new(problem, scaling, &Conventions::paper(problem.weight().unwrap()));
+    let force = model.loading.force_at(1.0, problem.displacements());
     let w_t_last = vec![0.0; problem.contacts()];
-    formulation.begin(&Increment { force: &force, gap: &model.loading.gap, w_t_last: &w_t_last, w_o_last: &w_t_last });
+    formulation.begin(&Increment { force: &force, gap: model.loading.gap(), w_t_last: &w_t_last, w_o_last: &w_t_last });
     let mut direct = Direct::new(Box::new(Umfpack::default()));
     direct.analyze(formulation.jacobian().pattern()).unwrap();
 
@@ -93,7 +92,7 @@ fn measure(n: usize, who: Who) -> [f64; 6] {
             info = umfpack.factorize(&values).unwrap();
             umfpack.solve(&h, &mut dz).unwrap();
             seconds.push(start.elapsed().as_secs_f64());
-            worst = worst.max(backward_error(&Csc { pattern, values }, &h, &dz));
+            worst = worst.max(backward_error(&Csc::new(pattern, values).unwrap(), &h, &dz));
         }
     }
     seconds.sort_by(f64::total_cmp);
@@ -111,7 +110,7 @@ fn mixed_state(model: &Model, iteration: usize) -> State {
         let third = 3 * (i + iteration) / n_c % 3;
         if third > 0 {
             // Above r g, so that the node counts as closed.
-            state.p_n[i] = 1.5e12 * problem.weight()[i] * model.loading.gap[i];
+            state.p_n[i] = 1.5e12 * problem.weight().unwrap()[i] * model.loading.gap()[i];
             state.p_t[i] = if third == 1 { 0.1 } else { 1.5 } * problem.mu()[i] * state.p_n[i];
         }
     }

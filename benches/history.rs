@@ -9,7 +9,7 @@
 mod common;
 
 use common::{Naive, Who, block, compare};
-use stickslip::history::{self, HistorySettings, Method, Observer, Status};
+use stickslip::history::{self, HistorySettings, Method, Observer, Status, System};
 use stickslip::linear::{self, Direct, LinearSolver, Umfpack};
 use stickslip::report::{Table, cpu_seconds};
 use stickslip::units::Scaling;
@@ -68,13 +68,12 @@ fn measure(n: usize, who: Who) -> [f64; 9] {
         Who::Ours => (model.scaling(), Box::new(Umfpack::default()), scene.solver.tolerance),
         Who::Naive => (Scaling::SI, Box::new(Naive::default()), 1e-3),
     };
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn)
-        .unwrap()
-        .until(scene.solver.max_iterations, tolerance);
-    let mut linear = Direct::new(backend);
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap();
+    let settings = HistorySettings { scaling, ..settings.until(scene.solver.max_iterations, tolerance) };
+    let system = System::from(backend);
     let times = scene.time.all();
     let mut observer = KeepMemory(who == Who::Ours);
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut observer).unwrap();
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, system, &mut observer).unwrap();
     let cpu = cpu_seconds() - start;
     // The naive caller may give up on the way: its time per iteration counts all the same.
     assert!(who == Who::Naive || outcome.status == Status::Converged, "{:?}", outcome.status);

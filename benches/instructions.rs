@@ -23,13 +23,13 @@ fn main() {
     let Some(kernel) = std::env::args().nth(1) else { return };
     linear::process::set_blas_threads(1);
     let (scene, model) = block(50, 2);
-    let condensed = Condensed::new(&model.problem, &model.loading).unwrap();
+    let condensed = Condensed::new(&model.problem, &model.loading, SparseCholesky::default()).unwrap();
     let small = &condensed.problem;
     let scaling = model.scaling();
-    let mut formulation = Bdiff::new(small, scaling, &Conventions::paper(small));
-    let (mut force, w_t_last) = (vec![0.0; small.displacements()], vec![0.0; small.contacts()]);
-    condensed.loading.force(1.0, &mut force);
-    formulation.begin(&Increment { force: &force, gap: &model.loading.gap, w_t_last: &w_t_last, w_o_last: &w_t_last });
+    let mut formulation = Bdiff::new(small, scaling, &Conventions::paper(small.weight().unwrap()));
+    let force = condensed.loading.force_at(1.0, small.displacements());
+    let w_t_last = vec![0.0; small.contacts()];
+    formulation.begin(&Increment { force: &force, gap: model.loading.gap(), w_t_last: &w_t_last, w_o_last: &w_t_last });
     let [first, second] = [0, 1].map(|shift| formulation.layout().pack(&mixed(small, &model, shift), &scaling));
     formulation.linearize(&first);
     let (mut h, mut dz) = (vec![0.0; first.len()], vec![0.0; first.len()]);
@@ -38,15 +38,16 @@ fn main() {
     direct.analyze(formulation.jacobian().pattern()).unwrap();
     match kernel.as_str() {
         "assembly" => measured_kernel(&mut || drop(Model::new(&scene).unwrap())),
-        "condensation" => measured_kernel(&mut || drop(Condensed::new(&model.problem, &model.loading).unwrap())),
+        "condensation" => measured_kernel(&mut || {
+            drop(Condensed::new(&model.problem, &model.loading, SparseCholesky::default()).unwrap())
+        }),
         "jacobian" => measured_kernel(&mut || assert!(formulation.linearize(&second))),
         "residual" => measured_kernel(&mut || formulation.residual(&second, &mut h)),
         "dense-factor" => measured_kernel(&mut || {
             direct.factorize(formulation.jacobian()).unwrap();
         }),
         "substitution" => {
-            let mut whole = vec![0.0; model.problem.displacements()];
-            model.loading.force(1.0, &mut whole);
+            let whole = model.loading.force_at(1.0, model.problem.displacements());
             let border = vec![0.0; small.displacements()];
             measured_kernel(&mut || {
                 let reduced = condensed.reduce(&whole).unwrap();
@@ -72,7 +73,7 @@ fn mixed(problem: &ContactProblem, model: &Model, shift: usize) -> State {
         let third = 3 * (i + shift) / n_c % 3;
         if third > 0 {
             // Above r g, so that the node counts as closed.
-            state.p_n[i] = 1.5e12 * problem.weight()[i] * model.loading.gap[i];
+            state.p_n[i] = 1.5e12 * problem.weight().unwrap()[i] * model.loading.gap()[i];
             state.p_t[i] = if third == 1 { 0.1 } else { 1.5 } * problem.mu()[i] * state.p_n[i];
         }
     }

@@ -73,11 +73,10 @@ struct Form {
 fn measure(n: usize) -> [Form; 2] {
     let (_, model) = block(n, 2);
     let problem = &model.problem;
-    let mut force = vec![0.0; problem.displacements()];
-    model.loading.force(1.0, &mut force);
+    let force = model.loading.force_at(1.0, problem.displacements());
     let w_t_last = vec![0.0; problem.contacts()];
-    let increment = Increment { force: &force, gap: &model.loading.gap, w_t_last: &w_t_last, w_o_last: &w_t_last };
-    let conventions = Conventions::paper(problem);
+    let increment = Increment { force: &force, gap: model.loading.gap(), w_t_last: &w_t_last, w_o_last: &w_t_last };
+    let conventions = Conventions::paper(problem.weight().unwrap());
     let mut systems = FORMS.map(|(form, name)| {
         let mut formulation = Constrained::new(problem, model.scaling(), &conventions, Partition::Products, form);
         formulation.begin(&increment);

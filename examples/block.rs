@@ -4,10 +4,9 @@
 
 #![allow(clippy::print_stdout)]
 
-use stickslip::history::{self, HistorySettings, Method, Observer, Step};
-use stickslip::linear::Direct;
-use stickslip::model::Model;
+use stickslip::history::{Observer, Step};
 use stickslip::nonlinear::Flow;
+use stickslip::run::Run;
 use stickslip::scene::Scene;
 
 /// One character for each contact node, one line for each increment.
@@ -29,11 +28,8 @@ impl Observer for Picture {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let overrides = ["mesh.elements=[60,60]".parse()?];
     let scene = Scene::read("data/scenes/block.toml".as_ref(), &overrides)?;
-    let model = Model::new(&scene)?;
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-10);
-    let mut linear = Direct::default();
     println!("time  contact line from the wall: # stick, - slip");
-    let outcome = history::run(&model.problem, &model.loading, &scene.time.all(), &settings, linear, &mut Picture)?;
-    println!("{}", outcome.status);
+    let report = Run::new(&scene)?.solve(&mut Picture)?;
+    println!("{}", report.status);
     Ok(())
 }

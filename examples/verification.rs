@@ -8,36 +8,22 @@ mod hertz;
 use std::error::Error;
 
 use hertz::Hertz;
-use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Step, System};
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
 use stickslip::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, write_file};
-use stickslip::scene::Scene;
+use stickslip::run::{Recording, Run};
+use stickslip::scene::{Override, Scene};
 
 const YOUNG: f64 = 210e9;
 const RADIUS: f64 = 100.0;
 
-/// The states at the ends of all increments.
-#[derive(Default)]
-struct States(Vec<State>);
-
-impl Observer for States {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
-        self.0.push(step.state.clone());
-        Flow::Continue
-    }
-}
-
+/// The model of a scene, and the states at the ends of all increments.
 fn solve(name: &str) -> Result<(Model, Vec<State>), Box<dyn Error>> {
-    let scene = Scene::read(format!("data/scenes/{name}.toml").as_ref(), &[])?;
-    let model = Model::new(&scene)?;
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10);
-    let mut states = States::default();
-    let times = scene.time.all();
-    let linear = System::from(LinearAlgebra::condensed());
-    history::run(&model.problem, &model.loading, &times, &settings, linear, &mut states)?;
-    Ok((model, states.0))
+    let condensed = Override::value("solver.linear", "condensed");
+    let scene = Scene::read(format!("data/scenes/{name}.toml").as_ref(), &[condensed])?;
+    let (run, mut recording) = (Run::new(&scene)?, Recording::all());
+    run.solve(&mut recording)?;
+    Ok((run.into_model(), recording.increments.into_iter().map(|increment| increment.state).collect()))
 }
 
 /// Stresses (MPa) over the distance (mm) at the nodes where `place` gives one (m), on the closed form.

@@ -48,8 +48,10 @@ struct Estimates {
 
 /// A linear algebra that is estimated to take much less time than the one of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Faster {
-    /// The other one.
+    /// The other one, by the word that scenes have for it.
+    #[cfg_attr(feature = "cli", schemars(with = "String"))]
     pub solver: LinearAlgebra,
     /// What its linear algebra is estimated to take, s.
     pub seconds: f64,

@@ -5,7 +5,7 @@
 
 /// Prints a line on standard output.
 macro_rules! say {
-    ($($arg:tt)*) => { crate::cli::output::line(format_args!($($arg)*)) };
+    ($($arg:tt)*) => { super::output::line(format_args!($($arg)*)) };
 }
 
 mod bug;
@@ -16,6 +16,7 @@ mod interrupt;
 mod output;
 mod progress;
 mod run;
+mod schema;
 mod shell;
 mod uniqueness;
 
@@ -23,7 +24,6 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use stickslip::linear::LinearError;
 use stickslip::model::ModelError;
 use stickslip::run::RunError;
 use stickslip::scene::{Override, Scene, SceneError};
@@ -46,6 +46,8 @@ enum Command {
     Run(run::RunArgs),
     /// Read and explain a scene without solving it
     Check(check::CheckArgs),
+    /// Print the JSON Schema of scenes or of the reports of runs
+    Schema(schema::SchemaArgs),
     /// Compare methods, linear algebra, increments and meshes on a scene: error against time
     Compare(compare::CompareArgs),
     /// Print a scene to start from, with comments
@@ -111,18 +113,6 @@ impl From<ModelError> for Failure {
     }
 }
 
-impl Failure {
-    fn linear(error: &LinearError) -> Self {
-        let report = match error {
-            LinearError::OutOfMemory { .. } => {
-                miette::miette!(help = "use a coarser mesh or a machine with more memory", "{error}")
-            }
-            error => miette::miette!(help = "this is not the scene's fault; please report it", "{error}"),
-        };
-        Failure::Machine(report)
-    }
-}
-
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         let of_the_input = error.is_of_the_input();
@@ -137,6 +127,10 @@ impl Command {
             Command::Run(args) => run::run(args),
             Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
             Command::Compare(args) => compare::compare(args),
+            Command::Schema(args) => {
+                schema::schema(args);
+                Ok(ExitCode::SUCCESS)
+            }
             Command::Init(args) => init::init(args).map(|()| ExitCode::SUCCESS),
             Command::Completions(args) => {
                 shell::completions(args, program());

@@ -53,7 +53,7 @@ pub use observer::{Observer, Step};
 pub use record::{ContactCounts, IncrementRecord, Seconds, Status};
 pub use settings::{HistorySettings, Method, Start};
 pub use solver::Solver;
-pub use system::{LinearAlgebra, System};
+pub use system::{LinearAlgebra, System, UnknownLinearAlgebra};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
 
 use crate::contact::{KktScales, Violation, rounding_level, statuses};

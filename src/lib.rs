@@ -11,24 +11,18 @@
 //! Data flows one way: [`scene`] (TOML) → [`model`] ([`mesh`], [`fem`], [`contact`]) → [`problem`]
 //! (algebra only) → [`formulation`] (the equations `H(z) = 0` and their Jacobian on one fixed
 //! pattern) → [`nonlinear`] (Algorithms BN and IP) with [`linear`] (sparse LU) → [`history`] (increments and
-//! verdicts) → [`report`]. [`solvability`] tells beforehand what to expect of a problem,
-//! [`uniqueness`] afterwards how far friction is from making a solution ambiguous.
+//! verdicts) → [`report`]. [`run`] is the door to all of it. [`solvability`] tells beforehand what to expect of a
+//! problem, [`uniqueness`] afterwards how far friction is from making a solution ambiguous.
 //!
 //! ```
-//! use stickslip::history::{self, HistorySettings, Status};
-//! use stickslip::linear::Direct;
-//! use stickslip::model::Model;
+//! use stickslip::run::Run;
 //! use stickslip::scene::Scene;
 //!
 //! let text = include_str!("../data/scenes/block.toml");
 //! let scene = Scene::parse("block.toml", text, &["mesh.elements=[10,10]".parse()?])?;
-//! let model = Model::new(&scene)?;
-//! let settings = HistorySettings::paper_bn(&model.problem, model.scaling(), 200, 1e-10);
-//! let mut linear = Direct::default();
-//! let outcome =
-//!     history::run(&model.problem, &model.loading, &scene.time.all(), &settings, &mut linear, &mut ())?;
-//! assert_eq!(outcome.status, Status::Converged);
-//! assert!(outcome.records.iter().all(|record| record.kkt.worst().1 < 1e-10));
+//! let report = Run::new(&scene)?.solve(&mut ())?;
+//! assert_eq!(report.status.to_string(), "converged");
+//! assert!(report.increments.iter().all(|record| record.kkt.worst().1 < 1e-10));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

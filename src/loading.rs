@@ -253,6 +253,13 @@ impl Loading {
     }
 
     /// The gaps (n_c, m) at time `t`.
+    pub fn gaps_at(&self, t: f64) -> Vec<f64> {
+        let mut gap = self.gap.clone();
+        self.gap_at(t, &mut gap);
+        gap
+    }
+
+    /// The gaps (n_c, m) at time `t`.
     pub(crate) fn gap_at(&self, t: f64, gap: &mut [f64]) {
         gap.copy_from_slice(&self.gap);
         for motion in &self.motions {
@@ -311,7 +318,7 @@ mod tests {
 
     #[test]
     fn factors_are_piecewise_linear_and_constant_outside() {
-        let case = LoadCase { force: vec![2.0, -4.0], history: vec![[1.0, 0.0], [2.0, 1.0], [4.0, -1.0]] };
+        let case = LoadCase::new(vec![2.0, -4.0], vec![[1.0, 0.0], [2.0, 1.0], [4.0, -1.0]]).unwrap();
         for (t, factor) in [(0.0, 0.0), (1.0, 0.0), (1.25, 0.25), (2.0, 1.0), (3.0, 0.0), (4.0, -1.0), (9.0, -1.0)] {
             assert_eq!(case.factor(t), factor, "at {t}");
         }

@@ -14,6 +14,8 @@ mod plot;
 mod pvd;
 mod resultant;
 mod run;
+#[cfg(feature = "cli")]
+mod schema;
 mod svg;
 mod table;
 mod unknowns;
@@ -33,6 +35,8 @@ pub use plot::{contact_stresses, stress_chart};
 pub use pvd::series as pvd_series;
 pub use resultant::{ComponentSums, ForceRecord, Resultant};
 pub use run::{Facts, Measured, RunReport, SCHEMA_VERSION, Totals};
+#[cfg(feature = "cli")]
+pub use schema::run_schema;
 pub use svg::{Dash, Line, Marker, PlotError};
 pub use table::Table;
 pub use unknowns::{LeftOut, Unknowns};

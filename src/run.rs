@@ -104,6 +104,11 @@ impl<'a> Run<'a> {
         &self.model
     }
 
+    /// The same, after the run.
+    pub fn into_model(self) -> Model {
+        self.model.into_owned()
+    }
+
     /// The ends of the increments, s.
     pub fn times(&self) -> &[f64] {
         &self.times

@@ -42,6 +42,10 @@ use crate::history::Solver;
 use crate::timeline::equal_increments;
 use error::Source;
 
+/// The JSON Schema (draft 2020-12) of a scene, for editors that complete and check TOML. What depends on several keys at
+/// once only the reader of scenes checks.
+pub const SCHEMA: &str = include_str!("scene/schema.json");
+
 /// A checked scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {

@@ -241,27 +241,26 @@ fn groups<'a, 'b>(rows: &'b [Row<'a>]) -> Vec<Vec<&'b Row<'a>>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::Parts;
     use crate::sparse::{Csr, Symmetric};
 
     type Entries<'a> = &'a [(usize, f64)];
 
     /// A rigid particle or two: displacements that nothing but contact rows tells apart.
     fn problem(motions: &[&[f64]], displacements: usize, contacts: &[(Entries, Entries, f64)]) -> ContactProblem {
-        let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(displacements));
-        for (n, t, _) in contacts {
-            c_n.push_row(n.iter().copied());
-            c_t.push_row(t.iter().copied());
-            c_o.push_row([]);
-        }
-        ContactProblem {
-            stiffness: Symmetric::from_entries(displacements, |_| ()),
+        let row = |entries: Entries| entries.to_vec();
+        let c_n = Csr::of_rows(displacements, contacts.iter().map(|(n, ..)| row(n)));
+        let c_t = Csr::of_rows(displacements, contacts.iter().map(|(_, t, _)| row(t)));
+        ContactProblem::new(Parts {
+            stiffness: Symmetric::from_entries(displacements, |_| ()).unwrap(),
             c_n,
             c_t,
-            c_o,
+            c_o: Csr::empty(contacts.len(), displacements),
             mu: contacts.iter().map(|(_, _, mu)| *mu).collect(),
-            weight: vec![1.0; contacts.len()],
-            free_motions: motions.iter().map(|motion| motion.to_vec()).collect(),
-        }
+            weight: Some(vec![1.0; contacts.len()]),
+            free_motions: Some(motions.iter().map(|motion| motion.to_vec()).collect()),
+        })
+        .unwrap()
     }
 
     const FREE: [&[f64]; 2] = [&[1.0, 0.0], &[0.0, 1.0]];
@@ -344,9 +343,9 @@ mod tests {
     #[test]
     fn friction_balances_up_to_its_limit_in_every_direction() {
         let free: [&[f64]; 3] = [&[1.0, 0.0, 0.0], &[0.0, 1.0, 0.0], &[0.0, 0.0, 1.0]];
-        let mut floor = problem(&free, 3, &[(&[(2, -1.0)], &[(0, 1.0)], 0.4)]);
-        floor.c_o = Csr::new(3);
-        floor.c_o.push_row([(1, 1.0)]);
+        let floor = problem(&free, 3, &[(&[(2, -1.0)], &[(0, 1.0)], 0.4)]);
+        let c_o = Csr::of_rows(3, [[(1, 1.0)]]);
+        let floor = ContactProblem::new(Parts { c_o, ..floor.into_parts() }).unwrap();
         for angle in [0.0_f64, 0.3, 0.785, 1.0, 2.0, 3.0, 4.4, 5.9] {
             let load = |side: f64| [side * angle.cos(), side * angle.sin(), -10.0];
             for inside in [0.0, 3.0, 3.99, 4.0 * (1.0 - 1e-9)] {

@@ -27,6 +27,7 @@ use crate::units::Scaling;
 
 /// How far friction is from making the rate problem singular, along given contact statuses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct CriticalFriction {
     /// `κ_c`: the smallest multiple of the present friction at which the rate problem is singular.
     /// Infinite if there is none; 0 if it is singular without friction, as where nothing but

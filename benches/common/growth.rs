@@ -1,6 +1,6 @@
 //! How a run grows with the mesh: a row for each size and the exponents of the growth, path by path.
 
-use stickslip::history::HistorySettings;
+use stickslip::history::Method;
 
 use super::run::{Case, Elements, Measured, is_child, measure};
 use super::{Rows, option};
@@ -34,7 +34,7 @@ pub struct Growth {
 impl Growth {
     /// Runs BN in the default setting on every path and every size, and prints the table.
     pub fn print(&self) {
-        if is_child(HistorySettings::bn) {
+        if is_child(Method::BN) {
             return;
         }
         let args: Vec<String> = std::env::args().skip(1).collect();

@@ -137,7 +137,8 @@ impl LinearSolver for Naive {
 pub fn prune(a: &Csc) -> (Arc<Pattern>, Vec<f64>) {
     let pattern = Pattern::from_entries(a.pattern().rows(), a.pattern().columns(), |take| {
         a.entries().filter(|&(_, _, value)| value != 0.0).for_each(|(i, j, _)| take(i, j));
-    });
+    })
+    .unwrap();
     let values = a.values.iter().copied().filter(|&value| value != 0.0).collect();
     (Arc::new(pattern), values)
 }

@@ -7,9 +7,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 use stickslip::auto::Choice;
-use stickslip::history::{self, HistorySettings, LinearAlgebra, Observer, Status, System};
-use stickslip::linear::{self, Direct};
-use stickslip::problem::ContactProblem;
+use stickslip::history::{self, HistorySettings, Method, Observer, Status, System};
+use stickslip::linear::{self, LinearSolver};
 use stickslip::report::{available_bytes, cpu_seconds, peak_rss_bytes};
 use stickslip::units::Scaling;
 
@@ -34,9 +33,6 @@ pub struct Case {
 
 /// Who does the linear algebra: `umfpack`, `faer`, `condensed`, `auto`, or `naive`, see [`super::Who`].
 pub type Who = &'static str;
-
-/// The history's settings, as the constructors of [`HistorySettings`] make them.
-pub type Setting = fn(&ContactProblem, Scaling, usize, f64) -> HistorySettings;
 
 /// What was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -108,14 +104,14 @@ pub fn measure(case: Case, who: Who) -> Measured {
 }
 
 /// If this process is a child: runs what it is told to, prints what it measured, and tells so.
-pub fn is_child(setting: Setting) -> bool {
+pub fn is_child(method: Method) -> bool {
     let args: Vec<String> = std::env::args().collect();
     let [_, child, who, case] = &args[..] else { return false };
     if child != "child" {
         return false;
     }
     linear::process::set_blas_threads(1);
-    let measured = run(serde_json::from_str(case).unwrap(), who, setting);
+    let measured = run(serde_json::from_str(case).unwrap(), who, method);
     println!("{}", serde_json::to_string(&measured).unwrap());
     true
 }
@@ -129,7 +125,7 @@ impl Observer for KeepMemory {
     }
 }
 
-fn run(case: Case, who: &str, setting: Setting) -> Measured {
+fn run(case: Case, who: &str, method: Method) -> Measured {
     let linear = if who == "naive" { "umfpack" } else { who };
     let (name, [elements, size]) = case.elements.meshed();
     let increments = format!("time.increments={}", case.increments);
@@ -137,19 +133,22 @@ fn run(case: Case, who: &str, setting: Setting) -> Measured {
     let before = cpu_seconds();
     // In newtons and metres the tolerance of the scene is out of reach at fine meshes: what the naive caller
     // reaches is taken, the comparison is of time.
-    let (scaling, mut linear, tolerance, condensed) = if who == "naive" {
-        (Scaling::SI, Direct::new(Box::new(Naive::default())), 1e-3, false)
-    } else {
-        let backend =
-            Choice::cheapest(&model.problem, scene.solver.method.name(), scene.time.increments, available_bytes())
-                .unwrap()
-                .backend;
-        let condensed = backend == LinearAlgebra::condensed();
-        (model.scaling(), System::from(backend), scene.solver.tolerance, condensed)
+    let naive = who == "naive";
+    let tolerance = if naive { 1e-3 } else { scene.solver.tolerance };
+    let problem = &model.problem;
+    let choice = || Choice::cheapest(problem, method, scene.time.increments, available_bytes()).unwrap().linear;
+    let system = match scene.solver.linear {
+        _ if naive => System::from(Box::new(Naive::default()) as Box<dyn LinearSolver>),
+        linear => System::from(linear.unwrap_or_else(choice)),
     };
-    let settings = setting(&model.problem, scaling, scene.solver.max_iterations, tolerance);
+    let condensed = system.condenses();
+    let settings = HistorySettings::new(problem, &model.loading, method).unwrap();
+    let mut settings = settings.until(scene.solver.max_iterations, tolerance);
+    if naive {
+        settings.scaling = Scaling::SI;
+    }
     let times = scene.time.all();
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut KeepMemory).unwrap();
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, system, &mut KeepMemory).unwrap();
     let cpu = cpu_seconds();
     // The naive caller may give up on the way.
     assert!(who == "naive" || outcome.status == Status::Converged, "{case:?} {who}: {:?}", outcome.status);

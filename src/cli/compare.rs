@@ -30,7 +30,7 @@ pub(super) struct CompareArgs {
     #[arg(long, value_delimiter = ',', value_parser = ["default", "paper"], default_value = "default")]
     settings: Vec<String>,
     /// The linear algebra
-    #[arg(long, value_delimiter = ',', value_parser = linear_algebra, default_value = "umfpack,condensed,faer")]
+    #[arg(long, value_delimiter = ',', default_value = "umfpack,condensed,faer")]
     solvers: Vec<LinearAlgebra>,
     /// The first number of elements of each mesh, the others in the proportions of the scene; an eighth, a
     /// quarter and half of the scene's unless given; not for a mesh from a file
@@ -49,15 +49,6 @@ pub(super) struct CompareArgs {
     /// Print the runs as comma-separated values and nothing else
     #[arg(long)]
     csv: bool,
-}
-
-/// A linear algebra by the word that scenes have for it.
-fn linear_algebra(word: &str) -> Result<LinearAlgebra, String> {
-    let mut known = LinearAlgebra::WORDS.into_iter().chain([("condensed", LinearAlgebra::condensed())]);
-    known.clone().find(|(known, _)| *known == word).map(|(_, linear)| linear).ok_or_else(|| {
-        let words: Vec<_> = known.by_ref().map(|(word, _)| word).collect();
-        format!("it is one of {}", words.join(", "))
-    })
 }
 
 /// The method of these names; that of the paper's interior point method starts from the safe point.

@@ -208,7 +208,7 @@ mod tests {
         }
         assert!(coarse.distance(&fine, &within) < 1e-14);
         fine.values.iter_mut().for_each(|value| *value = [0.0, 0.0, 2.0]);
-        let inner: Vec<_> = coarse.positions.iter().zip(coarse.values()).filter(|(x, _)| within.holds(**x)).collect();
+        let inner: Vec<_> = coarse.positions.iter().zip(&coarse.values).filter(|(x, _)| within.holds(**x)).collect();
         let apart = |value: &[f64; 3]| value[0].powi(2) + value[1].powi(2) + (value[2] - 2.0).powi(2);
         let expected = (inner.iter().map(|(_, value)| apart(value)).sum::<f64>() / (4.0 * 9.0)).sqrt();
         assert!((coarse.distance(&fine, &within) / expected - 1.0).abs() < 1e-14);

@@ -74,6 +74,7 @@ fn relative(value: f64, scale: f64) -> f64 {
 
 /// The violation of each law, the largest over all nodes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct KktErrors {
     /// `|K u + Cᵀ p - f|`, relative to the force scale.
     pub equilibrium: f64,
@@ -92,6 +93,7 @@ pub struct KktErrors {
 
 /// A law that a state can violate, a component of [`KktErrors`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Law {
     /// Equilibrium (15).

@@ -22,6 +22,7 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A contact node whose linearised distance from the obstacle is wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct RangeLeft {
     /// Its number in the mesh, from 0.
     pub node: usize,

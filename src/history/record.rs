@@ -10,6 +10,7 @@ use crate::nonlinear::{Outcome, Stop};
 
 /// The verdict on an increment and on a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// Every law holds within the tolerance, by the independent error measure.
@@ -60,6 +61,7 @@ impl fmt::Display for Status {
 
 /// How many contact nodes are in each status.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct ContactCounts {
     /// Apart from the obstacle.
     pub open: usize,
@@ -71,6 +73,7 @@ pub struct ContactCounts {
 
 /// Where the wall time of an increment went, s.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Seconds {
     /// Residuals, merits and Jacobian values.
     pub assembly: f64,
@@ -93,6 +96,7 @@ impl Seconds {
 
 /// One increment, as reported.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct IncrementRecord {
     /// Its number, from 1.
     pub index: usize,

@@ -1,6 +1,7 @@
 //! How the linear system of an iteration is set up: whole, or condensed to the contact displacements.
 
 use std::fmt;
+use std::str::FromStr;
 
 use serde::{Serialize, Serializer};
 
@@ -61,6 +62,20 @@ impl fmt::Display for LinearAlgebra {
             condensed if *condensed == LinearAlgebra::condensed() => f.write_str("condensed"),
             LinearAlgebra::Condensed(cholesky) => write!(f, "condensed-{cholesky}"),
         }
+    }
+}
+
+/// A word that names no linear algebra.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("it is one of umfpack, faer, condensed, condensed-cholmod and condensed-faer")]
+pub struct UnknownLinearAlgebra;
+
+impl FromStr for LinearAlgebra {
+    type Err = UnknownLinearAlgebra;
+
+    fn from_str(word: &str) -> Result<Self, Self::Err> {
+        let known = Self::WORDS.into_iter().chain([("condensed", Self::condensed())]);
+        known.into_iter().find(|(known, _)| *known == word).map(|(_, linear)| linear).ok_or(UnknownLinearAlgebra)
     }
 }
 

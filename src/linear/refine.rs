@@ -137,8 +137,8 @@ mod tests {
 
     #[test]
     fn backward_error_of_a_known_perturbation() {
-        let pattern = Arc::new(Pattern::from_entries(2, 2, |take| (0..2).for_each(|i| take(i, i))));
-        let a = Csc { pattern, values: vec![1.0, 4.0] };
+        let pattern = Arc::new(Pattern::from_entries(2, 2, |take| (0..2).for_each(|i| take(i, i))).unwrap());
+        let a = Csc::new(pattern, vec![1.0, 4.0]).unwrap();
         // The second row misses by 1 against |4 · 1| + |5|.
         assert_eq!(backward_error(&a, &[1.0, 5.0], &[1.0, 1.0]), 1.0 / 9.0);
         assert!(backward_error(&a, &[1.0, 5.0], &[f64::NAN, 1.0]).is_nan());
@@ -148,12 +148,12 @@ mod tests {
     fn refinement_reaches_rounding_on_a_badly_scaled_matrix() {
         let n = 40;
         let pattern =
-            Arc::new(Pattern::from_entries(n, n, |take| (0..n).for_each(|i| (0..n).for_each(|j| take(i, j)))));
+            Arc::new(Pattern::from_entries(n, n, |take| (0..n).for_each(|i| (0..n).for_each(|j| take(i, j)))).unwrap());
         let mut a = Csc::zeros(Arc::clone(&pattern));
         for j in 0..n {
             for i in 0..n {
                 // A Hilbert-like matrix whose rows span twelve decades.
-                a.values[j * n + i] = 10_f64.powi((i % 13) as i32) / (1.0 + i as f64 + 2.0 * j as f64)
+                a.values_mut()[j * n + i] = 10_f64.powi((i % 13) as i32) / (1.0 + i as f64 + 2.0 * j as f64)
                     + if i == j { 10_f64.powi((i % 13) as i32) } else { 0.0 };
             }
         }

@@ -259,7 +259,7 @@ mod tests {
     use super::*;
 
     fn pattern(entries: &[(usize, usize)], n: usize) -> Arc<Pattern> {
-        Arc::new(Pattern::from_entries(n, n, |take| entries.iter().for_each(|&(i, j)| take(i, j))))
+        Arc::new(Pattern::from_entries(n, n, |take| entries.iter().for_each(|&(i, j)| take(i, j))).unwrap())
     }
 
     #[test]
@@ -290,7 +290,7 @@ mod tests {
         assert!(matches!(solver.factorize(&[1.0, 0.0]), Err(LinearError::Singular { .. })));
         // A failed factorisation leaves no stale factors behind.
         assert_eq!(solver.solve(&[1.0, 1.0], &mut x), Err(LinearError::Order { missing: "factorize" }));
-        let wide = Arc::new(Pattern::from_entries(1, 2, |take| take(0, 1)));
+        let wide = Arc::new(Pattern::from_entries(1, 2, |take| take(0, 1)).unwrap());
         assert!(matches!(solver.analyze(&wide), Err(LinearError::Shape { .. })));
     }
 

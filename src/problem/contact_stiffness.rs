@@ -100,31 +100,26 @@ fn patches(stiffness: &Symmetric, c_n: &Csr) -> Vec<Patch> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::Parts;
 
     /// `n` points in a row with unit springs between them, the last one on a wall by another if it is `held`; every
     /// point is a contact node.
     fn chain(n: usize, held: bool) -> ContactProblem {
-        let mut stiffness = Symmetric::from_entries(n, |take| {
-            (0..n).for_each(|i| (i.saturating_sub(1)..=i).for_each(|j| take(i, j)));
-        });
-        for i in 1..n {
-            stiffness.add(i - 1, i - 1, 1.0);
-            stiffness.add(i, i, 1.0);
-            stiffness.add(i, i - 1, -1.0);
-        }
-        stiffness.add(n - 1, n - 1, f64::from(u8::from(held)));
-        let [mut c_n, mut none] = [Csr::new(n), Csr::new(n)];
-        (0..n).for_each(|i| c_n.push_row([(i, -1.0)]));
-        (0..n).for_each(|_| none.push_row([]));
-        ContactProblem {
+        let held_end = (n - 1, n - 1, f64::from(u8::from(held)));
+        let springs = (1..n).flat_map(|i| [(i - 1, i - 1, 1.0), (i, i, 1.0), (i, i - 1, -1.0)]);
+        let stiffness = Symmetric::from_triplets(n, &springs.chain([held_end]).collect::<Vec<_>>()).unwrap();
+        let c_n = Csr::of_rows(n, (0..n).map(|i| [(i, -1.0)]));
+        let none = Csr::empty(n, n);
+        ContactProblem::new(Parts {
             stiffness,
             c_n,
             c_t: none.clone(),
             c_o: none,
             mu: vec![0.0; n],
-            weight: vec![1.0; n],
-            free_motions: if held { Vec::new() } else { vec![vec![1.0; n]] },
-        }
+            weight: Some(vec![1.0; n]),
+            free_motions: Some(if held { Vec::new() } else { vec![vec![1.0; n]] }),
+        })
+        .unwrap()
     }
 
     fn assert_close(found: &[f64], expected: &[f64]) {
@@ -148,11 +143,10 @@ mod tests {
     fn in_a_dense_matrix_it_is_the_inverse_of_the_compliance() {
         // K = 1 + e eᵀ, K⁻¹ = 1 - e eᵀ / (n + 1).
         let n = 5;
-        let mut problem = chain(n, true);
-        problem.stiffness = Symmetric::from_entries(n, |take| (0..n).for_each(|i| (0..=i).for_each(|j| take(i, j))));
-        for i in 0..n {
-            (0..=i).for_each(|j| problem.stiffness().add(i, j, if i == j { 2.0 } else { 1.0 }));
-        }
+        let entry = |i: usize, j: usize| (i, j, if i == j { 2.0 } else { 1.0 });
+        let entries: Vec<_> = (0..n).flat_map(|i| (0..=i).map(move |j| entry(i, j))).collect();
+        let stiffness = Symmetric::from_triplets(n, &entries).unwrap();
+        let problem = ContactProblem::new(Parts { stiffness, ..chain(n, true).into_parts() }).unwrap();
         assert_close(&problem.contact_stiffness(), &[1.2; 5]);
     }
 }

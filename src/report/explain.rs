@@ -9,6 +9,7 @@ use crate::model::Model;
 
 /// Why a run ended early.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Explanation {
     /// In words; empty if it did not.
     pub reason: String,
@@ -19,6 +20,7 @@ pub struct Explanation {
 
 /// A node where a law is violated.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct WorstNode {
     /// The law.
     pub law: Law,

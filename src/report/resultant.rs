@@ -13,6 +13,7 @@ use crate::vector::cross;
 /// What the body does to the obstacle in front of one boundary: the sum of the contact forces, and their components. On
 /// several boundaries, and on an obstacle with a normal for each node, normals and tangents point different ways.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Resultant {
     /// The boundary.
     pub boundary: String,
@@ -28,6 +29,7 @@ pub struct Resultant {
 
 /// Sums of the components of contact forces.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct ComponentSums {
     /// `Σ p_n`, N.
     pub sum_p_n: f64,
@@ -40,6 +42,7 @@ pub struct ComponentSums {
 
 /// The resultant of a boundary at the end of an increment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct ForceRecord {
     /// The increment, from 1.
     pub index: usize,

@@ -19,6 +19,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 
 /// Everything about a run but the fields; SI units throughout.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct RunReport {
     /// The version of these keys, 1.
     pub schema_version: u32,
@@ -77,6 +78,7 @@ pub struct RunReport {
 
 /// Sums over a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Totals {
     /// Linear systems solved by the method.
     pub iterations: usize,

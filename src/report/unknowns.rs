@@ -8,6 +8,7 @@ use crate::model::Model;
 
 /// The numbers of unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Unknowns {
     /// Displacements.
     pub u: usize,
@@ -28,6 +29,7 @@ pub struct Unknowns {
 
 /// Unknowns that a scene does not need.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct LeftOut {
     /// How many.
     pub count: usize,

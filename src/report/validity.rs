@@ -25,6 +25,7 @@ pub struct Validity {
 
 /// The largest displacement of a history.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct LargestDisplacement {
     /// Its length, m.
     pub length: f64,

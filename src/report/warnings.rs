@@ -7,6 +7,7 @@ use crate::model::Model;
 
 /// A warning.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Warning {
     /// Of what.
     pub kind: WarningKind,
@@ -16,6 +17,7 @@ pub struct Warning {
 
 /// What a warning is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum WarningKind {
     /// Elements that lock, because a material hardly changes its volume.

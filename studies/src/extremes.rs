@@ -11,9 +11,10 @@ use std::time::Instant;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use stickslip::contact::KktErrors;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
+use stickslip::history::{self, HistoryOutcome, Method, Solver, Status};
 use stickslip::linear::LinearError;
 use stickslip::model::{Model, ModelError};
+use stickslip::run::{Run, RunError};
 use stickslip::scene::{Override, OverrideSyntax, Scene, SceneError};
 use vary::Vary;
 
@@ -149,18 +150,27 @@ pub enum ExtremeError {
     /// An override of the table is no override.
     #[error("studies/data/extremes.toml: {0}")]
     Override(#[from] OverrideSyntax),
-    /// The scene could not be built.
+    /// The scene could not be built, or the linear algebra failed.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Model(#[from] ModelError),
-    /// The linear algebra failed.
-    #[error(transparent)]
-    Linear(#[from] LinearError),
+    Run(#[from] RunError),
+}
+
+impl From<ModelError> for ExtremeError {
+    fn from(error: ModelError) -> Self {
+        ExtremeError::Run(error.into())
+    }
+}
+
+impl From<LinearError> for ExtremeError {
+    fn from(error: LinearError) -> Self {
+        ExtremeError::Run(error.into())
+    }
 }
 
 impl From<SceneError> for ExtremeError {
     fn from(error: SceneError) -> Self {
-        ExtremeError::Model(error.into())
+        ExtremeError::Run(error.into())
     }
 }
 
@@ -252,25 +262,15 @@ impl Case {
         Ok(model)
     }
 
-    /// How `method` solves it.
-    pub fn settings(&self, scene: &Scene, model: &Model, method: SuiteMethod) -> HistorySettings {
-        let (problem, scaling) = (&model.problem, model.scaling());
-        match method {
-            SuiteMethod::BnPaper => {
-                HistorySettings::new(problem, loading, Method::PaperBn).unwrap().until(MAX_ITERATIONS, TOLERANCE)
-            }
-            SuiteMethod::Ip => {
-                HistorySettings::new(problem, loading, Method::IP).unwrap().until(MAX_ITERATIONS, TOLERANCE)
-            }
-            SuiteMethod::Bn => {
-                let mut settings =
-                    HistorySettings::new(problem, loading, Method::BN).unwrap().until(MAX_ITERATIONS, TOLERANCE);
-                if let Method::Bn { r_factor } = scene.solver.method {
-                    settings.conventions.scale_r(r_factor);
-                }
-                settings
-            }
-        }
+    /// What solves it by `method`: the whole system, whatever the scene says.
+    pub fn solver(&self, scene: &Scene, method: SuiteMethod) -> Solver {
+        let method = match (method, scene.solver.method) {
+            (SuiteMethod::BnPaper, _) => Method::PaperBn,
+            (SuiteMethod::Ip, _) => Method::IP,
+            (SuiteMethod::Bn, Method::Bn { r_factor, .. }) => Method::Bn { r_factor, rescue: true },
+            (SuiteMethod::Bn, _) => Method::BN,
+        };
+        Solver { max_iterations: MAX_ITERATIONS, tolerance: TOLERANCE, ..Solver::new(method) }
     }
 
     /// Runs it.
@@ -281,10 +281,8 @@ impl Case {
         let start = Instant::now();
         let scene = self.scene()?;
         let model = self.model(&scene)?;
-        let settings = self.settings(&scene, &model, method);
-        let linear = System::from(LinearAlgebra::default());
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut ())?;
+        let outcome = Run::of(&model, times.clone(), self.solver(&scene, method))?.history(&mut ())?;
         let seconds = start.elapsed().as_secs_f64();
         let condition = vary::condition(&model)?;
         Ok(self.row(method, &outcome, times.len(), condition, seconds))

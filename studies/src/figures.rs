@@ -3,7 +3,7 @@
 
 mod picture;
 
-use stickslip::history::{self, HistoryOutcome, IncrementRecord, Observer, Status, Step};
+use stickslip::history::{HistoryOutcome, IncrementRecord, Observer, Status, Step};
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IterationRecord};
 use stickslip::report::ContactLine;
@@ -184,11 +184,10 @@ fn run(
 ) -> Result<Run, PaperError> {
     let scene = table.scene(contact_nodes, MU, increments)?;
     let model = Model::new(&scene)?;
-    let settings = table.settings(method, &model);
-    let mut linear = model.linear(scene.solver.linear.unwrap_or_default());
+    let solver = table.solver(method, scene.solver.linear.unwrap_or_default());
     let mut keep = Keep { model: &model, wanted, progress, lines: Vec::new(), iterations: Vec::new() };
     let times = scene.time.all();
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut keep)?;
+    let outcome = stickslip::run::Run::of(&model, times, solver)?.history(&mut keep)?;
     let Keep { lines, iterations, .. } = keep;
     Ok(Run { outcome, lines, iterations })
 }

@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::Serialize;
-use stickslip::history::{self, HistorySettings, IncrementRecord, LinearAlgebra, Method, Start, Status, System};
-use stickslip::linear::LinearError;
+use stickslip::history::{IncrementRecord, LinearAlgebra, Method, Solver, Start, Status};
 use stickslip::model::{Model, ModelError};
+use stickslip::run::{Run, RunError};
 use stickslip::scene::{Override, Scene, SceneError};
 
 /// Half a unit of the last digit that the paper prints: a difference up to this is rounding.
@@ -94,18 +94,21 @@ pub struct Cell {
 /// Why a cell or a figure could not be computed.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum PaperError {
-    /// The scene could not be built.
+    /// The scene could not be built, or the linear algebra failed.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Model(#[from] ModelError),
-    /// The linear algebra failed.
-    #[error(transparent)]
-    Linear(#[from] LinearError),
+    Run(#[from] RunError),
+}
+
+impl From<ModelError> for PaperError {
+    fn from(error: ModelError) -> Self {
+        PaperError::Run(error.into())
+    }
 }
 
 impl From<SceneError> for PaperError {
     fn from(error: SceneError) -> Self {
-        PaperError::Model(error.into())
+        PaperError::Run(error.into())
     }
 }
 
@@ -177,10 +180,8 @@ impl PaperTable {
         let start = Instant::now();
         let scene = self.scene(case.contact_nodes, case.mu, case.increments)?;
         let model = Model::new(&scene)?;
-        let settings = self.settings(method, &model);
-        let linear = System::from(linear);
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut ())?;
+        let outcome = Run::of(&model, times.clone(), self.solver(method, linear))?.history(&mut ())?;
         let mean = |count: fn(&IncrementRecord) -> usize| {
             outcome.records.iter().map(count).sum::<usize>() as f64 / outcome.records.len() as f64
         };
@@ -201,27 +202,19 @@ impl PaperTable {
         })
     }
 
-    /// How `method` is run on `model`.
-    pub fn settings(self, method: PaperMethod, model: &Model) -> HistorySettings {
-        let (problem, scaling) = (&model.problem, model.scaling());
-        // The paper's IP ends at an absolute Theta, which leaves errors of 1e-7.
-        let paper_ip = |start| {
-            HistorySettings::new(problem, loading, Method::paper_ip(start)).unwrap().until(MAX_ITERATIONS, 1e-6)
-        };
-        match method {
-            PaperMethod::BnDefault => {
-                HistorySettings::new(problem, loading, Method::BN).unwrap().until(MAX_ITERATIONS, 1e-10)
-            }
-            PaperMethod::Bn => {
-                HistorySettings::new(problem, loading, Method::PaperBn).unwrap().until(MAX_ITERATIONS, 1e-10)
-            }
-            PaperMethod::IpSafe => paper_ip(Start::Safe),
-            PaperMethod::IpPrev if self == PaperTable::Block => paper_ip(Start::PREV),
+    /// What solves a cell by `method`.
+    pub fn solver(self, method: PaperMethod, linear: LinearAlgebra) -> Solver {
+        let method = match method {
+            PaperMethod::BnDefault => Method::BN,
+            PaperMethod::Bn => Method::PaperBn,
+            PaperMethod::IpSafe => Method::paper_ip(Start::Safe),
+            PaperMethod::IpPrev if self == PaperTable::Block => Method::paper_ip(Start::PREV),
             // The paper restarts nothing here, and lets σ fall by (36); with that the iteration
             // stalls in the second increment or soon after. With the block's rule it gets through in most cells.
-            PaperMethod::IpPrev => paper_ip(Start::PREV.patient()),
-            PaperMethod::Ip => HistorySettings::new(problem, loading, Method::IP).unwrap().until(MAX_ITERATIONS, 1e-10),
-        }
+            PaperMethod::IpPrev => Method::paper_ip(Start::PREV.patient()),
+            PaperMethod::Ip => Method::IP,
+        };
+        Solver { linear: Some(linear), max_iterations: MAX_ITERATIONS, ..Solver::new(method) }
     }
 }
 

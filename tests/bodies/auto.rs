@@ -18,7 +18,7 @@ fn scene(overrides: &[&str]) -> (Scene, Model) {
 }
 
 fn cheapest(scene: &Scene, model: &Model, available: Option<u64>) -> Choice {
-    Choice::cheapest(&model.problem, scene.solver.method.name(), scene.time.increments, available).unwrap()
+    Choice::cheapest(&model.problem, scene.solver.method, scene.time.increments, available).unwrap()
 }
 
 fn choice(overrides: &[&str], available: Option<u64>) -> Choice {
@@ -30,9 +30,9 @@ fn choice(overrides: &[&str], available: Option<u64>) -> Choice {
 fn squares_are_condensed_and_strips_are_not() {
     for increments in ["time.increments=2", "time.increments=40"] {
         let square = choice(&["mesh.elements=[60,60]", increments], None);
-        assert_eq!(square.backend, LinearAlgebra::condensed(), "{:?}", square.reason());
+        assert_eq!(square.linear, LinearAlgebra::condensed(), "{:?}", square.reason());
         let strip = choice(&[&STRIP[..], &[increments]].concat(), None);
-        assert_eq!(strip.backend, LinearAlgebra::default(), "{:?}", strip.reason());
+        assert_eq!(strip.linear, LinearAlgebra::default(), "{:?}", strip.reason());
     }
 }
 
@@ -49,7 +49,7 @@ fn cubes_are_condensed_and_the_thinnest_plate_is_not() {
         let overrides: Vec<_> = overrides.map(|text| text.parse().unwrap()).collect();
         let scene = Scene::parse("cube.toml", text, &overrides).unwrap();
         let choice = cheapest(&scene, &Model::new(&scene).unwrap(), None);
-        assert_eq!(choice.backend, expected, "{elements}: {:?}", choice.reason());
+        assert_eq!(choice.linear, expected, "{elements}: {:?}", choice.reason());
     }
 }
 
@@ -63,13 +63,13 @@ fn the_reason_is_told() {
     let named = block(&["mesh.elements=[5,5]", "solver.linear=\"condensed\""]);
     let run = Run::new(&named).unwrap();
     let choice = run.choice();
-    assert_eq!((choice.backend, choice.reason()), (LinearAlgebra::condensed(), None));
+    assert_eq!((choice.linear, choice.reason()), (LinearAlgebra::condensed(), None));
 }
 
 #[test]
 fn what_memory_does_not_hold_is_not_chosen() {
     let short = choice(&["mesh.elements=[40,40]"], Some(1000));
-    assert_eq!(short.backend, LinearAlgebra::default());
+    assert_eq!(short.linear, LinearAlgebra::default());
     assert!(short.reason().unwrap().contains("GB of memory"), "{:?}", short.reason());
 }
 
@@ -81,7 +81,7 @@ fn without_contact_any_choice_solves() {
     let scene = Scene::parse("block.toml", &[&text[..contact], &text[load..]].concat(), &overrides).unwrap();
     let model = Model::new(&scene).unwrap();
     let choice = cheapest(&scene, &model, None);
-    assert_eq!(run(&scene, &model, choice.backend).0.status, Status::Converged);
+    assert_eq!(run(&scene, &model, choice.linear).0.status, Status::Converged);
 }
 
 fn run(scene: &Scene, model: &Model, backend: LinearAlgebra) -> (HistoryOutcome, Vec<State>) {

@@ -8,7 +8,7 @@ use stickslip::linear::Direct;
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::model::Model;
 use stickslip::nonlinear::BnSettings;
-use stickslip::problem::ContactProblem;
+use stickslip::problem::{ContactProblem, Parts};
 use stickslip::scene::Scene;
 use stickslip::sparse::{Csr, Symmetric};
 use stickslip::units::Scaling;
@@ -45,7 +45,7 @@ fn contact_patch_test() {
         let outcome = common::run(&scene, &model, &mut ());
         assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.records.last());
         assert_eq!(outcome.layout.tangentials(), 0);
-        for (p_n, l) in outcome.state.p_n.iter().zip(problem.weight()) {
+        for (p_n, l) in outcome.state.p_n.iter().zip(problem.weight().unwrap()) {
             assert!((p_n / l / pressure - 1.0).abs() < 1e-12, "{p_n} {l}");
         }
         for (x, u) in model.mesh.nodes.iter().zip(model.dofs.displacements(&outcome.state.u)) {
@@ -84,32 +84,26 @@ fn one_node() {
         ([0.0, -1.0], 1.5 / 1.75, 0.0, 0.0),
     ] {
         let entries = [(0, 0, 2.0), (1, 0, 1.5), (1, 1, 2.0)];
-        let mut stiffness = Symmetric::from_entries(2, |take| entries.iter().for_each(|&(i, j, _)| take(i, j)));
-        for (i, j, value) in entries {
-            stiffness.add(i, j, value);
-        }
-        let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(2));
-        c_t.push_row([(0, 1.0)]);
-        c_n.push_row([(1, 1.0)]);
-        c_o.push_row([]);
-        let problem =
-            ContactProblem { stiffness, c_n, c_t, c_o, mu: vec![mu], weight: vec![1.0], free_motions: Vec::new() };
-        let case = LoadCase { force: force.to_vec(), history: vec![[0.0, 0.0], [1.0, 1.0]] };
-        let loading = Loading { cases: vec![case], gap: vec![0.0], ..Loading::default() };
-        let settings = HistorySettings {
-            method: Method::Bn {
-                settings: BnSettings::until(1e-12, 50),
-                start: FirstGuess::Pressure(0.0),
-                rescue: None,
-            },
-            conventions: Conventions::natural(&problem),
-            contact_stiffness: problem.contact_stiffness(),
-            scaling: Scaling::SI,
-            tolerance: 1e-12,
-            halvings: 0,
-        };
-        let mut linear = Direct::default();
-        let outcome = history::run(&problem, &loading, &[1.0], &settings, linear, &mut ()).unwrap();
+        let stiffness = Symmetric::from_triplets(2, &entries).unwrap();
+        let c_t = Csr::from_rows(2, [[(0, 1.0)]]).unwrap();
+        let c_n = Csr::from_rows(2, [[(1, 1.0)]]).unwrap();
+        let c_o = Csr::empty(1, 2);
+        let problem = ContactProblem::new(Parts {
+            stiffness,
+            c_n,
+            c_t,
+            c_o,
+            mu: vec![mu],
+            weight: Some(vec![1.0]),
+            free_motions: Some(Vec::new()),
+        })
+        .unwrap();
+        let case = LoadCase::new(force.to_vec(), vec![[0.0, 0.0], [1.0, 1.0]]).unwrap();
+        let loading = Loading::new(vec![case], vec![0.0]).unwrap();
+        let method = Method::Bn { r_factor: 1.0, rescue: false };
+        let settings = HistorySettings::new(&problem, &loading, method).unwrap().until(50, 1e-12);
+        let settings = HistorySettings { scaling: Scaling::SI, halvings: 0, ..settings };
+        let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{force:?}");
         let found = [outcome.state.u[0], outcome.state.p_n[0], outcome.state.p_t[0]];
         for (found, exact) in found.into_iter().zip([u_t, p_n, p_t]) {

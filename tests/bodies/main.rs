@@ -8,6 +8,7 @@ mod closed_forms;
 mod contact_surface;
 mod cube;
 mod description;
+mod door;
 mod gmsh;
 mod layers;
 mod locking;

@@ -110,10 +110,8 @@ fn a_plane_that_tips() {
         "kind = \"plane\", gap = 0.0, motion = { rotation = { through = [1, 0], history = [[0, 0], [2, 0.4]] } }";
     let text = BELT.replace("kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }", tips);
     let model = Model::new(&Scene::parse("tips.toml", &text, &[]).unwrap()).unwrap();
-    let mut gap = vec![0.0; model.contacts.len()];
     for (t, angle) in [(0.5, 0.1_f64), (2.0, 0.4)] {
-        model.loading.gap_at(t, &mut gap);
-        for (contact, gap) in model.contacts.iter().zip(&gap) {
+        for (contact, gap) in model.contacts.iter().zip(model.loading.gaps_at(t)) {
             let expected = (1.0 - contact.position[0]) * angle.tan();
             assert!((gap - expected).abs() < 1e-12, "{t} {:?}: {gap} {expected}", contact.position);
         }

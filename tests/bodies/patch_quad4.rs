@@ -74,8 +74,7 @@ fn rigid_motions_are_the_null_space() {
     let k = assemble(&mesh, &dofs, Element::Bilinear, |_| Elasticity::plane_strain(1.0, 0.3)).unwrap();
     let energy = |field: &dyn Fn([f64; 3]) -> [f64; 3]| {
         let u: Vec<f64> = mesh.nodes.iter().flat_map(|&x| field(x).into_iter().take(2)).collect();
-        let mut ku = vec![0.0; u.len()];
-        k.mul(&u, &mut ku);
+        let ku = k.times(&u).unwrap();
         u.iter().zip(&ku).map(|(a, b)| a * b).sum::<f64>()
     };
     let motions = stickslip::fem::rigid_motions(&mesh, &dofs);

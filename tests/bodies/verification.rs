@@ -259,8 +259,7 @@ fn guide_force(model: &Model, u: &[f64]) -> f64 {
     let all = Dofs::new(&model.mesh, |_, _| false);
     let stiffness = assemble(&model.mesh, &all, model.element(), |e| model.materials()[e]).unwrap();
     let displacements: Vec<f64> = model.dofs.displacements(u).iter().flat_map(|u| u[..2].to_vec()).collect();
-    let mut forces = vec![0.0; displacements.len()];
-    stiffness.mul(&displacements, &mut forces);
+    let forces = stiffness.times(&displacements).unwrap();
     let held = (0..model.mesh.nodes.len()).filter(|&node| model.dofs.node(node)[0].is_none());
     held.map(|node| forces[2 * node]).sum()
 }
@@ -293,7 +292,7 @@ fn ssnv128() {
         let (model, outcome) = solve("ssnv128.toml", &[&overrides[0]], &mut statuses);
         for (x, published, exact) in table {
             let i = model.contacts.iter().position(|contact| (contact.position[0] - x).abs() < 1e-9).unwrap();
-            let u = 1e5 * model.problem.c_t().dot(i, &outcome.state.u);
+            let u = 1e5 * model.problem.c_t().times(&outcome.state.u).unwrap()[i];
             assert!((u / exact - 1.0).abs() < 1e-3, "{x}: {u} {exact}");
             assert!((u / published - 1.0).abs() < 0.05, "{x}: {u} {published}");
         }

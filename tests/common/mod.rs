@@ -7,15 +7,13 @@ pub mod hertz;
 pub mod program;
 pub mod random;
 
-use std::sync::Arc;
-
 use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::problem::{Increment, State};
 use stickslip::run::Run;
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csc, Pattern, Symmetric};
+use stickslip::sparse::{Csc, Symmetric};
 
 /// The paper's block with overrides.
 pub fn block(overrides: &[&str]) -> Scene {
@@ -43,8 +41,7 @@ pub fn scene(name: &str, overrides: &[&str]) -> Scene {
 
 /// The same with BN in its default setting on condensed matrices, whatever the scene says.
 pub fn run_default(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> HistoryOutcome {
-    let (method, linear) = (Method::of(MethodName::Bn, Setting::Default), Some(LinearAlgebra::condensed()));
-    let solver = Solver { method, linear, ..scene.solver };
+    let solver = Solver { method: Method::BN, linear: Some(LinearAlgebra::condensed()), ..scene.solver };
     Run::of(model, scene.time.all(), solver).unwrap().history(observer).unwrap()
 }
 
@@ -115,12 +112,7 @@ pub fn difference(a: &[State], b: &[State]) -> f64 {
 /// `K⁻¹ force` of an assembled stiffness.
 pub fn solve(stiffness: &Symmetric, force: &[f64]) -> Vec<f64> {
     let n = stiffness.order();
-    let pattern = Pattern::from_entries(n, n, |take| stiffness.entries().for_each(|(i, j, _)| take(i, j)));
-    let mut k = Csc::zeros(Arc::new(pattern));
-    for (i, j, value) in stiffness.entries() {
-        let slot = k.pattern().slot(i, j).unwrap();
-        k.values[slot] = value;
-    }
+    let k = Csc::from_triplets(n, n, &stiffness.entries().collect::<Vec<_>>()).unwrap();
     let mut direct = Direct::default();
     direct.analyze(k.pattern()).unwrap();
     direct.factorize(&k).unwrap();

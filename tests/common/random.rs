@@ -1,7 +1,7 @@
 //! Random contact problems in three dimensions, without a mesh.
 
 use stickslip::loading::{LoadCase, Loading};
-use stickslip::problem::ContactProblem;
+use stickslip::problem::{ContactProblem, Parts};
 use stickslip::sparse::{Csr, Symmetric};
 
 /// Splitmix64, in [0, 1).
@@ -23,16 +23,13 @@ impl Random {
 
 /// The matrix with these rows, one or more non-zero entries each.
 pub fn rows(columns: usize, rows: impl IntoIterator<Item = Vec<(usize, f64)>>) -> Csr {
-    let mut matrix = Csr::new(columns);
-    rows.into_iter().for_each(|row| matrix.push_row(row));
-    matrix
+    Csr::from_rows(columns, rows).unwrap()
 }
 
 /// A symmetric matrix from its entries `(i, j)`.
 pub fn symmetric(n: usize, entry: impl Fn(usize, usize) -> f64) -> Symmetric {
-    let mut matrix = Symmetric::from_entries(n, |take| (0..n).for_each(|i| (0..=i).for_each(|j| take(i, j))));
-    (0..n).for_each(|i| (0..=i).for_each(|j| matrix.add(i, j, entry(i, j))));
-    matrix
+    let entries = (0..n).flat_map(|i| (0..=i).map(move |j| (i, j)));
+    Symmetric::from_triplets(n, &entries.map(|(i, j)| (i, j, entry(i, j))).collect::<Vec<_>>()).unwrap()
 }
 
 /// A random orthonormal frame `(n, t, o)`.
@@ -68,15 +65,16 @@ pub fn problem(random: &mut Random, contacts: usize, mu: f64, decades: f64) -> (
     let map = |axis: usize| {
         rows(n, (0..contacts).map(|i| (0..3).map(|k| (3 * i + k, frames[i][axis][k])).collect::<Vec<_>>()))
     };
-    let problem = ContactProblem {
+    let problem = ContactProblem::new(Parts {
         stiffness: k,
         c_n: map(0),
         c_t: map(1),
         c_o: map(2),
         mu: (0..contacts).map(|_| mu * (0.5 + 0.5 * random.next())).collect(),
-        weight: vec![0.05; contacts],
-        free_motions: Vec::new(),
-    };
+        weight: Some(vec![0.05; contacts]),
+        free_motions: Some(Vec::new()),
+    })
+    .unwrap();
     // Loads along the normals and along both tangents, and a general one.
     let mut along = |axis: usize, least: f64| {
         let mut force = vec![0.0; n];
@@ -96,11 +94,9 @@ pub fn problem(random: &mut Random, contacts: usize, mu: f64, decades: f64) -> (
     };
     let history = [vec![[0.0, 0.0], [0.3, 1.0], [1.0, 0.6]], circle(0.0), circle(-1.57), vec![[0.0, 0.0], [1.0, 1.0]]];
     let cases = [press, push, turn, general].into_iter().zip(history);
-    let loading = Loading {
-        cases: cases.map(|(force, history)| LoadCase { force, history }).collect(),
-        gap: (0..contacts).map(|_| [0.0, 2e-6, 5e-6 * random.sign()][(3.0 * random.next()) as usize]).collect(),
-        ..Loading::default()
-    };
+    let cases = cases.map(|(force, history)| LoadCase::new(force, history).unwrap()).collect();
+    let gap = (0..contacts).map(|_| [0.0, 2e-6, 5e-6 * random.sign()][(3.0 * random.next()) as usize]).collect();
+    let loading = Loading::new(cases, gap).unwrap();
     (problem, loading)
 }
 
@@ -122,5 +118,10 @@ pub fn turn_tangents(problem: &ContactProblem, random: &mut Random) -> ContactPr
             }),
         )
     };
-    ContactProblem { c_t: turned(0.0), c_o: turned(std::f64::consts::FRAC_PI_2), ..problem.clone() }
+    ContactProblem::new(Parts {
+        c_t: turned(0.0),
+        c_o: turned(std::f64::consts::FRAC_PI_2),
+        ..problem.clone().into_parts()
+    })
+    .unwrap()
 }

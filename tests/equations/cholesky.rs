@@ -44,7 +44,7 @@ fn random(n: usize, mut seed: u64) -> Symmetric {
 }
 
 fn from(n: usize, entries: &[(usize, usize, f64)]) -> Symmetric {
-    let mut k = Symmetric::from_entries(n, |take| entries.iter().for_each(|&(i, j, _)| take(i, j)));
+    let mut k = Symmetric::from_entries(n, |take| entries.iter().for_each(|&(i, j, _)| take(i, j))).unwrap();
     for &(i, j, value) in entries {
         k.add(i, j, value);
     }

@@ -22,10 +22,11 @@ fn model(text: &str, overrides: &[&str]) -> Model {
 
 /// A matrix with these entries.
 fn matrix(n: usize, entries: &[(usize, usize, f64)]) -> Csc {
-    let mut a = Csc::zeros(Arc::new(Pattern::from_entries(n, n, |take| entries.iter().for_each(|e| take(e.0, e.1)))));
+    let mut a =
+        Csc::zeros(Arc::new(Pattern::from_entries(n, n, |take| entries.iter().for_each(|e| take(e.0, e.1))).unwrap()));
     for &(row, column, value) in entries {
         let slot = a.pattern().slot(row, column).unwrap();
-        a.values[slot] = value;
+        a.values_mut()[slot] = value;
     }
     a
 }
@@ -215,7 +216,7 @@ fn errors() {
     assert!(matches!(solver.solve(&[1.0; 4], &mut x), Err(LinearError::Shape { .. })));
     assert!(matches!(solver.solve(&[1.0; 5], &mut x[1..]), Err(LinearError::Shape { .. })));
     assert!(matches!(Dense::new(6).analyze(a.pattern()), Err(LinearError::Shape { .. })));
-    let wide = Arc::new(Pattern::from_entries(2, 3, |take| take(0, 1)));
+    let wide = Arc::new(Pattern::from_entries(2, 3, |take| take(0, 1)).unwrap());
     assert!(matches!(Dense::new(1).analyze(&wide), Err(LinearError::Shape { .. })));
 
     // Neither row holds anything; the chain is held by nothing; an entry is no number.

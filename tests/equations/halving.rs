@@ -14,8 +14,7 @@ fn hasty(model: &Model, iterations: usize, times: &[f64], keep: &mut Keep) -> Hi
     if let Method::Bn { rescue, .. } = &mut settings.method {
         *rescue = None;
     }
-    let mut linear = Direct::default();
-    history::run(&model.problem, &model.loading, times, &settings, linear, keep).unwrap()
+    history::run(&model.problem, &model.loading, times, &settings, System::default(), keep).unwrap()
 }
 
 /// Nearly incompressible, which makes BN work for its solution.

@@ -8,7 +8,7 @@ use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Start, S
 use stickslip::linear::Direct;
 use stickslip::loading::Loading;
 use stickslip::model::Model;
-use stickslip::problem::{ContactProblem, Increment};
+use stickslip::problem::{ContactProblem, Increment, Parts};
 use stickslip::scene::Scene;
 use stickslip::sparse::{Csr, Symmetric};
 use stickslip::units::Scaling;
@@ -16,8 +16,7 @@ use stickslip::units::Scaling;
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 
 fn run(problem: &ContactProblem, loading: &Loading, times: &[f64], settings: &HistorySettings) -> HistoryOutcome {
-    let mut linear = Direct::default();
-    history::run(problem, loading, times, settings, linear, &mut ()).unwrap()
+    history::run(problem, loading, times, settings, System::default(), &mut ()).unwrap()
 }
 
 fn scaling(problem: &ContactProblem, loading: &Loading) -> Scaling {
@@ -145,8 +144,7 @@ fn a_body_held_by_contact_only() {
         let n = held.displacements();
         let mut motion = vec![0.0; n];
         held.c_n.add_transposed(&vec![1.0; contacts], &mut motion);
-        let mut force = vec![0.0; n];
-        held.stiffness.mul(&motion, &mut force);
+        let force = held.stiffness.times(&motion).unwrap();
         let energy: f64 = force.iter().zip(&motion).map(|(a, b)| a * b).sum();
         let mut full = vec![0.0; n * n];
         for (row, column, value) in held.stiffness.entries() {
@@ -157,7 +155,7 @@ fn a_body_held_by_contact_only() {
         for x in &mut motion {
             *x /= size;
         }
-        let problem = ContactProblem { stiffness, free_motions: vec![motion], ..held };
+        let problem = ContactProblem::new(Parts { stiffness, free_motions: Some(vec![motion]), ..held }).unwrap();
         count.add(&agree(&problem, &loading, &format!("seed {seed}")));
     }
     println!("{count}");
@@ -257,7 +255,8 @@ fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Lo
             take(row, column);
         }
         (0..contacts).for_each(|i| take(n + i, n + i));
-    });
+    })
+    .unwrap();
     for &(row, column, value) in &own {
         stiffness.add(row, column, value);
     }
@@ -267,13 +266,14 @@ fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Lo
         (0..contacts).for_each(|i| wide.push_row(map.row(i).iter().copied()));
         wide
     };
-    let mut thick = ContactProblem {
+    let mut thick = ContactProblem::new(Parts {
         stiffness,
         c_n: wide(problem.c_n()),
         c_t: wide(problem.c_t()),
         c_o: random::rows(n + contacts, (0..contacts).map(|i| vec![(n + i, 1.0)])),
-        ..problem.clone()
-    };
+        ..problem.clone().into_parts()
+    })
+    .unwrap();
     thick.free_motions.iter_mut().for_each(|motion| motion.resize(n + contacts, 0.0));
     let mut loading = loading.clone();
     loading.cases.iter_mut().for_each(|case| case.force.resize(n + contacts, 0.0));

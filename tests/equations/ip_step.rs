@@ -31,7 +31,7 @@ fn formulation(model: &Model, partition: Partition, newton: NewtonSystem) -> Con
     let w_t_last: Vec<f64> = (0..problem.contacts()).map(|i| 1e-6 * (i as f64).cos()).collect();
     formulation.begin(&Increment {
         force: &force,
-        gap: &model.loading.gap,
+        gap: model.loading.gap(),
         w_t_last: &w_t_last,
         w_o_last: &vec![0.0; w_t_last.len()],
     });

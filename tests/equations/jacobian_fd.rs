@@ -36,8 +36,8 @@ fn jacobian_is_the_derivative_of_the_residual() {
     for (i, (_, [p_n, gap_left, p_t, slip])) in CASES.into_iter().enumerate() {
         z[layout.p_n(i)] = p_n;
         z[layout.p_t(i).unwrap()] = p_t;
-        gap[i] = (problem.c_n().dot(i, &z) + gap_left / r(i)) * scaling.length;
-        w_t_last[i] = (problem.c_t().dot(i, &z) - slip / r(i)) * scaling.length;
+        gap[i] = (problem.c_n().times(&z).unwrap()[i] + gap_left / r(i)) * scaling.length;
+        w_t_last[i] = (problem.c_t().times(&z).unwrap()[i] - slip / r(i)) * scaling.length;
     }
     let force: Vec<f64> = (0..layout.displacements()).map(|k| (k as f64).cos() * scaling.force).collect();
     formulation.begin(&Increment {
@@ -108,7 +108,7 @@ fn merit_along_a_direction_is_the_merit() {
     let w_t_last = vec![0.0; problem.contacts()];
     formulation.begin(&Increment {
         force: &force,
-        gap: &model.loading.gap,
+        gap: model.loading.gap(),
         w_t_last: &w_t_last,
         w_o_last: &vec![0.0; w_t_last.len()],
     });

@@ -20,8 +20,7 @@ fn solve(method: &str, model: &Model, times: &[f64]) -> HistoryOutcome {
         "bn" => HistorySettings::new(problem, loading, Method::BN).unwrap().until(100, 1e-10),
         _ => HistorySettings::new(problem, loading, Method::IP).unwrap().until(100, 1e-10),
     };
-    let mut linear = Direct::default();
-    history::run(problem, &model.loading, times, &settings, linear, &mut ()).unwrap()
+    history::run(problem, &model.loading, times, &settings, System::default(), &mut ()).unwrap()
 }
 
 /// Fails unless both methods get through whole increments by themselves, in 40 iterations each and 20
@@ -125,8 +124,8 @@ fn r_does_not_matter() {
     let with = |factor: f64| {
         let mut settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10);
         settings.conventions.scale_r(factor);
-        let mut linear = Direct::default();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut ()).unwrap();
+        let outcome =
+            history::run(&model.problem, &model.loading, &times, &settings, System::default(), &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{factor:e}: {:?}", outcome.violation);
         outcome.state
     };
@@ -213,7 +212,7 @@ fn random_histories() {
                 _ => 10_f64.powf(-6.0 * r()),
             };
             let depth = r() - if roller { 0.3 } else { 0.0 };
-            model.loading.gap[i] = [1e-5, 0.0, 5e-5 * depth][(r() * 3.0) as usize];
+            model.loading.gap()[i] = [1e-5, 0.0, 5e-5 * depth][(r() * 3.0) as usize];
         }
         if r() < 0.3 {
             let decades = 6.0 * r();
@@ -258,8 +257,7 @@ fn no_equilibrium() {
     let run = |side: &str| {
         let (model, times) = block(&text, 8, &["contact.obstacle.gap=0", "load[0].history=[[0,1]]", side]);
         let paper = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(100, 1e-10);
-        let mut linear = Direct::default();
-        let bn = history::run(&model.problem, &model.loading, &times, &paper, linear, &mut ()).unwrap();
+        let bn = history::run(&model.problem, &model.loading, &times, &paper, System::default(), &mut ()).unwrap();
         let [default, ip] = METHODS.map(|method| solve(method, &model, &times));
         (model, [bn, default, ip])
     };

@@ -11,7 +11,7 @@ use stickslip::formulation::{Bdiff, Conventions, Pressure};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Bn, BnSettings, End, Flow};
-use stickslip::problem::{ContactProblem, Increment, State};
+use stickslip::problem::{ContactProblem, Increment, Parts, State};
 use stickslip::sparse::{Csr, Symmetric};
 use stickslip::uniqueness::{CriticalFriction, critical_friction};
 use stickslip::units::Scaling;
@@ -19,16 +19,13 @@ use stickslip::units::Scaling;
 /// One node on a plane, `K = [[k_tt, k_tn], [k_tn, 2]]` N/m for `u = (u_t, u_n)`, no gap.
 fn node(k_tt: f64, k_tn: f64, mu: f64) -> ContactProblem {
     let entries = [(0, 0, k_tt), (1, 0, k_tn), (1, 1, 2.0)];
-    let mut stiffness = Symmetric::from_entries(2, |take| entries.iter().for_each(|&(i, j, _)| take(i, j)));
-    for (i, j, value) in entries {
-        stiffness.add(i, j, value);
-    }
-    let [mut c_n, mut c_t, mut c_o] = [(); 3].map(|()| Csr::new(2));
-    c_o.push_row([]);
-    c_t.push_row([(0, 1.0)]);
-    c_n.push_row([(1, 1.0)]);
+    let stiffness = Symmetric::from_triplets(2, &entries).unwrap();
+    let c_o = Csr::empty(1, 2);
+    let c_t = Csr::from_rows(2, [[(0, 1.0)]]).unwrap();
+    let c_n = Csr::from_rows(2, [[(1, 1.0)]]).unwrap();
     let free_motions = if k_tt == 0.0 { vec![vec![1.0, 0.0]] } else { vec![] };
-    ContactProblem { stiffness, c_n, c_t, c_o, mu: vec![mu], weight: vec![1.0], free_motions }
+    ContactProblem::new(Parts { stiffness, c_n, c_t, c_o, mu: vec![mu], weight: Some(vec![1.0]), free_motions })
+        .unwrap()
 }
 
 /// The example of VERIFY: `K = [[2, 1.5], [1.5, 2]]`.

@@ -6,16 +6,15 @@ use stickslip::compare::{
     self, CompareError, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, SolverPath, TimeErrors,
     Tractions, Trial, front,
 };
-use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step};
-use stickslip::linear::{Direct, SparseLu};
+use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step, System};
+use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::scene::Scene;
 
-const BN: SolverPath =
-    SolverPath { method: MethodName::Bn, setting: Setting::Default, linear: LinearAlgebra::Whole(SparseLu::Umfpack) };
-const IP: SolverPath = SolverPath { method: MethodName::Ip, ..BN };
-const CONDENSED: SolverPath = SolverPath { linear: LinearAlgebra::condensed(), ..BN };
+const BN: SolverPath = SolverPath { method: Method::BN, linear: LinearAlgebra::Whole(SparseLu::Umfpack) };
+const IP: SolverPath = SolverPath { method: Method::IP, ..BN };
+const CONDENSED: SolverPath = SolverPath { linear: LinearAlgebra::Condensed(SparseCholesky::Cholmod), ..BN };
 
 fn block(overrides: &[&str]) -> Scene {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
@@ -118,14 +117,13 @@ fn friction_dissipates_what_the_loads_do_beyond_the_strain_energy() {
         let problem = &model.problem;
         let zero = vec![0.0; problem.displacements()];
         let mut external = External { work: 0.0, force: zero.clone(), u: zero.clone() };
-        let settings = HistorySettings::new(problem, loading, Method::BN).unwrap().until(100, 1e-10);
-        let mut linear = Direct::default();
+        let settings = HistorySettings::new(problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
         let times = scene.time.all();
-        let outcome = history::run(problem, &model.loading, &times, &settings, linear, &mut external).unwrap();
+        let outcome =
+            history::run(problem, &model.loading, &times, &settings, System::default(), &mut external).unwrap();
         assert_eq!(outcome.status, Status::Converged);
 
-        let mut force = zero;
-        problem.stiffness().mul(&outcome.state.u, &mut force);
+        let force = problem.stiffness().times(&outcome.state.u).unwrap();
         let energy = 0.5 * outcome.state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>();
         let friction = || outcome.records.iter().map(|record| record.friction_work);
         let total: f64 = friction().sum();
@@ -143,7 +141,7 @@ fn friction_dissipates_what_the_loads_do_beyond_the_strain_energy() {
 #[test]
 fn time_stepping_is_of_first_order_on_every_path() {
     let scene = block(&["contact.friction=0.8"]);
-    let ip = SolverPath { method: MethodName::Ip, ..CONDENSED };
+    let ip = SolverPath { method: Method::IP, ..CONDENSED };
     let paths = vec![BN, ip, CONDENSED];
     let plan = Plan { paths, meshes: vec![20, 10], increments: vec![20, 320, 80], reference: 8 };
     let mut told = Vec::new();

@@ -8,5 +8,6 @@ mod cli_failures;
 mod compare;
 mod documented;
 mod names;
+mod schema;
 mod solvability;
 mod start;

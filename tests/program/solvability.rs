@@ -51,7 +51,7 @@ fn violations(scene: &Scene) -> (Option<String>, Vec<[f64; 2]>) {
     // The motion does what it is said to do.
     if let Some(weights) = &conditions.leaving {
         let motion = RigidMotion::combination(&model.rigid_motions, weights).unwrap();
-        let w_n = model.problem.c_n().mul(&motion.displacements(&model.mesh, &model.dofs));
+        let w_n = model.problem.c_n().times(&motion.displacements(&model.mesh, &model.dofs)).unwrap();
         assert!(w_n.iter().all(|&w| w <= 1e-12), "{motion}: {w_n:?}");
     }
     let motion = conditions.leaving.map(|weights| named(&model, &weights));
@@ -64,14 +64,13 @@ fn violations(scene: &Scene) -> (Option<String>, Vec<[f64; 2]>) {
 /// The motion that the load at the end drives, in words.
 fn driven(scene: &Scene) -> Option<String> {
     let model = Model::new(scene).unwrap();
-    let mut force = vec![0.0; model.problem.displacements()];
-    model.loading.force(1.0, &mut force);
+    let force = model.loading.force_at(1.0, model.problem.displacements());
     let weights = rigid_equilibrium(&model.problem, &force).err()?;
     let motion = RigidMotion::combination(&model.rigid_motions, &weights).unwrap();
     let u = motion.displacements(&model.mesh, &model.dofs);
     // The load works, and no edge of a friction cone can work against it.
     assert!(u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>() > 0.0);
-    let (w_n, w_t) = (model.problem.c_n().mul(&u), model.problem.c_t().mul(&u));
+    let (w_n, w_t) = (model.problem.c_n().times(&u).unwrap(), model.problem.c_t().times(&u).unwrap());
     assert!(w_n.iter().zip(&w_t).zip(model.problem.mu()).all(|((n, t), mu)| n + mu * t.abs() <= 1e-12));
     Some(motion.to_string())
 }

@@ -3,8 +3,6 @@
 use clap::{Args, Subcommand};
 use miette::IntoDiagnostic;
 use serde::Serialize;
-use serde::de::IntoDeserializer;
-use serde::de::value::Error as NameError;
 use stickslip::history::{LinearAlgebra, Status};
 use stickslip::report::{Table, csv_table};
 use stickslip_studies::tables::{Agreement, Case, Cell, Counts, PaperMethod, PaperTable};
@@ -46,7 +44,7 @@ struct Selection {
     #[arg(long, value_delimiter = ',')]
     methods: Vec<PaperMethod>,
     /// The linear algebra: condensed, as the paper does it, or umfpack or faer, several times slower
-    #[arg(long, default_value = "condensed", value_parser = backend)]
+    #[arg(long, default_value = "condensed")]
     solver: LinearAlgebra,
     /// Cells computed at the same time; as many as there are processors
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=256))]
@@ -57,11 +55,6 @@ struct Selection {
     /// Print comma-separated values and nothing else, a line for each case and method
     #[arg(long)]
     csv: bool,
-}
-
-/// A backend by the name that scenes have for it.
-fn backend(name: &str) -> Result<LinearAlgebra, NameError> {
-    serde::Deserialize::deserialize(name.into_deserializer())
 }
 
 /// A column of a table: its cells, and how far they are from the paper's.

@@ -5,7 +5,9 @@ use serde::Deserialize;
 use stickslip::fem::{Elasticity, Element, assemble};
 use stickslip::formulation::{Bdiff, Conventions};
 use stickslip::linear::{Direct, LinearError};
+use stickslip::loading::Loading;
 use stickslip::model::{Model, ModelError};
+use stickslip::problem::{ContactProblem, Parts};
 use stickslip::scene::Scene;
 
 use super::ExtremeError;
@@ -25,18 +27,27 @@ pub(super) enum Vary {
 impl Vary {
     pub(super) fn apply(self, scene: &Scene, model: &mut Model, by: f64, seed: u64) -> Result<(), ExtremeError> {
         let mut random = Random(seed);
+        let parts = model.problem.clone().into_parts();
         match self {
             Vary::Stiffness => {
                 let young: Vec<f64> = (model.mesh.cells.iter())
                     .map(|_| scene.description.material.young * 10_f64.powf(by * (random.next() - 0.5)))
                     .collect();
-                let material =
-                    |element: usize| Elasticity::plane_strain(young[element], scene.description.material.poisson);
-                model.problem.stiffness =
+                let poisson = scene.description.material.poisson;
+                let material = |element: usize| Elasticity::plane_strain(young[element], poisson);
+                let stiffness =
                     assemble(&model.mesh, &model.dofs, Element::Bilinear, material).map_err(ModelError::from)?;
+                model.problem = ContactProblem::new(Parts { stiffness, ..parts }).map_err(ModelError::from)?;
             }
-            Vary::Friction => model.problem.mu().iter_mut().for_each(|mu| *mu = by * random.next()),
-            Vary::Gap => model.loading.gap.iter_mut().for_each(|gap| *gap = by * (random.next() - 0.5)),
+            Vary::Friction => {
+                let mu = parts.mu.iter().map(|_| by * random.next()).collect();
+                model.problem = ContactProblem::new(Parts { mu, ..parts }).map_err(ModelError::from)?;
+            }
+            Vary::Gap => {
+                let gap = model.loading.gap().iter().map(|_| by * (random.next() - 0.5)).collect();
+                let loading = Loading::new(model.loading.cases().to_vec(), gap);
+                model.loading = loading.map_err(ModelError::from)?;
+            }
         }
         Ok(())
     }
@@ -80,11 +91,10 @@ pub(super) fn condition(model: &Model) -> Result<f64, LinearError> {
         }
         norm
     };
-    let (mut x, mut largest, mut y) = (start.clone(), 0.0, vec![0.0; n_u]);
+    let (mut x, mut largest) = (start.clone(), 0.0);
     for _ in 0..STEPS {
         normalise(&mut x);
-        problem.stiffness().mul(&x, &mut y);
-        std::mem::swap(&mut x, &mut y);
+        x = problem.stiffness().times(&x).unwrap_or_default();
         largest = x.iter().map(|x| x * x).sum::<f64>().sqrt() / model.scaling().stiffness();
     }
     let (mut b, mut z, mut inverse) = (vec![0.0; n], vec![0.0; n], 0.0);

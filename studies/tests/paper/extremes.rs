@@ -3,10 +3,10 @@
 //! laws, summed in twice the working precision.
 
 use stickslip::contact::KktScales;
-use stickslip::history::{self, Observer, Status, Step};
-use stickslip::linear::Direct;
+use stickslip::history::{Observer, Status, Step};
 use stickslip::nonlinear::Flow;
 use stickslip::problem::{ContactProblem, Increment, State};
+use stickslip::run::Run;
 use stickslip_studies::extremes::{self, SuiteMethod};
 
 /// Twice the working precision, by fused multiplication.
@@ -120,11 +120,9 @@ fn every_verdict_is_right(method: SuiteMethod) {
         let name = format!("{} = {}, {}", case.sweep, case.value, method.title());
         let scene = case.scene().unwrap();
         let model = case.model(&scene).unwrap();
-        let settings = case.settings(&scene, &model, method);
-        let mut linear = Direct::default();
         let mut judge = Judge { name: &name, problem: &model.problem, scales: KktScales::default() };
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut judge).unwrap();
+        let outcome = Run::of(&model, times, case.solver(&scene, method)).unwrap().history(&mut judge).unwrap();
         match case.expect {
             extremes::Expect::Solved => {
                 assert_eq!(outcome.status, Status::Converged, "{name}: {:?}", outcome.violation);

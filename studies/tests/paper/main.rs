@@ -8,10 +8,11 @@ mod svg;
 mod table_block;
 mod table_punch;
 
-use stickslip::history::{self, HistoryOutcome, Observer, Step, System};
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Observer, Step};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
+use stickslip::run::Run;
 use stickslip_studies::tables::{PaperMethod, PaperTable};
 
 /// The states at the ends of all increments.
@@ -29,9 +30,9 @@ impl Observer for States {
 fn bn(table: PaperTable, contact_nodes: usize, increments: usize) -> (Model, HistoryOutcome, Vec<State>) {
     let scene = table.scene(contact_nodes, 0.4, increments).unwrap();
     let model = Model::new(&scene).unwrap();
-    let settings = table.settings(PaperMethod::Bn, &model);
-    let (linear, mut states) = (System::from(stickslip::history::LinearAlgebra::default()), States::default());
+    let mut states = States::default();
+    let solver = table.solver(PaperMethod::Bn, LinearAlgebra::default());
     let times = scene.time.all();
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut states).unwrap();
+    let outcome = Run::of(&model, times, solver).unwrap().history(&mut states).unwrap();
     (model, outcome, states.0)
 }

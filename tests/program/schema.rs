@@ -1,0 +1,240 @@
+//! The contracts: JSON Schemas of scenes and runs, and the keys that doc/results.md documents.
+
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use stickslip::scene::Scene;
+
+use crate::common::edit;
+use crate::common::program::{Folder, assert_exit, json, report, small, stickslip, without};
+
+fn schema(of: &str) -> Value {
+    let output = stickslip(&["schema", of]);
+    assert_exit(&output, 0);
+    json(&output)
+}
+
+/// As much of a validator as the two schemas need: the faults of `value`, each with its place.
+fn faults(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut fault = |what: &str| found.push(format!("{at}: {what}"));
+    let within = |key: &str, good: fn(f64, f64) -> bool| match (schema.get(key), value.as_f64()) {
+        (Some(bound), Some(number)) => good(number, bound.as_f64().unwrap()),
+        _ => true,
+    };
+    let has_type = |name: &str| match name {
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "string" => value.is_string(),
+        "boolean" => value.is_boolean(),
+        "integer" => value.is_i64() || value.is_u64(),
+        "number" => value.is_number(),
+        "null" => value.is_null(),
+        other => panic!("{other}"),
+    };
+    let types: Vec<&str> = match schema.get("type") {
+        None => Vec::new(),
+        Some(Value::Array(all)) => all.iter().map(|name| name.as_str().unwrap()).collect(),
+        Some(one) => vec![one.as_str().unwrap()],
+    };
+    if !types.is_empty() && !types.iter().any(|name| has_type(name)) {
+        fault(&format!("not of the type {types:?}"));
+    }
+    if schema.get("enum").is_some_and(|all| !all.as_array().unwrap().contains(value))
+        || schema.get("const").is_some_and(|one| one != value)
+    {
+        fault(&format!("{value} is none of the values"));
+    }
+    if !within("minimum", |x, bound| x >= bound)
+        || !within("exclusiveMinimum", |x, bound| x > bound)
+        || !within("maximum", |x, bound| x <= bound)
+        || !within("exclusiveMaximum", |x, bound| x < bound)
+    {
+        fault("out of range");
+    }
+    if let Some(items) = value.as_array() {
+        let count = items.len() as u64;
+        if schema.get("minItems").is_some_and(|least| count < least.as_u64().unwrap())
+            || schema.get("maxItems").is_some_and(|most| count > most.as_u64().unwrap())
+        {
+            fault("wrong length");
+        }
+    }
+    for key in schema.get("required").and_then(Value::as_array).into_iter().flatten() {
+        if value.is_object() && value.get(key.as_str().unwrap()).is_none() {
+            fault(&format!("no {key}"));
+        }
+    }
+    for (key, value) in value.as_object().into_iter().flatten() {
+        match schema.get("properties").and_then(|all| all.get(key)) {
+            Some(schema) => found.extend(faults(root, schema, value, &format!("{at}.{key}"))),
+            None if schema.get("additionalProperties") == Some(&Value::Bool(false)) => {
+                found.push(format!("{at}: unknown key {key}"));
+            }
+            None => {}
+        }
+    }
+    if let (Some(items), Some(schema)) = (value.as_array(), schema.get("items")) {
+        found.extend(items.iter().enumerate().flat_map(|(k, item)| faults(root, schema, item, &format!("{at}[{k}]"))));
+    }
+    if let Some(name) = schema.get("$ref") {
+        found.extend(faults(root, target(root, name), value, at));
+    }
+    for one_of in ["anyOf", "oneOf"] {
+        if let Some(all) = schema.get(one_of).and_then(Value::as_array)
+            && !all.iter().any(|schema| faults(root, schema, value, at).is_empty())
+        {
+            found.push(format!("{at}: fits none of {one_of}"));
+        }
+    }
+    found.extend(parts(schema).flat_map(|part| faults(root, part, value, at)));
+    found
+}
+
+fn target<'a>(root: &'a Value, name: &Value) -> &'a Value {
+    root.pointer(name.as_str().unwrap().strip_prefix('#').unwrap()).unwrap()
+}
+
+fn parts(schema: &Value) -> impl Iterator<Item = &Value> {
+    schema.get("allOf").and_then(Value::as_array).into_iter().flatten()
+}
+
+/// Every key that a schema knows, with its path; `[]` for the elements of a list.
+fn keys(root: &Value, schema: &Value, at: &str, into: &mut BTreeSet<String>) {
+    for (key, schema) in schema.get("properties").and_then(Value::as_object).into_iter().flatten() {
+        let path = if at.is_empty() { key.clone() } else { format!("{at}.{key}") };
+        keys(root, schema, &path, into);
+        into.insert(path);
+    }
+    if let Some(schema) = schema.get("items") {
+        keys(root, schema, &format!("{at}[]"), into);
+    }
+    if let Some(name) = schema.get("$ref") {
+        keys(root, target(root, name), at, into);
+    }
+    let either = schema.get("anyOf").and_then(Value::as_array).into_iter().flatten();
+    either.chain(parts(schema)).for_each(|schema| keys(root, schema, at, into));
+}
+
+/// Every key of a JSON value, with its path.
+fn keys_of(value: &Value, at: &str, into: &mut BTreeSet<String>) {
+    for (key, value) in value.as_object().into_iter().flatten() {
+        let path = if at.is_empty() { key.clone() } else { format!("{at}.{key}") };
+        keys_of(value, &path, into);
+        into.insert(path);
+    }
+    value.as_array().into_iter().flatten().for_each(|value| keys_of(value, &format!("{at}[]"), into));
+}
+
+/// Reports of many kinds: plane and in space, failed, with warnings, with everything that has to be asked for.
+fn reports() -> Vec<Value> {
+    let cube = edit(include_str!("../../data/scenes/cube.toml"), "[10, 10, 10]", "[2, 2, 2]");
+    let json_of = |scene: &str, args: &[&str]| {
+        let (_folder, scene) = Folder::with_scene(scene);
+        json(&stickslip(&[&["run", &scene, "--json"], args].concat()))
+    };
+    let slow = ["--set", "mesh.elements=[50,50]", "--set", "time.increments=40"];
+    vec![
+        json_of(&small(), &["--uniqueness"]),
+        json_of(&small(), &["--solver", "auto"]),
+        json_of(&small(), &["--set", "contact.friction=0.0", "--uniqueness"]),
+        json_of(&small(), &slow),
+        json_of(&edit(&small(), "young = 210e9", "young = 210e5"), &["--setting", "default"]),
+        json_of(&small(), &["--set", "contact.obstacle={kind=\"cylinder\",radius=0.01,apex=[0.5,-1e-5]}"]),
+        json_of(&cube, &["--method", "ip"]),
+        report(&edit(&small(), "[solver]", "[solver]\nmax_iterations = 1"), 1),
+        report(&without(&small(), "[[support]]", "[[load]]"), 1),
+    ]
+}
+
+#[test]
+fn reports_are_as_their_schema_says() {
+    let schema = schema("run");
+    let mut known = BTreeSet::new();
+    keys(&schema, &schema, "", &mut known);
+    let mut met = BTreeSet::new();
+    for report in reports() {
+        assert_eq!(faults(&schema, &schema, &report, "run"), [""; 0]);
+        keys_of(&report, "", &mut met);
+    }
+    assert_eq!(met.difference(&known).collect::<Vec<_>>(), [""; 0], "in a report, not in the schema");
+    let unseen: Vec<_> = known.difference(&met).filter(|key| !key.starts_with("range_left")).collect();
+    assert_eq!(unseen, [""; 0], "in the schema, in no report");
+    let broken = serde_json::json!({ "schema_version": "one" });
+    assert!(faults(&schema, &schema, &broken, "run").len() > 5);
+}
+
+/// The table of doc/results.md has every key, and no other.
+#[test]
+fn every_key_of_a_report_is_documented() {
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/results.md")).unwrap();
+    let table = &page[page.find("| key |").unwrap()..page.find("## Verdicts").unwrap()];
+    let first_cells = table.lines().filter_map(|line| line.strip_prefix("| `")?.split(" | ").next());
+    let documented: Vec<&str> = first_cells.flat_map(|cell| cell.trim_end_matches('`').split("`, `")).collect();
+    let once: BTreeSet<String> = documented.iter().map(ToString::to_string).collect();
+    assert_eq!(once.len(), documented.len());
+    let (schema, mut known) = (schema("run"), BTreeSet::new());
+    keys(&schema, &schema, "", &mut known);
+    assert_eq!(once, known);
+}
+
+fn as_json(text: &str) -> Value {
+    serde_json::to_value(toml::from_str::<toml::Table>(text).unwrap()).unwrap()
+}
+
+#[test]
+fn scenes_are_as_their_schema_says() {
+    let schema = schema("scene");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes");
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let scene = as_json(&fs::read_to_string(&path).unwrap());
+        assert_eq!(faults(&schema, &schema, &scene, "scene"), [""; 0], "{}", path.display());
+    }
+    for (from, to, fault) in [
+        ("poisson", "poison", "scene.material: unknown key poison"),
+        ("\"plane\"", "\"plain\"", "scene.contact[0].obstacle.kind"),
+        ("friction = 0.4", "friction = -0.4", "scene.contact[0].friction: out of range"),
+        ("[time]", "[times]", "scene: unknown key times"),
+        ("end = 2.0", "end = \"2\"", "scene.time.end: not of the type"),
+    ] {
+        let found = faults(&schema, &schema, &as_json(&edit(&small(), from, to)), "scene");
+        assert!(found.iter().any(|found| found.contains(fault)), "{fault}: {found:?}");
+    }
+}
+
+/// The schema knows the keys that the reader knows, table by table: what the reader says of a key that it does not.
+#[test]
+fn the_schema_of_scenes_has_the_keys_of_the_reader() {
+    let schema = schema("scene");
+    let motion = "contact.obstacle.motion={rotation={through=[0,0],history=[[0,0]]}}".parse().unwrap();
+    let group = "material.group=[{name=\"body\",young=1,poisson=0}]".parse().unwrap();
+    let base = Scene::parse("scene.toml", &small(), &[motion, group]).unwrap();
+    for (path, place) in [
+        ("", ""),
+        ("mesh.", "mesh"),
+        ("material.", "material"),
+        ("material.group.", "material_group"),
+        ("support.", "support"),
+        ("contact.", "contact"),
+        ("contact.obstacle.", "obstacle"),
+        ("contact.obstacle.motion.", "motion"),
+        ("contact.obstacle.motion.rotation.", "rotation"),
+        ("load.", "load"),
+        ("time.", "time"),
+        ("solver.", "solver"),
+        ("output.", "output"),
+    ] {
+        let error = base.with(&[format!("{path}nonsense=1").parse().unwrap()]).unwrap_err().to_string();
+        let expected = error.split_once("expected ").unwrap_or_else(|| panic!("{path}: {error}")).1;
+        let reader: BTreeSet<&str> = expected.split('`').skip(1).step_by(2).collect();
+        let table = if place.is_empty() { &schema } else { &schema["$defs"][place] };
+        let known: BTreeSet<&str> = table["properties"].as_object().unwrap().keys().map(String::as_str).collect();
+        assert_eq!(known, reader, "{path}");
+    }
+}
