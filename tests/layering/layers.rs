@@ -1,0 +1,183 @@
+//! The layers of the library: which module may use which.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::source::{Sources, code, is_program, module};
+
+/// Every module of the library and the modules it uses: no more, and none that it does not use.
+pub const MAY_USE: &[(&str, &[&str])] = &[
+    ("fault", &[]),
+    ("formula", &[]),
+    ("sparse", &[]),
+    ("null_space", &[]),
+    ("sets", &[]),
+    ("units", &[]),
+    ("vector", &[]),
+    ("timeline", &["fault"]),
+    ("mesh", &["fault", "sets", "vector"]),
+    ("problem", &["linear", "sparse", "units", "vector"]),
+    ("loading", &["problem"]),
+    ("solvability", &["null_space", "problem", "sets", "vector"]),
+    ("fem", &["fault", "mesh", "null_space", "sparse", "vector"]),
+    ("contact", &["fault", "fem", "formula", "loading", "mesh", "problem", "timeline", "vector"]),
+    ("description", &["contact", "fault", "fem", "mesh", "timeline"]),
+    ("formulation", &["contact", "null_space", "problem", "sparse", "units", "vector"]),
+    ("linear", &["sets", "sparse", "vector"]),
+    ("nonlinear", &["formulation", "linear", "sparse"]),
+    ("condense", &["linear", "loading", "problem", "sparse"]),
+    ("uniqueness", &["contact", "formulation", "linear", "problem", "units"]),
+    (
+        "history",
+        &[
+            "condense",
+            "contact",
+            "formulation",
+            "linear",
+            "loading",
+            "nonlinear",
+            "problem",
+            "solvability",
+            "sparse",
+            "units",
+            "vector",
+        ],
+    ),
+    (
+        "scene",
+        &[
+            "contact",
+            "description",
+            "fault",
+            "fem",
+            "formula",
+            "formulation",
+            "history",
+            "linear",
+            "mesh",
+            "timeline",
+            "vector",
+        ],
+    ),
+    (
+        "model",
+        &[
+            "contact",
+            "description",
+            "fault",
+            "fem",
+            "loading",
+            "mesh",
+            "problem",
+            "scene",
+            "sparse",
+            "timeline",
+            "units",
+            "vector",
+        ],
+    ),
+    ("auto", &["formulation", "linear", "problem", "scene"]),
+    (
+        "report",
+        &[
+            "auto",
+            "contact",
+            "fem",
+            "formulation",
+            "history",
+            "linear",
+            "mesh",
+            "model",
+            "problem",
+            "scene",
+            "uniqueness",
+            "vector",
+        ],
+    ),
+    (
+        "run",
+        &[
+            "auto",
+            "contact",
+            "formulation",
+            "history",
+            "linear",
+            "model",
+            "nonlinear",
+            "problem",
+            "report",
+            "scene",
+            "uniqueness",
+            "units",
+        ],
+    ),
+    ("compare", &["contact", "history", "mesh", "model", "nonlinear", "problem", "report", "run", "scene", "vector"]),
+];
+
+/// The names that follow each `crate::` in `line`; an empty one for a group or a glob.
+fn used(line: &str) -> impl Iterator<Item = &str> {
+    line.match_indices("crate::").map(|(at, prefix)| {
+        let rest = &line[at + prefix.len()..];
+        &rest[..rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(rest.len())]
+    })
+}
+
+/// Uses of one module by another, with the place of the first, and what hides from this search.
+fn uses(sources: &Sources) -> (BTreeMap<(&str, &str), String>, Vec<String>) {
+    let (mut edges, mut faults) = (BTreeMap::new(), Vec::new());
+    for (file, text) in sources.iter().filter(|(file, _)| *file != "lib.rs") {
+        for (line, code) in code(text) {
+            let place = format!("{file}:{line}");
+            if is_program(file) {
+                if used(code).next().is_some() {
+                    faults.push(format!("{place}: the program has modules of its own for the library's"));
+                }
+                continue;
+            }
+            let up = if file.contains('/') { "super::super" } else { "super::" };
+            if code.contains(up) {
+                faults.push(format!("{place}: name the module by `crate::`"));
+            }
+            for name in used(code) {
+                if name.is_empty() {
+                    faults.push(format!("{place}: use one module at a time"));
+                } else if name != module(file) {
+                    edges.entry((module(file), name)).or_insert(place.clone());
+                }
+            }
+        }
+    }
+    (edges, faults)
+}
+
+/// How `sources` and `table` differ.
+pub fn layer_faults(sources: &Sources, table: &[(&str, &[&str])]) -> Vec<String> {
+    let (edges, mut faults) = uses(sources);
+    let allowed: BTreeSet<(&str, &str)> =
+        table.iter().flat_map(|(user, list)| list.iter().map(move |used| (*user, *used))).collect();
+    for (edge, place) in &edges {
+        if !allowed.contains(edge) {
+            faults.push(format!("{place}: `{}` may not use `{}`", edge.0, edge.1));
+        }
+    }
+    for edge in allowed.iter().filter(|edge| !edges.contains_key(*edge)) {
+        faults.push(format!("`{}` may use `{}`, but does not", edge.0, edge.1));
+    }
+    let modules: BTreeSet<&str> =
+        sources.keys().filter(|file| *file != "lib.rs" && !is_program(file)).map(|file| module(file)).collect();
+    let listed: BTreeSet<&str> = table.iter().map(|(user, _)| *user).collect();
+    faults.extend(modules.symmetric_difference(&listed).map(|name| format!("`{name}` is only in the table or in src")));
+    faults
+}
+
+/// The modules of `table` that are part of a cycle or use one that is.
+pub fn cyclic<'a>(table: &[(&'a str, &[&str])]) -> Vec<&'a str> {
+    let mut left = table.to_vec();
+    loop {
+        let names: Vec<&str> = left.iter().map(|(user, _)| *user).collect();
+        let before = left.len();
+        left.retain(|(_, list)| list.iter().any(|used| names.contains(used)));
+        if left.len() == before {
+            return names;
+        }
+    }
+}

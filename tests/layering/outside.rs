@@ -1,0 +1,96 @@
+//! What comes from outside: other crates and the parts of `std` that reach out of the process.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use crate::source::{Sources, named};
+
+/// A crate or a part of one, and the files and folders (with `/`) that alone may name it; all, where none stands.
+pub type Places = (&'static str, &'static [&'static str]);
+
+const NOWHERE: &str = "nowhere";
+const PROGRAM: &[&str] = &["main.rs", "cli.rs", "cli/"];
+
+/// Every crate that the library and its program depend on, and what of `std` acts on the outside.
+pub const LIBRARY: &[Places] = &[
+    ("base64", &["report/vtu.rs"]),
+    ("clap", PROGRAM),
+    ("clap_complete", PROGRAM),
+    ("clap_mangen", PROGRAM),
+    ("faer", &["linear.rs", "linear/", "problem/contact_stiffness.rs", "uniqueness.rs"]),
+    ("indicatif", PROGRAM),
+    ("libc", &["linear/process.rs"]),
+    ("libloading", &["linear/process.rs"]),
+    ("miette", &[
+            "cli.rs",
+            "cli/",
+            "compare.rs",
+            "fault.rs",
+            "mesh/gmsh.rs",
+            "model.rs",
+            "run/error.rs",
+            "scene/error.rs",
+        ]),
+    ("rustix", &["report/usage.rs"]),
+    ("schemars", &[
+            "auto.rs",
+            "contact/kkt.rs",
+            "contact/range.rs",
+            "history/record.rs",
+            "report/",
+            "uniqueness.rs",
+        ]),
+    ("serde", &[]),
+    ("serde_json", &["cli.rs", "cli/", "report/run.rs", "report/schema.rs"]),
+    ("signal_hook", PROGRAM),
+    ("thiserror", &[]),
+    ("toml", &["scene/"]),
+    ("toml_edit", &["compare/cases.rs", "scene/"]),
+    ("std::env", PROGRAM),
+    ("std::fs", &["cli/", "contact/gap_table.rs", "mesh/gmsh.rs", "report/folder.rs", "report/usage.rs", "scene.rs"]),
+    ("std::net", &[NOWHERE]),
+    ("std::panic", PROGRAM),
+    ("std::process", PROGRAM),
+    ("std::thread", &[NOWHERE]),
+];
+
+/// The same of the studies, which use the library as any other crate does.
+pub const STUDIES: &[Places] = &[
+    ("clap", &[]),
+];
+
+/// Where `sources` name what stands elsewhere in `table`, and what of the table no file names.
+pub fn outside_faults(sources: &Sources, table: &[Places]) -> Vec<String> {
+    let mut faults = Vec::new();
+    let mut met = BTreeSet::new();
+    for (file, text) in sources {
+        for path in named(text) {
+            let is = |what: &str| what.split("::").eq(path.segments.iter().take(what.split("::").count()));
+            for (what, places) in table.iter().filter(|(what, _)| is(what)) {
+                let at_home = |place: &&&str| *file == **place || place.ends_with('/') && file.starts_with(**place);
+                match places.iter().find(at_home) {
+                    Some(place) => drop(met.insert((*what, *place))),
+                    None if places.is_empty() => {}
+                    None => faults.push(format!("{file}:{}: `{what}` is not for this file", path.line)),
+                }
+            }
+        }
+    }
+    for (what, places) in table {
+        let idle = places.iter().filter(|place| **place != NOWHERE && !met.contains(&(*what, **place)));
+        faults.extend(idle.map(|place| format!("{place} may name `{what}`, but does not")));
+    }
+    faults
+}
+
+/// The crates of `table`.
+pub fn crates(table: &[Places]) -> BTreeSet<String> {
+    table.iter().filter(|(what, _)| !what.contains("::")).map(|(what, _)| (*what).to_string()).collect()
+}
+
+/// The crates that `manifest` names for the library and the program themselves, as the code writes them.
+pub fn dependencies(manifest: &str) -> BTreeSet<String> {
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(manifest)).unwrap();
+    let lines = text.lines().skip_while(|line| *line != "[dependencies]").skip(1).take_while(|line| !line.starts_with('['));
+    lines.filter_map(|line| Some(line.split_once(" = ")?.0.replace('-', "_"))).collect()
+}
