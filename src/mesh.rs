@@ -38,11 +38,11 @@ pub struct Mesh {
 /// A cell of a mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cell {
-    /// Its kind.
+    /// The kind of the cell.
     pub kind: CellKind,
-    /// Its corners, as many as the kind has, in the order of [`CellKind`].
+    /// The corners of the cell, as many as the kind has, in the order of [`CellKind`].
     pub nodes: Vec<usize>,
-    /// Its material group, an index of [`Mesh::groups`].
+    /// The material group of the cell, an index of [`Mesh::groups`].
     pub group: usize,
 }
 
@@ -69,7 +69,7 @@ pub type Facet = Vec<usize>;
 pub struct Boundary {
     /// The name a scene uses.
     pub name: String,
-    /// Its facets; in two dimensions in a row.
+    /// The facets of the boundary; in two dimensions in a row.
     pub facets: Vec<Facet>,
 }
 
@@ -79,7 +79,7 @@ impl CellKind {
         if axes == 2 { CellKind::Quadrilateral } else { CellKind::Hexahedron }
     }
 
-    /// Whether it is a triangle or a tetrahedron.
+    /// Whether the cell is a triangle or a tetrahedron.
     pub fn is_simplex(self) -> bool {
         matches!(self, CellKind::Triangle | CellKind::Tetrahedron)
     }

@@ -125,7 +125,7 @@ impl Law {
     const ALL: [Law; 6] =
         [Law::Equilibrium, Law::Penetration, Law::Tension, Law::Complementarity, Law::Cone, Law::Dissipation];
 
-    /// Its name in reports.
+    /// The name of the law in reports.
     pub fn name(self) -> &'static str {
         match self {
             Law::Equilibrium => "equilibrium",

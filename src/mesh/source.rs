@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::{CellKind, Mesh, MeshFileError, gmsh, graded_block, half_plane, progression};
-use crate::fault::{Fault, demand, finite};
+use crate::fault::{Fault, demand, finite, not_huge};
 
 /// How the mesh of a body is made. Lengths are in m.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +19,7 @@ pub enum MeshSource {
     },
     /// A rectangle that stands for a half-plane pressed at the left end of its top.
     HalfPlane(HalfPlane),
-    /// From a file in the format MSH 4.1 of Gmsh.
+    /// A mesh from a file in the format MSH 4.1 of Gmsh.
     Gmsh {
         /// The file.
         file: PathBuf,
@@ -173,7 +173,8 @@ fn check_size(size: &[Vec<f64>]) -> Result<(), Fault> {
     let help = "give width and height in m, in three dimensions the lengths along x, y and z";
     demand((2..=3).contains(&size.len()), "mesh.size", &given(), "two or three lengths", help)?;
     let sound = size.iter().all(|axis| !axis.is_empty() && axis.iter().all(|&x| x > 0.0 && x.is_finite()));
-    demand(sound, "mesh.size", &given(), "positive finite lengths", help)
+    demand(sound, "mesh.size", &given(), "positive finite lengths", help)?;
+    not_huge("mesh.size", size.iter().flatten().copied())
 }
 
 /// Whether a list has a value for each length in `size`.
