@@ -23,7 +23,7 @@ pub use pareto::front;
 pub use picture::charts;
 pub use tractions::{Interior, Tractions};
 
-use cases::Study;
+use cases::{Study, first_elements};
 
 use crate::history::{LinearAlgebra, Method, Status};
 use crate::run::RunError;
@@ -189,7 +189,7 @@ impl Plan {
         };
         Plan {
             paths,
-            meshes: scene.mesh.first_elements().map_or(Vec::new(), |whole| shares(whole, [8, 4, 2], 2)),
+            meshes: first_elements(&scene.description.mesh).map_or(Vec::new(), |whole| shares(whole, [8, 4, 2], 2)),
             increments: shares(scene.time.increments, [4, 2, 1], 1),
             reference: 8,
         }
@@ -210,7 +210,7 @@ pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> 
     let increments = sorted(&plan.increments);
     let meshes: Vec<Option<usize>> = match &plan.meshes[..] {
         [] => vec![None],
-        _ if scene.mesh.first_elements().is_none() => return Err(CompareError::FixedMesh),
+        _ if first_elements(&scene.description.mesh).is_none() => return Err(CompareError::FixedMesh),
         meshes => sorted(meshes).into_iter().map(Some).collect(),
     };
     let reference = plan.reference * increments.last().copied().unwrap_or(1);

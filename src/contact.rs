@@ -2,6 +2,7 @@
 //! measure that judges every solution.
 
 pub mod coulomb;
+mod description;
 mod gap_table;
 mod kinematics;
 mod kkt;
@@ -10,10 +11,11 @@ mod obstacle;
 mod range;
 mod surface;
 
+pub use description::{GapDirection, Obstacle, Rotation, Shape};
 pub use gap_table::{GapTable, TableError};
 pub use kinematics::{ContactBoundary, ContactNode, Row, contact_nodes, share_edges, unreachable};
 pub(crate) use kkt::judge;
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, rounding_level, statuses};
 pub use motion::{ObstacleMotion, Rates};
-pub use obstacle::{Facing, Obstacle, ObstacleError};
+pub use obstacle::{Facing, ObstacleError, PlacedObstacle};
 pub use range::{DeformedNode, RangeLeft, TOLERATED_SHARE, range_left};

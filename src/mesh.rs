@@ -1,16 +1,22 @@
 //! Meshes in two and three dimensions with named boundaries and material groups.
 
+mod arrays;
 mod block;
+mod boundaries;
 mod check;
 mod gmsh;
 mod half_plane;
 mod sides;
 mod simplices;
+mod source;
 
 pub use block::{block, graded_block, progression};
-pub use check::{MeshFault, Numbers};
+pub use check::MeshFault;
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
 pub use half_plane::half_plane;
+pub use source::{HalfPlane, MeshSource, Segment};
+
+use serde::{Deserialize, Serialize};
 
 use crate::vector::{cross, minus};
 
@@ -41,7 +47,8 @@ pub struct Cell {
 }
 
 /// The kinds of cells. Corners are in the order of VTK and Gmsh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum CellKind {
     /// Three corners, counterclockwise.
     Triangle,
@@ -67,6 +74,16 @@ pub struct Boundary {
 }
 
 impl CellKind {
+    /// The cells of a block with so many axes, if nothing else is asked for.
+    fn of_block(axes: usize) -> Self {
+        if axes == 2 { CellKind::Quadrilateral } else { CellKind::Hexahedron }
+    }
+
+    /// Whether it is a triangle or a tetrahedron.
+    pub fn is_simplex(self) -> bool {
+        matches!(self, CellKind::Triangle | CellKind::Tetrahedron)
+    }
+
     /// 2 or 3.
     pub fn dimension(self) -> usize {
         match self {

@@ -1,30 +1,33 @@
-//! From a scene to the discrete problem: mesh, `K`, contact maps, loads.
+//! From a description, or the scene that holds one, to the discrete problem: mesh, `K`, contact maps, loads.
 
 mod body;
 mod contact;
 mod range;
 mod stress;
 
-use crate::contact::{ContactBoundary, ContactNode, Facing, Obstacle, ObstacleMotion, Row, share_edges};
-use crate::fem::{Dofs, Elasticity, Element, InvertedElement, RigidMotion, assemble, facet_load, rigid_motions};
+use std::sync::Arc;
+
+use crate::contact::{ContactBoundary, ContactNode, Facing, ObstacleMotion, PlacedObstacle, Row, share_edges};
+use crate::description::Description;
+use crate::fault::Fault;
+use crate::fem::{Dofs, Elasticity, Element, InvertedElement, Plane, RigidMotion, assemble, facet_load, rigid_motions};
 use crate::loading::{Bend, LoadCase, Loading, Motion};
 use crate::mesh::{Boundary, Mesh, MeshFileError};
 use crate::problem::{ContactProblem, Parts, ProblemError};
-use crate::scene::{self, Scene, SceneError};
+use crate::scene::{Scene, SceneError};
 use crate::sparse::Csr;
+use crate::timeline::within;
 use crate::units::Scaling;
 
-/// A scene, discretised.
+/// A body, discretised.
 #[derive(Debug, Clone)]
 pub struct Model {
+    /// What it was made of.
+    description: Description,
     /// The mesh.
-    pub mesh: Mesh,
+    pub mesh: Arc<Mesh>,
     /// The law of each cell.
-    pub materials: Vec<Elasticity>,
-    /// Its strains.
-    pub element: Element,
-    /// Whether the body is a thin plate, in plane stress.
-    pub thin: bool,
+    materials: Vec<Elasticity>,
     /// The numbering of the free displacements.
     pub dofs: Dofs,
     /// The contact nodes, in the order of `problem`'s rows.
@@ -32,7 +35,7 @@ pub struct Model {
     /// The boundaries they stand on.
     pub contact_boundaries: Vec<ContactBoundary>,
     /// The obstacle in front of each of these boundaries, and how it moves.
-    pub obstacles: Vec<(Obstacle, ObstacleMotion)>,
+    pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
     /// The algebraic problem.
     pub problem: ContactProblem,
     /// The loads and gaps over time.
@@ -41,18 +44,22 @@ pub struct Model {
     pub rigid_motions: Vec<RigidMotion>,
 }
 
-/// Why a scene cannot be discretised.
+/// Why there is no model of a description.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum ModelError {
-    /// The scene contradicts its mesh.
+    /// A value of the description is not possible, or contradicts the mesh.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Description(#[from] Fault),
+    /// The same of a scene, by its place in the text.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] SceneError),
-    /// The scene's mesh file is not sound.
+    /// The mesh file is not sound.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Mesh(#[from] MeshFileError),
-    /// What the mesh makes of the scene is no sound problem, as where its numbers overflow.
+    /// What the mesh makes of the description is no sound problem, as where its numbers overflow.
     #[error(transparent)]
     #[diagnostic(help("moduli, loads or lengths leave the range of double precision: check their units"))]
     Problem(#[from] ProblemError),
@@ -62,33 +69,45 @@ pub enum ModelError {
 }
 
 impl Model {
-    /// Discretises `scene`.
+    /// Discretises what `scene` describes.
     ///
     /// # Errors
-    /// When the scene names a boundary the mesh does not have, asks for contact where supports hold
-    /// the body inside the obstacle, or leaves nothing free.
+    /// As [`Model::build`]; the message names file and line.
     pub fn new(scene: &Scene) -> Result<Self, ModelError> {
-        let mesh = body::mesh(scene)?;
-        let dofs = body::dofs(scene, &mesh)?;
-        let element = body::element(scene, &mesh)?;
-        let materials = body::materials(scene, &mesh)?;
+        Self::build(&scene.description).map_err(|error| match error {
+            ModelError::Description(fault) => ModelError::Scene(scene.located(fault)),
+            other => other,
+        })
+    }
+
+    /// Discretises `description`.
+    ///
+    /// # Errors
+    /// When a value is not possible, or contradicts the mesh: a boundary that is not there, an obstacle in front of
+    /// nothing, contact where supports hold the body inside the obstacle, nothing free; the message names the key.
+    pub fn build(description: &Description) -> Result<Self, ModelError> {
+        description.check()?;
+        let mesh = description.mesh.build()?;
+        let dofs = body::dofs(description, &mesh)?;
+        let element = body::element(description, &mesh)?;
+        let materials = description.material.laws(&mesh)?;
         let stiffness = assemble(&mesh, &dofs, element, |e| materials[e])?;
 
         let (mut contacts, mut mu) = (Vec::<ContactNode>::new(), Vec::new());
         let (mut contact_boundaries, mut obstacles) = (Vec::new(), Vec::new());
-        for contact in &scene.contacts {
+        for (k, contact) in description.contacts.iter().enumerate() {
             let first = contacts.len();
-            let (obstacle, motion, nodes) = contact::boundary(scene, &mesh, &dofs, contact)?;
-            contact::no_contradiction(scene, contact, &contacts, &nodes)?;
+            let (obstacle, motion, nodes) = contact::boundary(description, &mesh, &dofs, k)?;
+            contact::no_contradiction(description, k, &contacts, &nodes)?;
             contacts.extend(nodes);
             mu.resize(contacts.len(), contact.friction);
             let nodes = first..contacts.len();
-            contact_boundaries.push(ContactBoundary { name: contact.boundary.to_string(), nodes });
+            contact_boundaries.push(ContactBoundary { name: contact.boundary.clone(), nodes });
             obstacles.push((obstacle, motion));
         }
         share_edges(&mut contacts, &mu, &dofs);
         let (mut motions, mut bends) = (Vec::new(), Vec::new());
-        let times: Vec<f64> = [0.0].into_iter().chain(scene.time.all()).collect();
+        let times: Vec<f64> = [0.0].into_iter().chain(description.times.iter().copied()).collect();
         for (ContactBoundary { nodes, .. }, (obstacle, motion)) in contact_boundaries.iter().zip(&obstacles) {
             let contacts = &contacts[nodes.clone()];
             let positions: Vec<[f64; 3]> = contacts.iter().map(|contact| contact.position).collect();
@@ -104,11 +123,11 @@ impl Model {
         let map = |row: fn(&ContactNode) -> &Row| {
             Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))
         };
-        let mut cases = Vec::with_capacity(scene.loads.len());
-        for load in &scene.loads {
-            let boundary = find(scene, &mesh, &load.boundary)?;
-            let force = facet_load(&mesh, &dofs, boundary, body::traction(scene, &mesh, load)?);
-            cases.push(LoadCase::new(force, load.history.clone())?);
+        let (mut cases, end) = (Vec::with_capacity(description.loads.len()), description.end());
+        for (k, load) in description.loads.iter().enumerate() {
+            let boundary = find(&mesh, &load.boundary, &format!("load[{k}]"))?;
+            let force = facet_load(&mesh, &dofs, boundary, body::traction(description, &mesh, k)?);
+            cases.push(LoadCase::new(force, within(end, &load.factors(end)))?);
         }
         let gap = contacts.iter().map(|contact| contact.facing.gap).collect();
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?;
@@ -123,12 +142,10 @@ impl Model {
             weight: Some(contacts.iter().map(|contact| contact.weight).collect()),
             free_motions: Some(rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect()),
         })?;
-        let thin = mesh.dimension == 2 && scene.material.plane == scene::Plane::Stress;
         Ok(Model {
+            description: description.clone(),
             mesh,
             materials,
-            element,
-            thin,
             dofs,
             contacts,
             contact_boundaries,
@@ -139,12 +156,50 @@ impl Model {
         })
     }
 
+    /// What it was made of.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// The ends of the increments, s, for which the gaps of moving obstacles are exact.
+    pub fn times(&self) -> &[f64] {
+        &self.description.times
+    }
+
+    /// The law of each cell of the mesh.
+    pub fn materials(&self) -> &[Elasticity] {
+        &self.materials
+    }
+
+    /// How strains follow from displacements.
+    pub fn element(&self) -> Element {
+        self.description.element
+    }
+
+    /// Whether the body is a thin plate, in plane stress.
+    pub fn is_thin(&self) -> bool {
+        self.description.material.plane == Some(Plane::Stress)
+    }
+
     /// Units for the numbers inside, see [`ContactProblem::scaling`].
     pub fn scaling(&self) -> Scaling {
         self.problem.scaling(self.loading.largest_force(), self.loading.largest_interference())
     }
 }
 
-fn find<'a>(scene: &Scene, mesh: &'a Mesh, name: &scene::Name) -> Result<&'a Boundary, SceneError> {
-    mesh.boundary(name.as_str()).ok_or_else(|| scene.unknown_boundary(name, &mesh.boundary_names()))
+/// The boundary that the thing at `key` names.
+fn find<'a>(mesh: &'a Mesh, name: &str, key: &str) -> Result<&'a Boundary, Fault> {
+    mesh.boundary(name).ok_or_else(|| {
+        let known = mesh.boundary_names();
+        let help = match (&known[..], mesh.dimension) {
+            ([], 2) => {
+                "the mesh has no boundaries: put its outer curves into physical groups, too, and mesh again".into()
+            }
+            ([], _) => {
+                "the mesh has no boundaries: put its outer surfaces into physical groups, too, and mesh again".into()
+            }
+            (known, _) => format!("the mesh has the boundaries {}", known.join(", ")),
+        };
+        Fault::new(format!("{key}.boundary"), format!("the mesh has no boundary `{name}`"), help)
+    })
 }

@@ -181,6 +181,17 @@ impl ContactProblem {
         self.c_n().rows()
     }
 
+    /// `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f`, n_u, N, of external forces `force` (n_u, N); in twice the working
+    /// precision if the state has a `u_rest`.
+    ///
+    /// # Errors
+    /// When an array is longer or shorter than the problem asks for.
+    pub fn equilibrium(&self, force: &[f64], state: &State) -> Result<Vec<f64>, ProblemError> {
+        state.check(self)?;
+        error::expect_length("force", self.displacements(), force.len(), "one for each displacement")?;
+        Ok(self.imbalance(force, state))
+    }
+
     /// `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f`, N; in twice the working precision if the state has a `u_rest`.
     pub(crate) fn imbalance(&self, force: &[f64], state: &State) -> Vec<f64> {
         if state.u_rest.is_empty() {

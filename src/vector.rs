@@ -1,5 +1,59 @@
 //! Vectors, most of them in space; those of the plane have z = 0.
 
+use std::fmt;
+
+use serde::Deserialize;
+
+/// Two or three coordinates, as an input gives them.
+#[derive(Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "Vec<f64>")]
+pub struct Vector {
+    components: [f64; 3],
+    dimension: usize,
+}
+
+impl Vector {
+    /// All three, z = 0 where it is not given.
+    pub fn components(self) -> [f64; 3] {
+        self.components
+    }
+
+    /// How many are given, 2 or 3.
+    pub fn dimension(self) -> usize {
+        self.dimension
+    }
+}
+
+impl fmt::Debug for Vector {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.components[..self.dimension].fmt(f)
+    }
+}
+
+impl From<[f64; 2]> for Vector {
+    fn from([x, y]: [f64; 2]) -> Self {
+        Vector { components: [x, y, 0.0], dimension: 2 }
+    }
+}
+
+impl From<[f64; 3]> for Vector {
+    fn from(components: [f64; 3]) -> Self {
+        Vector { components, dimension: 3 }
+    }
+}
+
+impl TryFrom<Vec<f64>> for Vector {
+    type Error = String;
+
+    fn try_from(values: Vec<f64>) -> Result<Self, String> {
+        match values[..] {
+            [x, y] => Ok([x, y].into()),
+            [x, y, z] => Ok([x, y, z].into()),
+            _ => Err(format!("invalid length {}, expected 2 or 3 values", values.len())),
+        }
+    }
+}
+
 /// `a · b`, of vectors of one length: in eight sums, which the processor adds side by side.
 #[inline]
 pub fn dot(a: impl AsRef<[f64]>, b: impl AsRef<[f64]>) -> f64 {

@@ -5,17 +5,16 @@ mod histories;
 use std::collections::BTreeSet;
 
 use clap::Args;
-use stickslip::contact::Obstacle as Facing;
-use stickslip::fem::RigidMotion;
+use stickslip::contact::{GapDirection, Obstacle, PlacedObstacle, Rotation, Shape};
+use stickslip::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::formulation::Layout;
-use stickslip::mesh::CellKind;
+use stickslip::mesh::{CellKind, HalfPlane, MeshSource, Segment};
 use stickslip::model::Model;
 use stickslip::report::Warning;
 use stickslip::run::discretise;
-use stickslip::scene::{
-    Element, GapDirection, HalfPlane, Material, Mesh, Obstacle, Plane, Rotation, Scene, Segment, Shape,
-};
+use stickslip::scene::Scene;
 use stickslip::solvability::{Conditions, rigid_equilibrium};
+use stickslip::vector::Vector;
 
 use super::{Failure, SceneArgs};
 use histories::points;
@@ -52,7 +51,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         solver.tolerance
     );
     holding(&model);
-    for warning in Warning::of_scene(&scene, &model) {
+    for warning in Warning::of_model(&model) {
         say!("warning      {}", warning.message);
     }
     if !model.contacts.is_empty() {
@@ -63,8 +62,8 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 }
 
 fn body(scene: &Scene, model: &Model) {
-    let kind = match &scene.mesh {
-        Mesh::Block { axes, .. } => {
+    let kind = match &scene.description.mesh {
+        MeshSource::Block { axes, .. } => {
             let each = |value: fn(&Segment) -> String, within: &str, between: &str| {
                 let along = |axis: &Vec<Segment>| match &axis[..] {
                     [segment] => value(segment),
@@ -81,10 +80,12 @@ fn body(scene: &Scene, model: &Model) {
             };
             format!("block {lengths}, {elements}{graded}")
         }
-        Mesh::HalfPlane(HalfPlane { size: [width, height], contact_elements, outer_elements, layers, .. }) => {
+        MeshSource::HalfPlane(HalfPlane {
+            size: [width, height], contact_elements, outer_elements, layers, ..
+        }) => {
             format!("half-plane {width} m x {height} m, ({contact_elements} + {outer_elements}) x {layers}")
         }
-        Mesh::Gmsh { file, scale } => {
+        MeshSource::Gmsh { file, scale } => {
             // A forgotten scale is seen here. Six digits hide the rounding of a difference.
             let length = |length: &f64| {
                 let rounded: f64 = format!("{length:.5e}").parse().unwrap_or(*length);
@@ -93,10 +94,11 @@ fn body(scene: &Scene, model: &Model) {
             let lengths = model.mesh.extent()[..model.mesh.dimension].iter().map(length).collect::<Vec<_>>();
             format!("{}, unit {scale} m, {} over all,", file.display(), lengths.join(" x "))
         }
+        MeshSource::Given(_) => "given".to_string(),
     };
     let mut cells: Vec<CellKind> = model.mesh.cells.iter().map(|cell| cell.kind).collect();
     cells.dedup();
-    let cells = match (&cells[..], scene.element) {
+    let cells = match (&cells[..], model.element()) {
         ([CellKind::Triangle], _) => "linear triangles",
         ([CellKind::Tetrahedron], _) => "linear tetrahedra",
         ([CellKind::Quadrilateral], Element::Bilinear) => "bilinear quadrilaterals",
@@ -111,8 +113,8 @@ fn body(scene: &Scene, model: &Model) {
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
     );
-    let Material { young, poisson, plane, layers, groups, .. } = &scene.material;
-    let state = match (model.mesh.dimension, plane) {
+    let Material { young, poisson, plane, layers, groups, .. } = &scene.description.material;
+    let state = match (model.mesh.dimension, plane.unwrap_or_default()) {
         (2, Plane::Strain) => "plane strain, unit thickness",
         (2, Plane::Stress) => "plane stress, unit thickness",
         _ => "three dimensions",
@@ -123,21 +125,21 @@ fn body(scene: &Scene, model: &Model) {
     }
     let height = if model.mesh.dimension == 2 { "y" } else { "z" };
     let mut bottom = 0.0;
-    for layer in layers {
+    for (layer, top) in layers.iter().zip(scene.description.material.tops()) {
         // A height is a sum of thicknesses; fifteen digits hide its rounding.
-        let top: f64 = format!("{:.14e}", layer.top).parse().unwrap_or(layer.top);
+        let top: f64 = format!("{top:.14e}").parse().unwrap_or(top);
         let young = number(layer.young);
         say!("layer        {height} = {bottom} to {top} m: E = {young} Pa, nu = {}", layer.poisson);
         bottom = top;
     }
-    for support in &scene.supports {
+    for support in &scene.description.supports {
         let held = ["x", "y", "z"].into_iter().zip(support.fix).filter(|&(_, fix)| fix).map(|(name, _)| name.into());
         say!("support      {}: {} held", support.boundary, listed(held.collect()));
     }
 }
 
 fn contacts(scene: &Scene, model: &Model) {
-    for (contact, (facing, _)) in scene.contacts.iter().zip(&model.obstacles) {
+    for (contact, (facing, _)) in scene.description.contacts.iter().zip(&model.obstacles) {
         let mut obstacle = vec![shape(model, &contact.obstacle.shape)];
         obstacle.extend(motions(model, &contact.obstacle));
         say!("contact      {}: {}, mu = {}", contact.boundary, obstacle.join(", "), contact.friction);
@@ -164,7 +166,7 @@ fn contacts(scene: &Scene, model: &Model) {
 }
 
 /// Along which normals the gaps of an obstacle are measured, and which slip is positive.
-fn frame(model: &Model, obstacle: &Facing, direction: GapDirection) -> String {
+fn frame(model: &Model, obstacle: &PlacedObstacle, direction: GapDirection) -> String {
     let rounded = |c: &f64| format!("{c:.6}").parse().unwrap_or(*c) + 0.0;
     let vector = |x: [f64; 3]| {
         let components = x[..model.mesh.dimension].iter().map(|c| rounded(c).to_string());
@@ -186,13 +188,13 @@ fn frame(model: &Model, obstacle: &Facing, direction: GapDirection) -> String {
 /// The motions of an obstacle, point by point.
 fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
     let mut motions = Vec::new();
-    if !obstacle.approach.is_empty() {
+    if let Some(approach) = &obstacle.approach {
         let distance = |d: &[f64]| format!("{} m", number(d[0]));
-        motions.push(format!("moves in by {}", points(&obstacle.approach, distance)));
+        motions.push(format!("moves in by {}", points(approach, distance)));
     }
-    if !obstacle.translation.is_empty() {
+    if obstacle.translation.is_some() {
         let place = |x: &[f64]| format!("({}) m", numbers(&x[..model.mesh.dimension]));
-        motions.push(format!("moves by {}", points(&obstacle.translation, place)));
+        motions.push(format!("moves by {}", points(&obstacle.path(), place)));
     }
     if let Some(Rotation { history, .. }) = &obstacle.rotation {
         motions.push(format!("turns by {}", points(history, |angle| format!("{} rad", number(angle[0])))));
@@ -201,7 +203,7 @@ fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
 }
 
 fn shape(model: &Model, shape: &Shape) -> String {
-    let place = |x: &[f64; 3]| model.mesh.place(*x);
+    let place = |x: &Vector| model.mesh.place(x.components());
     match shape {
         Shape::Plane { gap } => format!("plane at {} m", number(*gap)),
         Shape::PlaneThrough { through } => format!("plane through {} m", place(through)),
@@ -214,7 +216,7 @@ fn shape(model: &Model, shape: &Shape) -> String {
 }
 
 fn loads(scene: &Scene, model: &Model) {
-    for (load, case) in scene.loads.iter().zip(model.loading.cases()) {
+    for (load, case) in scene.description.loads.iter().zip(model.loading.cases()) {
         let sum = model
             .dofs
             .displacements(case.force())
@@ -225,7 +227,7 @@ fn loads(scene: &Scene, model: &Model) {
             load.boundary,
             numbers(&load.traction),
             numbers(&sum[..model.mesh.dimension]),
-            points(&load.history, |factor| factor[0].to_string())
+            points(&load.factors(scene.time.end), |factor| factor[0].to_string())
         );
     }
 }

@@ -5,11 +5,12 @@ use std::time::Instant;
 use super::errors::{End, TimeErrors};
 use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
 use crate::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver, Status, Step};
+use crate::mesh::{HalfPlane, MeshSource, Segment};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::report::cpu_seconds;
 use crate::run::{Run, RunError};
-use crate::scene::{HalfPlane, Mesh, Override, Scene, Segment};
+use crate::scene::{Override, Scene};
 
 /// What the reference is computed with. With many increments the condensed path is the cheapest.
 fn reference_path() -> SolverPath {
@@ -41,12 +42,12 @@ impl Study {
     pub(super) fn new(scene: &Scene, mesh: Option<usize>, reference: usize) -> Result<Self, RunError> {
         // The gaps of obstacles that move are exact at the ends of the reference's increments, and so for all histories
         // whose increments those divide.
-        let refined = mesh.map_or(Vec::new(), |mesh| scene.mesh.refined(mesh));
+        let refined = mesh.map_or(Vec::new(), |mesh| refined(&scene.description.mesh, mesh));
         let scene = scene.with(&refined)?.with(&[increments_of(reference)])?;
         let (wall, cpu) = (Instant::now(), cpu_seconds());
         let model = Model::new(&scene)?;
         let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
-        let mesh = mesh.or_else(|| scene.mesh.first_elements()).unwrap_or(model.mesh.cells.len());
+        let mesh = mesh.or_else(|| first_elements(&scene.description.mesh)).unwrap_or(model.mesh.cells.len());
         let reference = solve(&scene, &model, built, reference_path(), reference)?;
         Ok(Study { scene, model, mesh, built, reference })
     }
@@ -170,35 +171,33 @@ impl Observer for Recorder {
     }
 }
 
-impl Mesh {
-    /// The elements in the first direction, or along the contact zone; none for a mesh from a file, which is what it is.
-    pub(super) fn first_elements(&self) -> Option<usize> {
-        match self {
-            Mesh::Block { axes, .. } => Some(axes[0].iter().map(|segment| segment.elements).sum()),
-            Mesh::HalfPlane(HalfPlane { contact_elements, .. }) => Some(*contact_elements),
-            Mesh::Gmsh { .. } => None,
-        }
+/// The elements in the first direction, or along the contact zone; none for a mesh that is what it is.
+pub(super) fn first_elements(mesh: &MeshSource) -> Option<usize> {
+    match mesh {
+        MeshSource::Block { axes, .. } => Some(axes[0].iter().map(|segment| segment.elements).sum()),
+        MeshSource::HalfPlane(HalfPlane { contact_elements, .. }) => Some(*contact_elements),
+        MeshSource::Gmsh { .. } | MeshSource::Given(_) => None,
     }
+}
 
-    /// What makes a mesh with `first` of them of this one, the other numbers in proportion.
-    fn refined(&self, first: usize) -> Vec<Override> {
-        let share = first as f64 / self.first_elements().unwrap_or(first) as f64;
-        let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
-        match self {
-            Mesh::Block { axes, .. } => {
-                let along = |axis: &Vec<Segment>| match axis[..] {
-                    [segment] => scaled(segment.elements).into(),
-                    _ => axis.iter().map(|segment| scaled(segment.elements)).collect::<toml_edit::Value>(),
-                };
-                vec![Override::value("mesh.elements", axes.iter().map(along).collect::<toml_edit::Value>())]
-            }
-            Mesh::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => vec![
-                Override::value("mesh.contact_elements", scaled(*contact_elements)),
-                Override::value("mesh.outer_elements", scaled(*outer_elements)),
-                Override::value("mesh.layers", scaled(*layers)),
-            ],
-            Mesh::Gmsh { .. } => Vec::new(),
+/// What makes a mesh with `first` of them of this one, the other numbers in proportion.
+fn refined(mesh: &MeshSource, first: usize) -> Vec<Override> {
+    let share = first as f64 / first_elements(mesh).unwrap_or(first) as f64;
+    let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
+    match mesh {
+        MeshSource::Block { axes, .. } => {
+            let along = |axis: &Vec<Segment>| match axis[..] {
+                [segment] => scaled(segment.elements).into(),
+                _ => axis.iter().map(|segment| scaled(segment.elements)).collect::<toml_edit::Value>(),
+            };
+            vec![Override::value("mesh.elements", axes.iter().map(along).collect::<toml_edit::Value>())]
         }
+        MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => vec![
+            Override::value("mesh.contact_elements", scaled(*contact_elements)),
+            Override::value("mesh.outer_elements", scaled(*outer_elements)),
+            Override::value("mesh.layers", scaled(*layers)),
+        ],
+        MeshSource::Gmsh { .. } | MeshSource::Given(_) => Vec::new(),
     }
 }
 
@@ -223,17 +222,17 @@ mod tests {
     #[test]
     fn all_directions_are_refined_in_proportion() {
         let punch = Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &[]).unwrap();
-        let Mesh::HalfPlane(finer) = punch.with(&punch.mesh.refined(60)).unwrap().mesh else { panic!() };
+        let MeshSource::HalfPlane(finer) = punch.with(&refined(&punch.description.mesh, 60)).unwrap().description.mesh else { panic!() };
         assert_eq!((finer.contact_elements, finer.outer_elements, finer.layers), (60, 100, 22));
         let block = "mesh.elements=[40,8]".parse().unwrap();
         let block = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &[block]).unwrap();
-        let elements = |mesh: Mesh| -> Vec<usize> {
-            let Mesh::Block { axes, .. } = mesh else { panic!() };
+        let elements = |mesh: MeshSource| -> Vec<usize> {
+            let MeshSource::Block { axes, .. } = mesh else { panic!() };
             axes.concat().iter().map(|segment| segment.elements).collect()
         };
-        assert_eq!(elements(block.with(&block.mesh.refined(2)).unwrap().mesh), [2, 1]);
+        assert_eq!(elements(block.with(&refined(&block.description.mesh, 2)).unwrap().description.mesh), [2, 1]);
         let segments = ["mesh.size=[[0.25,0.75],1]", "mesh.elements=[[2,4],4]"].map(|text| text.parse().unwrap());
         let block = block.with(&segments).unwrap();
-        assert_eq!(elements(block.with(&block.mesh.refined(12)).unwrap().mesh), [4, 8, 8]);
+        assert_eq!(elements(block.with(&refined(&block.description.mesh, 12)).unwrap().description.mesh), [4, 8, 8]);
     }
 }

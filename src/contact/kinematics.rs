@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::motion::ObstacleMotion;
-use super::obstacle::{Facing, Obstacle};
+use super::obstacle::{Facing, PlacedObstacle};
 use crate::fem::{Dofs, facet_weights};
 use crate::mesh::{Boundary, Mesh};
 use crate::vector::{self, cross, dot, unit};
@@ -43,7 +43,7 @@ pub struct ContactBoundary {
 
 /// The nodes of `boundary` that can move towards the obstacle. A node that supports hold along the
 /// normal carries no contact force and is left out.
-pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &Obstacle) -> Vec<ContactNode> {
+pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &PlacedObstacle) -> Vec<ContactNode> {
     let nodes = boundary.nodes();
     let mut weights = vec![0.0; mesh.nodes.len()];
     for facet in &boundary.facets {
@@ -141,7 +141,7 @@ pub fn unreachable(
     mesh: &Mesh,
     dofs: &Dofs,
     boundary: &Boundary,
-    obstacle: &Obstacle,
+    obstacle: &PlacedObstacle,
     motion: &ObstacleMotion,
     times: &[f64],
 ) -> Option<usize> {
@@ -155,31 +155,29 @@ pub fn unreachable(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::{Obstacle, Shape};
     use crate::mesh::block;
-    use crate::scene::{self, Shape};
+    use crate::vector::Vector;
 
     #[test]
     fn the_clamped_corner_is_no_contact_node() {
         let mesh = block(&[1.0, 1.0], &[4, 4]);
         let dofs = Dofs::new(&mesh, |node, _| mesh.nodes[node][0] == 0.0);
         let bottom = mesh.boundary("bottom").unwrap();
-        let given = scene::Obstacle::at_rest(Shape::Plane { gap: 1e-5 });
-        let plane = Obstacle::new(&mesh, bottom, &given).unwrap();
+        let given = Obstacle::plane(1e-5);
+        let plane = PlacedObstacle::new(&mesh, bottom, &given).unwrap();
         let contacts = contact_nodes(&mesh, &dofs, bottom, &plane);
         assert_eq!(contacts.iter().map(|c| c.position[0]).collect::<Vec<_>>(), [0.25, 0.5, 0.75, 1.0]);
         assert_eq!(contacts.iter().map(|c| c.weight).collect::<Vec<_>>(), [0.25, 0.25, 0.25, 0.125]);
         let [Some(x), Some(y)] = dofs.node(1)[..] else { panic!() };
         assert_eq!((&contacts[0].normal, &contacts[0].tangents), (&vec![(y, -1.0)], &[vec![(x, 1.0)], vec![]]));
-        let reached = |given: &scene::Obstacle| {
-            let plane = Obstacle::new(&mesh, bottom, given).unwrap();
-            unreachable(&mesh, &dofs, bottom, &plane, &ObstacleMotion::new(given, plane.normal), &[])
+        let reached = |given: &Obstacle| {
+            let plane = PlacedObstacle::new(&mesh, bottom, given).unwrap();
+            unreachable(&mesh, &dofs, bottom, &plane, &ObstacleMotion::new(given, plane.normal, 2.0), &[])
         };
         assert_eq!(reached(&given), None);
-        assert_eq!(
-            reached(&scene::Obstacle { approach: vec![[0.0, 0.0], [1.0, 2e-5], [2.0, 0.0]], ..given.clone() }),
-            Some(0)
-        );
-        assert_eq!(reached(&scene::Obstacle { shape: Shape::Plane { gap: -1e-9 }, ..given }), Some(0));
+        assert_eq!(reached(&given.clone().approaching(&[[0.0, 0.0], [1.0, 2e-5], [2.0, 0.0]])), Some(0));
+        assert_eq!(reached(&Obstacle { shape: Shape::Plane { gap: -1e-9 }, ..given }), Some(0));
     }
 
     /// Supports on the symmetry plane x = 0 and the roller y = 0 leave one tangent, both together none.
@@ -189,8 +187,8 @@ mod tests {
         let dofs = Dofs::new(&mesh, |node, c| c < 2 && mesh.nodes[node][c] == 0.0);
         let bottom = mesh.boundary("bottom").unwrap();
         for normal in [None, Some([0.0, 0.6, -0.8]), Some([0.36, 0.48, -0.8])] {
-            let given = scene::Obstacle { normal, ..scene::Obstacle::at_rest(Shape::Plane { gap: 0.0 }) };
-            let plane = Obstacle::new(&mesh, bottom, &given).unwrap();
+            let given = Obstacle { normal: normal.map(Vector::from), ..Obstacle::plane(0.0) };
+            let plane = PlacedObstacle::new(&mesh, bottom, &given).unwrap();
             let contacts = contact_nodes(&mesh, &dofs, bottom, &plane);
             assert!((contacts.iter().map(|c| c.weight).sum::<f64>() - 1.0).abs() < 1e-15);
             for contact in &contacts {

@@ -1,17 +1,29 @@
 //! The rigid motion of an obstacle: what it does to gaps and slip, and where it takes the obstacle.
 
-use super::obstacle::{Facing, Obstacle};
+use super::description::Obstacle;
+use super::obstacle::{Facing, PlacedObstacle};
 use super::surface::{across, plus};
 use crate::loading::piecewise_linear;
-use crate::scene;
-use crate::vector::{axis, cross, dot, minus};
+use crate::timeline::within;
+use crate::vector::{axis, cross, dot, minus, unit};
 
 /// How an obstacle moves: a sum of motions in one direction each, times a factor that changes in time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObstacleMotion {
     /// Directions, and points `[time (s), distance (m)]`.
     translations: Vec<([f64; 3], Vec<[f64; 2]>)>,
-    rotation: Option<scene::Rotation>,
+    rotation: Option<Turning>,
+}
+
+/// A rotation about an axis that stands still.
+#[derive(Debug, Clone, PartialEq)]
+struct Turning {
+    /// Unit vector.
+    axis: [f64; 3],
+    /// A point of the axis, m.
+    through: [f64; 3],
+    /// Points `[time (s), angle (rad)]`.
+    history: Vec<[f64; 2]>,
 }
 
 /// What one motion does to a node in front of the obstacle, for each unit of its factor.
@@ -24,16 +36,22 @@ pub struct Rates {
 }
 
 impl ObstacleMotion {
-    /// The motion that `obstacle` prescribes: its approach is against `normal`.
-    pub fn new(obstacle: &scene::Obstacle, normal: [f64; 3]) -> Self {
+    /// The motion that `obstacle`, which is sound, prescribes from 0 to `end` (s): its approach is against `normal`.
+    pub fn new(obstacle: &Obstacle, normal: [f64; 3], end: f64) -> Self {
+        let path: Vec<[f64; 4]> = within(end, &obstacle.path());
         let component = |c: usize| {
-            let history = obstacle.translation.iter().map(|point| [point[0], point[1 + c]]).collect::<Vec<_>>();
+            let history = path.iter().map(|point| [point[0], point[1 + c]]).collect::<Vec<_>>();
             (axis(c), history)
         };
         let mut translations: Vec<_> = (0..3).map(component).collect();
-        translations.push((normal.map(|c| -c), obstacle.approach.clone()));
+        translations.push((normal.map(|c| -c), within(end, obstacle.approach.as_deref().unwrap_or_default())));
         translations.retain(|(_, history)| history.iter().any(|point| point[1] != 0.0));
-        ObstacleMotion { translations, rotation: obstacle.rotation.clone() }
+        let rotation = obstacle.rotation.as_ref().map(|rotation| Turning {
+            axis: rotation.axis.map_or([0.0, 0.0, 1.0], |axis| unit(axis.components())),
+            through: rotation.through.components(),
+            history: within(end, &rotation.history),
+        });
+        ObstacleMotion { translations, rotation }
     }
 
     /// The motions, each with its history and what it does to the nodes at `positions` (m), which see the
@@ -57,7 +75,7 @@ impl ObstacleMotion {
         };
         let mut motions: Vec<_> =
             self.translations.iter().map(|(direction, history)| (of(&|_| *direction), history.clone())).collect();
-        if let Some(scene::Rotation { axis, through, history }) = &self.rotation {
+        if let Some(Turning { axis, through, history }) = &self.rotation {
             motions.push((of(&|x| cross(*axis, minus(x, *through))), history.clone()));
         }
         motions
@@ -71,7 +89,7 @@ impl ObstacleMotion {
     }
 
     /// The smallest gap (m) of a node at the points of all histories and at `times` (s).
-    pub fn smallest_gap(&self, obstacle: &Obstacle, x: [f64; 3], facing: &Facing, times: &[f64]) -> f64 {
+    pub fn smallest_gap(&self, obstacle: &PlacedObstacle, x: [f64; 3], facing: &Facing, times: &[f64]) -> f64 {
         let histories = self.translations.iter().map(|(_, history)| history);
         let histories = histories.chain(self.rotation.iter().map(|rotation| &rotation.history));
         let times = histories.flatten().map(|point| point[0]).chain([0.0]).chain(times.iter().copied());
@@ -81,7 +99,7 @@ impl ObstacleMotion {
     /// What [`ObstacleMotion::gap`] leaves out (m) at time `t`: the exact distance of a node at `x` (m) from the moved obstacle, along
     /// the node's normal, less that. An obstacle that is no longer in front of the node is taken to be as far as its
     /// boundary is long.
-    fn bend(&self, obstacle: &Obstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
+    fn bend(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
         if self.keeps_shape(obstacle, facing.normal) {
             return 0.0;
         }
@@ -94,7 +112,7 @@ impl ObstacleMotion {
     }
 
     /// Whether the gap along `normal` is linear in all motions: a plane that does not turn, or motion along the normal.
-    fn keeps_shape(&self, obstacle: &Obstacle, normal: [f64; 3]) -> bool {
+    fn keeps_shape(&self, obstacle: &PlacedObstacle, normal: [f64; 3]) -> bool {
         let along = |direction: &[f64; 3]| cross(*direction, normal) == [0.0; 3];
         self.rotation.is_none()
             && (obstacle.is_plane() || self.translations.iter().all(|(direction, _)| along(direction)))
@@ -104,7 +122,7 @@ impl ObstacleMotion {
     /// (s); nothing if there are none.
     pub fn bends(
         &self,
-        obstacle: &Obstacle,
+        obstacle: &PlacedObstacle,
         positions: &[[f64; 3]],
         facings: &[Facing],
         times: &[f64],
@@ -124,7 +142,7 @@ impl ObstacleMotion {
         for (direction, history) in &self.translations {
             x = plus(x, -at(history), *direction);
         }
-        let Some(scene::Rotation { axis, through, history }) = &self.rotation else { return (x, n) };
+        let Some(Turning { axis, through, history }) = &self.rotation else { return (x, n) };
         let angle = -at(history);
         (plus(turned(minus(x, *through), *axis, angle), 1.0, *through), turned(n, *axis, angle))
     }

@@ -1,15 +1,15 @@
 //! Rigid obstacles: what each node of a boundary sees of them.
 
+use super::description::{GapDirection, Obstacle, Rotation, SKEW, Shape};
 use super::gap_table::{GapTable, TableError};
 use super::surface::{Surface, across};
 use crate::mesh::{Boundary, Mesh};
-use crate::scene::{self, GapDirection, Shape};
-use crate::vector::{axis_across, cross, dot, norm, unit};
+use crate::vector::{Vector, axis_across, cross, dot, norm, unit};
 
-/// A rigid obstacle in front of a part of the boundary. Small displacements: gaps are measured once, in
+/// An obstacle in front of a part of the boundary. Small displacements: gaps are measured once, in
 /// the undeformed state.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Obstacle {
+pub struct PlacedObstacle {
     surface: Surface,
     direction: GapDirection,
     /// The size of the boundary, m.
@@ -35,7 +35,7 @@ pub struct Facing {
     pub inward: [f64; 3],
 }
 
-/// Why a scene's obstacle does not fit its boundary.
+/// Why an obstacle does not fit its boundary.
 #[derive(Debug, thiserror::Error)]
 pub enum ObstacleError {
     /// The boundary is closed or symmetric.
@@ -76,29 +76,27 @@ impl ObstacleError {
     }
 }
 
-/// How far an angle may be from a right one: what rounding leaves of vectors given with a few digits.
-const SKEW: f64 = 1e-9;
-
-impl Obstacle {
-    /// The obstacle that `given` puts in front of `boundary`. Without a normal it faces the mean outward
+impl PlacedObstacle {
+    /// The obstacle that `given`, which is sound, puts in front of `boundary`. Without a normal it faces the mean outward
     /// normal of the boundary. Without a first tangent, that is in two dimensions the normal turned by
     /// +90°, which is +x above a foundation; in three it is the projection of x on the tangent plane, or of
     /// the axis that is closest to that plane where this is another. The second tangent is normal × first.
     ///
     /// # Errors
     /// When there is no mean normal, the shape does not suit the dimension, or a table cannot be used.
-    pub fn new(mesh: &Mesh, boundary: &Boundary, given: &scene::Obstacle) -> Result<Self, ObstacleError> {
-        match given.plane_vector {
-            _ if mesh.dimension == 2 => lies_in_plane(given)?,
-            Some(name) => return Err(ObstacleError::PlaneVector(name)),
-            None => {}
+    pub fn new(mesh: &Mesh, boundary: &Boundary, given: &Obstacle) -> Result<Self, ObstacleError> {
+        if mesh.dimension == 2 {
+            lies_in_plane(given)?;
+        } else if let Some(name) = given.plane_vector() {
+            return Err(ObstacleError::PlaneVector(name));
         }
-        let normal = given.normal.or_else(|| mean_normal(mesh, boundary)).ok_or(ObstacleError::NoNormal)?;
-        let first = given.tangent.unwrap_or_else(|| match mesh.dimension {
+        let along = |given: Option<Vector>| given.map(|vector| unit(vector.components()));
+        let normal = along(given.normal).or_else(|| mean_normal(mesh, boundary)).ok_or(ObstacleError::NoNormal)?;
+        let first = along(given.tangent).unwrap_or_else(|| match mesh.dimension {
             2 => [-normal[1], normal[0], 0.0],
             _ => first_tangent(normal),
         });
-        let axis = |axis: Option<[f64; 3]>| match (axis, mesh.dimension) {
+        let axis = |given: Option<Vector>| match (along(given), mesh.dimension) {
             (None, 2) => Ok([0.0, 0.0, 1.0]),
             (None, _) => Err(ObstacleError::NoAxis),
             (Some(axis), _) if dot(axis, normal).abs() > SKEW => Err(ObstacleError::SkewAxis),
@@ -109,20 +107,27 @@ impl Obstacle {
                 let along = boundary.nodes().into_iter().map(|node| dot(normal, mesh.nodes[node]));
                 Surface::Plane { level: along.fold(f64::NEG_INFINITY, f64::max), gap: *gap }
             }
-            Shape::PlaneThrough { through } => Surface::Plane { level: dot(normal, *through), gap: 0.0 },
+            Shape::PlaneThrough { through } => Surface::Plane { level: dot(normal, through.components()), gap: 0.0 },
             Shape::Cylinder { radius, apex, axis: given } => {
-                Surface::Round { radius: *radius, apex: *apex, axis: Some(axis(*given)?) }
+                Surface::Round { radius: *radius, apex: apex.components(), axis: Some(axis(*given)?) }
             }
             Shape::Sphere { .. } if mesh.dimension == 2 => return Err(ObstacleError::SphereInPlane),
-            Shape::Sphere { radius, apex } => Surface::Round { radius: *radius, apex: *apex, axis: None },
+            Shape::Sphere { radius, apex } => Surface::Round { radius: *radius, apex: apex.components(), axis: None },
             Shape::Wedge { apex, angle, axis: given } => {
-                Surface::Wedge { apex: *apex, aside: unit(cross(axis(*given)?, normal)), slope: angle.tan() }
+                let aside = unit(cross(axis(*given)?, normal));
+                Surface::Wedge { apex: apex.components(), aside, slope: angle.tan() }
             }
             Shape::Formula(formula) => Surface::Formula(formula.clone()),
             Shape::Table { file } => Surface::Table(GapTable::read(file)?),
         };
         let extent = extent(mesh, boundary);
-        Ok(Obstacle { surface, direction: given.direction, extent, normal, tangents: [first, cross(normal, first)] })
+        Ok(PlacedObstacle {
+            surface,
+            direction: given.direction,
+            extent,
+            normal,
+            tangents: [first, cross(normal, first)],
+        })
     }
 
     /// What a node at `x` (m) sees.
@@ -188,23 +193,22 @@ impl Obstacle {
     }
 }
 
-/// Refuses vectors of a plane scene that leave its plane.
-fn lies_in_plane(given: &scene::Obstacle) -> Result<(), ObstacleError> {
-    let across = [0.0, 0.0, 1.0];
-    let upright = |axis: &[f64; 3]| norm(cross(*axis, across)) <= SKEW;
+/// Refuses vectors of an obstacle of a plane body that leave its plane.
+fn lies_in_plane(given: &Obstacle) -> Result<(), ObstacleError> {
+    let leaves = |vector: Vector| vector.components()[2] != 0.0;
+    let upright = |axis: Vector| norm(cross(unit(axis.components()), [0.0, 0.0, 1.0])) <= SKEW;
     let (point, axis) = match given.shape {
         Shape::PlaneThrough { through } => (Some(through), None),
         Shape::Cylinder { apex, axis, .. } | Shape::Wedge { apex, axis, .. } => (Some(apex), axis),
         _ => (None, None),
     };
-    let moves = given.translation.iter().any(|point| point[3] != 0.0);
-    let turning = given.rotation.as_ref().is_some_and(|rotation| !upright(&rotation.axis));
+    let turning = given.rotation.as_ref().is_some_and(|Rotation { axis, .. }| axis.is_some_and(|axis| !upright(axis)));
     for (name, leaves) in [
-        ("the normal", given.normal.is_some_and(|normal| normal[2] != 0.0)),
-        ("the tangent", given.tangent.is_some_and(|tangent| tangent[2] != 0.0)),
-        ("the place", point.is_some_and(|point| point[2] != 0.0)),
-        ("the axis", axis.is_some_and(|axis| !upright(&axis))),
-        ("the translation", moves),
+        ("the normal", given.normal.is_some_and(leaves)),
+        ("the tangent", given.tangent.is_some_and(leaves)),
+        ("the place", point.is_some_and(leaves)),
+        ("the axis", axis.is_some_and(|axis| !upright(axis))),
+        ("the translation", given.translation.iter().flatten().any(|(_, to)| leaves(*to))),
         ("the rotation", turning),
     ] {
         if leaves {

@@ -6,7 +6,7 @@
 use serde::Serialize;
 
 use super::motion::ObstacleMotion;
-use super::obstacle::Obstacle;
+use super::obstacle::PlacedObstacle;
 use crate::vector::{dot, norm};
 
 /// How much of the indentation the linearisation may miss before it counts as left. Pressures follow from
@@ -61,7 +61,7 @@ pub struct DeformedNode {
 /// What is no more than rounding and the tolerance of a solution is no difference: on a plane that touches from the start
 /// nothing is indented.
 pub fn range_left(
-    obstacle: &Obstacle,
+    obstacle: &PlacedObstacle,
     motion: &ObstacleMotion,
     t: f64,
     interference: f64,

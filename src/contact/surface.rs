@@ -1,7 +1,7 @@
 //! The surfaces of rigid obstacles: how far they are from a point.
 
 use super::gap_table::GapTable;
-use crate::scene::Formula;
+use crate::formula::Formula;
 use crate::vector::{cross, dot, minus, norm, unit};
 
 /// The surface of an obstacle at rest. `facing` is the unit vector out of the body towards the obstacle,

@@ -1,7 +1,10 @@
 //! The strains of an element: those of its displacements, or with the mean dilatation (B̄).
 
+use serde::{Deserialize, Serialize};
+
 /// How the strain follows from the corner displacements of an element.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Element {
     /// That of the linear, bilinear or trilinear displacements. It locks when `ν → 1/2`: every Gauss point
     /// holds a volume, four in a quadrilateral and eight in a hexahedron, with two or three displacements

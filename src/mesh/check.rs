@@ -13,16 +13,77 @@ const NEGLIGIBLE: f64 = 1e-9;
 
 /// The numbers of cells and nodes in the file they come from, for messages.
 #[derive(Debug, Clone, Copy)]
-pub struct Numbers<'a> {
+pub(super) struct Numbers<'a> {
     /// Of each cell.
     pub cells: &'a [usize],
     /// Of each node.
     pub nodes: &'a [usize],
 }
 
-/// What is wrong with a mesh. Numbers are those of the file.
+/// What is wrong with a mesh. Numbers are those of its file; without a file they count from 0, the elements of a
+/// boundary within that boundary.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MeshFault {
+    /// A mesh without cells.
+    #[error("the mesh has no elements")]
+    Empty,
+    /// Coordinates that are nan or infinite.
+    #[error("the coordinates of these nodes are not finite: {}", list(.0))]
+    NotFinite(Vec<usize>),
+    /// Nodes of a plane mesh off the plane z = 0.
+    #[error("the mesh is plane, but these nodes have z other than 0: {}", list(.0))]
+    OutOfPlane(Vec<usize>),
+    /// A cell of another dimension than the mesh.
+    #[error("element {element} has {cell} dimensions, but the mesh has {mesh}")]
+    Dimensions {
+        /// The cell.
+        element: usize,
+        /// Its dimension.
+        cell: usize,
+        /// That of the mesh.
+        mesh: usize,
+    },
+    /// A cell with too few corners, or too many.
+    #[error("element {element} has {given} nodes, but its kind has {needed}")]
+    Corners {
+        /// The cell.
+        element: usize,
+        /// How many nodes it names.
+        given: usize,
+        /// How many its kind has.
+        needed: usize,
+    },
+    /// A cell with a node that is not there.
+    #[error("element {element} names the node {node}, but there are {nodes} nodes, counted from 0")]
+    NoNode {
+        /// The cell.
+        element: usize,
+        /// The node it names.
+        node: usize,
+        /// How many there are.
+        nodes: usize,
+    },
+    /// A cell of a group that is not there.
+    #[error("element {element} is of group {group}, but there are {groups} groups, counted from 0")]
+    NoGroup {
+        /// The cell.
+        element: usize,
+        /// The group it names.
+        group: usize,
+        /// How many there are.
+        groups: usize,
+    },
+    /// Two boundaries of one name.
+    #[error("two boundaries have the name `{0}`")]
+    RepeatedName(String),
+    /// A facet with its outside on the wrong side.
+    #[error("element {element} of the boundary `{boundary}` runs the wrong way round")]
+    TurnedFacet {
+        /// The boundary.
+        boundary: String,
+        /// The element of the facet.
+        element: usize,
+    },
     /// Cells of negative volume, at one corner at least.
     #[error("the {} inverted: their corners run the wrong way round", elements(.0))]
     Inverted(Vec<usize>),
@@ -102,6 +163,17 @@ impl MeshFault {
     /// How to mend it.
     pub fn help(&self) -> &'static str {
         match self {
+            MeshFault::Empty => "give the cells of the body",
+            MeshFault::NotFinite(_) => "give coordinates in m other than nan or inf",
+            MeshFault::OutOfPlane(_) => "give z = 0 in two dimensions; a body in space needs cells with a volume",
+            MeshFault::Dimensions { .. } => "let all cells be plane, or all have a volume",
+            MeshFault::Corners { .. } => {
+                "give 3 nodes of a triangle, 4 of a quadrilateral or tetrahedron, 8 of a hexahedron"
+            }
+            MeshFault::NoNode { .. } => "number nodes from 0 on",
+            MeshFault::NoGroup { .. } => "number groups from 0 on; without names there is the one group 0",
+            MeshFault::RepeatedName(_) => "give every boundary a name of its own",
+            MeshFault::TurnedFacet { .. } => "make the mesh by Mesh::new, which turns facets",
             MeshFault::Inverted(_) => "reverse the surface or volume in Gmsh, or mesh it again",
             MeshFault::Degenerate(_) => "mesh again; look for slivers, and for edges or angles of zero size",
             MeshFault::UnusedNodes(_) => "put only lines, surfaces and volumes of the body into physical groups",
@@ -121,11 +193,20 @@ impl MeshFault {
 }
 
 impl Mesh {
-    /// Whether the mesh is sound.
+    /// Whether the mesh is sound, however it was made: cells that are whole, of positive volume and of one piece, and
+    /// boundaries on its outside.
     ///
     /// # Errors
-    /// The first fault found, with all cells or nodes that have it, by their `numbers`.
-    pub fn check(&self, numbers: &Numbers<'_>) -> Result<(), MeshFault> {
+    /// The first fault found, with all cells or nodes that have it, counted from 0.
+    pub fn check(&self) -> Result<(), MeshFault> {
+        self.check_indices()?;
+        let all: Vec<usize> = (0..self.nodes.len().max(self.cells.len())).collect();
+        self.check_cells(&Numbers { cells: &all, nodes: &all })?;
+        self.check_boundaries()
+    }
+
+    /// Whether the cells, which name nodes that are there, are sound.
+    pub(super) fn check_cells(&self, numbers: &Numbers<'_>) -> Result<(), MeshFault> {
         let named = |bad: &mut dyn Iterator<Item = usize>| bad.map(|e| numbers.cells[e]).collect::<Vec<usize>>();
         let is = |e: &usize, sound: fn(f64, f64) -> bool| {
             self.corner_volumes(&self.cells[*e]).iter().any(|&(volume, size)| sound(volume, NEGLIGIBLE * size))
@@ -188,14 +269,9 @@ impl Mesh {
         corners.into_iter().map(|volume| (volume, size)).collect()
     }
 
+    /// Nodes in one place, each with the next of them: a stack of n nodes makes n - 1 pairs.
     fn coincident_nodes(&self) -> Vec<(usize, usize)> {
-        let extent = (0..3)
-            .map(|c| {
-                let along = || self.nodes.iter().map(|x| x[c]);
-                along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-            })
-            .fold(0.0, f64::max);
-        let near = NEGLIGIBLE * extent;
+        let near = NEGLIGIBLE * self.size();
         // Along a direction of no lattice few nodes share a place, so few pairs have to be looked at.
         let along = |x: [f64; 3]| dot(x, [0.742, 0.534, 0.406]);
         let mut order: Vec<(f64, usize)> = self.nodes.iter().enumerate().map(|(k, &x)| (along(x), k)).collect();
@@ -206,6 +282,7 @@ impl Mesh {
                 let apart = minus(self.nodes[b], self.nodes[a]);
                 if dot(apart, apart) <= near * near {
                     pairs.push((a.min(b), a.max(b)));
+                    break;
                 }
             }
         }

@@ -12,8 +12,8 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use super::check::{MeshFault, Numbers};
-use super::{CellKind, Mesh};
+use super::check::Numbers;
+use super::{CellKind, Mesh, MeshFault};
 
 /// Why a mesh file was refused.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -135,7 +135,7 @@ pub fn from_gmsh(name: &str, bytes: &[u8], scale: f64) -> Result<Mesh, MeshFileE
     let unsound = |fault| MeshFileError::Unsound { file: name.to_string(), fault };
     let (mut mesh, cells) = groups::mesh(file.clone(), name)?;
     let numbers = Numbers { cells: &cells, nodes: &file.numbers };
-    mesh.check(&numbers).map_err(unsound)?;
+    mesh.check_cells(&numbers).map_err(unsound)?;
     groups::boundaries(&mut mesh, &file).map_err(unsound)?;
     for x in mesh.nodes.iter_mut().flatten() {
         *x *= scale;

@@ -70,7 +70,7 @@ impl Mesh {
 }
 
 /// The same facet, with the same outside, from its least node on. An edge has one way only to be written.
-fn from_least(mut facet: Facet) -> Facet {
+pub(super) fn from_least(mut facet: Facet) -> Facet {
     if facet.len() > 2 {
         let least = (0..facet.len()).min_by_key(|&k| facet[k]).unwrap_or(0);
         facet.rotate_left(least);

@@ -1,29 +1,31 @@
-//! The contact nodes of a scene's boundary and what is in front of them, checked.
+//! The contact nodes of a boundary and what is in front of them, checked.
 
 use super::find;
-use crate::contact::{ContactNode, Obstacle, ObstacleMotion, contact_nodes, unreachable};
+use crate::contact::{ContactNode, ObstacleMotion, PlacedObstacle, contact_nodes, unreachable};
+use crate::description::{Contact, Description};
+use crate::fault::Fault;
 use crate::fem::Dofs;
 use crate::mesh::Mesh;
-use crate::scene::{self, Scene, SceneError};
 use crate::vector::dot;
 
 /// How much of the body an obstacle may take up when the history begins. Strains are about this share, and
 /// far less is no small deformation any more: more is a slip of the pen.
 const DEEPEST: f64 = 0.2;
 
-/// The obstacle of `contact`, its motion, and the nodes in front of it.
+/// The obstacle of contact `k`, its motion, and the nodes in front of it.
 pub(super) fn boundary(
-    scene: &Scene,
+    description: &Description,
     mesh: &Mesh,
     dofs: &Dofs,
-    contact: &scene::Contact,
-) -> Result<(Obstacle, ObstacleMotion, Vec<ContactNode>), SceneError> {
-    let boundary = find(scene, mesh, &contact.boundary)?;
-    let name = &contact.boundary;
-    let at_obstacle = |message: String, help: &str| scene.error_at(contact.obstacle.span.clone(), message, help);
-    let obstacle = Obstacle::new(mesh, boundary, &contact.obstacle)
+    k: usize,
+) -> Result<(PlacedObstacle, ObstacleMotion, Vec<ContactNode>), Fault> {
+    let Contact { boundary: name, obstacle: given, .. } = &description.contacts[k];
+    let boundary = find(mesh, name, &format!("contact[{k}]"))?;
+    let at_obstacle = |message: String, help: &str| Fault::new(format!("contact[{k}].obstacle"), message, help);
+    let at_boundary = |message: String, help: &str| Fault::new(format!("contact[{k}].boundary"), message, help);
+    let obstacle = PlacedObstacle::new(mesh, boundary, given)
         .map_err(|error| at_obstacle(format!("contact at `{name}`: {error}"), error.help()))?;
-    let motion = ObstacleMotion::new(&contact.obstacle, obstacle.normal);
+    let motion = ObstacleMotion::new(given, obstacle.normal, description.end());
     let nodes = boundary.nodes();
     if let Some(&node) = nodes.iter().find(|&&node| !obstacle.at(mesh.nodes[node]).gap.is_finite()) {
         let (what, help) = obstacle.out_of_reach();
@@ -47,16 +49,16 @@ pub(super) fn boundary(
         );
         return Err(at_obstacle(message, "move the obstacle out, or the part of the motion before time 0"));
     }
-    if let Some(node) = unreachable(mesh, dofs, boundary, &obstacle, &motion, &scene.time.all()) {
+    if let Some(node) = unreachable(mesh, dofs, boundary, &obstacle, &motion, &description.times) {
         let place = mesh.place(mesh.nodes[node]);
         let message = format!("supports hold the body where the obstacle is or comes to be, at {place} m");
         let help = "use a gap of at least 0, a shorter approach or fewer supports";
-        return Err(scene.error_at(name.span(), message, help));
+        return Err(at_boundary(message, help));
     }
     let nodes = contact_nodes(mesh, dofs, boundary, &obstacle);
     if nodes.is_empty() {
         let message = format!("supports hold every node of the contact boundary `{name}`");
-        return Err(scene.error_at(name.span(), message, "remove the contact or the support"));
+        return Err(at_boundary(message, "remove the contact or the support"));
     }
     Ok((obstacle, motion, nodes))
 }
@@ -64,11 +66,11 @@ pub(super) fn boundary(
 /// Refuses a node in front of two obstacles whose normals are opposite, for their forces would cancel, whatever they are; or
 /// the same, for nothing would tell their forces apart.
 pub(super) fn no_contradiction(
-    scene: &Scene,
-    contact: &scene::Contact,
+    description: &Description,
+    k: usize,
     earlier: &[ContactNode],
     nodes: &[ContactNode],
-) -> Result<(), SceneError> {
+) -> Result<(), Fault> {
     for node in nodes {
         for other in earlier.iter().filter(|other| other.node == node.node) {
             // One degree from parallel; a sharper edge of a body cannot be meshed.
@@ -85,9 +87,9 @@ pub(super) fn no_contradiction(
             let [x, y, z] = node.position;
             let message = format!(
                 "the node at ({x}, {y}, {z}) m of `{}` lies in front of two obstacles with {normals}",
-                contact.boundary
+                description.contacts[k].boundary
             );
-            return Err(scene.error_at(contact.obstacle.span.clone(), message, help));
+            return Err(Fault::new(format!("contact[{k}].obstacle"), message, help));
         }
     }
     Ok(())

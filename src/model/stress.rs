@@ -13,9 +13,9 @@ impl Model {
                 let corners = self.mesh.points(&cell.nodes);
                 let corner_displacements: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
                 // Assembly has refused cells that have none.
-                let stress = centre_stress(cell.kind, &corners, &corner_displacements, self.element, material);
+                let stress = centre_stress(cell.kind, &corners, &corner_displacements, self.element(), material);
                 let mut stress = stress.unwrap_or([f64::NAN; 6]);
-                if self.thin {
+                if self.is_thin() {
                     stress[2] = 0.0;
                 }
                 stress

@@ -121,7 +121,7 @@ fn advice(solver: &Solver, model: &Model) -> &'static str {
 /// The largest Young's modulus of any cell, Pa; in plane stress a little less.
 fn stiffest(model: &Model) -> f64 {
     let young = |lambda: f64, mu: f64| mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
-    model.materials.iter().map(|law| young(law.lambda, law.mu)).fold(0.0, f64::max)
+    model.materials().iter().map(|law| young(law.lambda, law.mu)).fold(0.0, f64::max)
 }
 
 fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {

@@ -74,7 +74,7 @@ fn materials(model: &Model) -> Vec<i32> {
             different.len() - 1
         }) as i32
     };
-    model.mesh.cells.iter().zip(&model.materials).map(number).collect()
+    model.mesh.cells.iter().zip(model.materials()).map(number).collect()
 }
 
 fn real(name: &'static str, components: usize, values: Vec<f64>) -> Field {

@@ -45,7 +45,7 @@ pub fn stress_chart(title: String, subtitle: String, columns: usize, lines: &[(S
 }
 
 /// The points to show: those in contact and half as much around them, two on either side at least, where that is
-/// less than half of the line; otherwise all.
+/// no more than half of the line; otherwise all.
 fn shown(points: &[ContactPoint]) -> &[ContactPoint] {
     let touches = |p: &ContactPoint| p.status != ContactStatus::Open;
     let (Some(first), Some(last)) = (points.iter().position(touches), points.iter().rposition(touches)) else {
@@ -55,7 +55,7 @@ fn shown(points: &[ContactPoint]) -> &[ContactPoint] {
     let margin = 0.25 * (high - low);
     let from = points.partition_point(|p| p.s < low - margin).min(first.saturating_sub(2));
     let to = points.partition_point(|p| p.s <= high + margin).max(last + 3).min(points.len());
-    if 2 * (to - from) < points.len() { &points[from..to] } else { points }
+    if 2 * (to - from) <= points.len() { &points[from..to] } else { points }
 }
 
 fn curves(points: &[ContactPoint], abscissa: fn(&ContactPoint) -> f64) -> Vec<Curve> {
@@ -133,8 +133,8 @@ mod tests {
         assert_eq!(range(101, 40..61), (35.0, 65.0));
         assert_eq!(range(101, 50..51), (48.0, 52.0));
         assert_eq!(range(101, 0..9), (0.0, 10.0));
-        assert_eq!(range(101, 92..101), (90.0, 100.0));
+        assert_eq!([range(101, 92..101), range(12, 5..7)], [(90.0, 100.0), (3.0, 8.0)]);
         // Nothing touches, or half of the line and more.
-        assert_eq!([range(101, 0..0), range(31, 0..23), range(6, 2..4)], [(0.0, 100.0), (0.0, 30.0), (0.0, 5.0)]);
+        assert_eq!([range(101, 0..0), range(31, 0..23), range(11, 5..7)], [(0.0, 100.0), (0.0, 30.0), (0.0, 10.0)]);
     }
 }

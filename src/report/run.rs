@@ -145,7 +145,7 @@ impl RunReport {
     /// The whole report.
     pub fn new(facts: Facts<'_>) -> Self {
         let Facts { scene, model, solver, choice, outcome, validity, measured, .. } = facts;
-        let mut warnings = scene.map_or(Vec::new(), |scene| Warning::of_scene(scene, model));
+        let mut warnings = Warning::of_model(model);
         warnings.extend(validity.warnings(model));
         RunReport {
             schema_version: SCHEMA_VERSION,

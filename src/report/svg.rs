@@ -6,6 +6,8 @@ use std::fmt::Write;
 const RADIUS: f64 = 3.4;
 /// The width of the outline of a hollow marker.
 const OUTLINE: f64 = 1.4;
+/// How wide a seam two neighbours can show.
+const SEAM: f64 = 0.7;
 /// How far the line on which letters stand is below their middle, in sizes of the letters.
 const HALF_A_LETTER: f64 = 0.35;
 
@@ -125,6 +127,14 @@ impl Svg {
     pub(super) fn polygon(&mut self, corners: &[[f64; 2]], colour: Colour) {
         let (corners, colour) = (places(corners), hex(colour));
         self.put(format_args!("<polygon points=\"{corners}\" fill=\"{colour}\"/>"));
+    }
+
+    /// A filled polygon that leaves no seam between itself and its neighbours.
+    pub(super) fn tile(&mut self, corners: &[[f64; 2]], colour: Colour) {
+        let (corners, colour) = (places(corners), hex(colour));
+        self.put(format_args!(
+            "<polygon points=\"{corners}\" fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\"{SEAM}\"/>"
+        ));
     }
 
     /// A marker; a hollow one hides the line behind it.

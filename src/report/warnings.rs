@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use crate::mesh::CellKind;
+use crate::fem::Element;
 use crate::model::Model;
-use crate::scene::{Element, Scene};
 
 /// A warning.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -57,24 +56,23 @@ const LOCKING: f64 = 0.49;
 const ROUNDING: f64 = 1e-9;
 
 impl Warning {
-    /// The warnings that a scene deserves before it is solved.
-    pub fn of_scene(scene: &Scene, model: &Model) -> Vec<Self> {
+    /// The warnings that a model deserves before it is solved.
+    pub fn of_model(model: &Model) -> Vec<Self> {
         let messages = [
-            (WarningKind::Locking, locking(scene, model)),
-            (WarningKind::LayersThroughElements, layers_through_elements(scene, model)),
-            (WarningKind::IdleLoad, idle_load(scene, model)),
+            (WarningKind::Locking, locking(model)),
+            (WarningKind::LayersThroughElements, layers_through_elements(model)),
+            (WarningKind::IdleLoad, idle_load(model)),
         ];
         messages.into_iter().filter_map(|(kind, message)| Some(Warning { kind, message: message? })).collect()
     }
 }
 
-fn locking(scene: &Scene, model: &Model) -> Option<String> {
-    if scene.element == Element::BBar || model.thin {
+fn locking(model: &Model) -> Option<String> {
+    if model.element() == Element::BBar || model.is_thin() {
         return None;
     }
-    let poisson = model.materials.iter().map(|law| 0.5 * law.lambda / (law.lambda + law.mu)).fold(0.0, f64::max);
-    let simplices = |kind| matches!(kind, CellKind::Triangle | CellKind::Tetrahedron);
-    let cells = match (model.mesh.cells.iter().any(|cell| simplices(cell.kind)), model.mesh.dimension) {
+    let poisson = model.materials().iter().map(|law| 0.5 * law.lambda / (law.lambda + law.mu)).fold(0.0, f64::max);
+    let cells = match (model.mesh.cells.iter().any(|cell| cell.kind.is_simplex()), model.mesh.dimension) {
         (false, _) => "",
         (true, 2) => " with quadrilaterals",
         (true, _) => " with hexahedra",
@@ -88,7 +86,7 @@ fn locking(scene: &Scene, model: &Model) -> Option<String> {
     })
 }
 
-fn layers_through_elements(scene: &Scene, model: &Model) -> Option<String> {
+fn layers_through_elements(model: &Model) -> Option<String> {
     let mesh = &model.mesh;
     let up = mesh.dimension - 1;
     let cut = |height: f64| {
@@ -100,8 +98,8 @@ fn layers_through_elements(scene: &Scene, model: &Model) -> Option<String> {
         };
         (0..mesh.cells.len()).filter(|&e| within(e)).count()
     };
-    let (height, count) =
-        scene.material.layers.iter().map(|layer| (layer.top, cut(layer.top))).find(|cut| cut.1 > 0)?;
+    let tops = model.description().material.tops();
+    let (height, count) = tops.into_iter().map(|top| (top, cut(top))).find(|cut| cut.1 > 0)?;
     let axis = ["x", "y", "z"][up];
     // A height is a sum of thicknesses; seven digits hide its rounding.
     let height: f64 = format!("{height:.6e}").parse().unwrap_or(height);
@@ -111,9 +109,9 @@ fn layers_through_elements(scene: &Scene, model: &Model) -> Option<String> {
     ))
 }
 
-fn idle_load(scene: &Scene, model: &Model) -> Option<String> {
+fn idle_load(model: &Model) -> Option<String> {
     let idle = |force: &[f64]| force.iter().all(|f| *f == 0.0);
-    let mut loads = scene.loads.iter().zip(model.loading.cases());
+    let mut loads = model.description().loads.iter().zip(model.loading.cases());
     let (load, _) = loads.find(|(load, case)| load.traction.iter().any(|t| *t != 0.0) && idle(case.force()))?;
     Some(format!("the load on `{}` does nothing: supports hold the boundary in its direction", load.boundary))
 }

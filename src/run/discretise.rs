@@ -12,14 +12,14 @@ use crate::scene::Scene;
 /// When the scene contradicts its mesh, when its method knows one tangent a node but nodes slide in a plane, and when
 /// the matrices would not fit into the memory that is free.
 pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
-    has_room(scene.mesh.nodes(), available_bytes())?;
+    has_room(scene.description.mesh.nodes(), available_bytes())?;
     let model = Model::new(scene)?;
-    if let Some(span) = &scene.one_tangent_span
+    if let Some(key) = scene.one_tangent_key
         && Layout::new(&model.problem).has_second_tangent()
     {
         let message = "this interior point method knows one tangent a node, but nodes of this scene slide in a plane";
         let help = "leave solver.setting and solver.newton out, or use the method \"bn\"";
-        return Err(scene.error_at(span.clone(), message, help).into());
+        return Err(scene.error_at(key, message, help).into());
     }
     Ok(model)
 }

@@ -1,4 +1,4 @@
-//! The scene file as it stands, with the place of every value that is checked later.
+//! The scene file as it stands.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -6,13 +6,17 @@ use std::marker::PhantomData;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{self, IntoDeserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
-use toml::Spanned;
 
+use super::SceneError;
 use super::error::Source;
-use super::fault;
 use super::solver::{LinearName, MethodName, Setting, Start};
-use super::{CellShape, Element, GapDirection, Plane, SceneError};
+use super::syntax;
+use crate::contact::GapDirection;
+use crate::description::Axis;
+use crate::fem::{Element, Plane};
 use crate::formulation::{NewtonSystem, Partition};
+use crate::mesh::CellKind;
+use crate::vector::Vector;
 
 /// `N` values, two unless it says otherwise. An array type would do but for that the TOML reader passes over what is too many.
 #[derive(Clone, Copy, Deserialize)]
@@ -31,33 +35,6 @@ impl<T, const N: usize> TryFrom<Vec<T>> for Tuple<T, N> {
     fn try_from(values: Vec<T>) -> Result<Self, String> {
         let count = values.len();
         values.try_into().map(Tuple).map_err(|_| format!("invalid length {count}, expected {N} values"))
-    }
-}
-
-/// Two or three coordinates; z is 0 where it is left out.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "Vec<f64>")]
-pub(super) struct Vector {
-    pub components: [f64; 3],
-    /// How many were given.
-    pub dimension: usize,
-}
-
-impl fmt::Debug for Vector {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.components[..self.dimension].fmt(f)
-    }
-}
-
-impl TryFrom<Vec<f64>> for Vector {
-    type Error = String;
-
-    fn try_from(values: Vec<f64>) -> Result<Self, String> {
-        match values[..] {
-            [x, y] => Ok(Vector { components: [x, y, 0.0], dimension: 2 }),
-            [x, y, z] => Ok(Vector { components: [x, y, z], dimension: 3 }),
-            _ => Err(format!("invalid length {}, expected 2 or 3 values", values.len())),
-        }
     }
 }
 
@@ -132,28 +109,28 @@ pub(super) enum MeshKind {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Mesh {
-    pub kind: Spanned<MeshKind>,
-    pub size: Option<Spanned<Vec<Segments<f64>>>>,
-    pub cells: Option<Spanned<CellShape>>,
-    pub file: Option<Spanned<String>>,
-    pub scale: Option<Spanned<f64>>,
-    pub element: Option<Spanned<Element>>,
-    pub elements: Option<Spanned<Vec<Segments<i64>>>>,
-    pub grading: Option<Spanned<Vec<Segments<f64>>>>,
-    pub contact_width: Option<Spanned<f64>>,
-    pub contact_elements: Option<Spanned<i64>>,
-    pub outer_elements: Option<Spanned<i64>>,
-    pub layers: Option<Spanned<i64>>,
+    pub kind: MeshKind,
+    pub size: Option<Vec<Segments<f64>>>,
+    pub cells: Option<CellKind>,
+    pub file: Option<String>,
+    pub scale: Option<f64>,
+    pub element: Option<Element>,
+    pub elements: Option<Vec<Segments<i64>>>,
+    pub grading: Option<Vec<Segments<f64>>>,
+    pub contact_width: Option<f64>,
+    pub contact_elements: Option<i64>,
+    pub outer_elements: Option<i64>,
+    pub layers: Option<i64>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Material {
-    pub young: Spanned<f64>,
-    pub poisson: Spanned<f64>,
-    pub plane: Option<Spanned<Plane>>,
+    pub young: f64,
+    pub poisson: f64,
+    pub plane: Option<Plane>,
     #[serde(default)]
-    pub layers: Vec<Spanned<Tuple<Spanned<f64>, 3>>>,
+    pub layers: Vec<Tuple<f64, 3>>,
     #[serde(default)]
     pub group: Vec<MaterialGroup>,
 }
@@ -161,32 +138,24 @@ pub(super) struct Material {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MaterialGroup {
-    pub name: Spanned<String>,
-    pub young: Spanned<f64>,
-    pub poisson: Spanned<f64>,
-}
-
-#[derive(Deserialize, PartialEq)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Direction {
-    X,
-    Y,
-    Z,
+    pub name: String,
+    pub young: f64,
+    pub poisson: f64,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Support {
-    pub boundary: Spanned<String>,
-    pub fix: Spanned<Vec<Direction>>,
+    pub boundary: String,
+    pub fix: Vec<Axis>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Contact {
-    pub boundary: Spanned<String>,
-    pub friction: Spanned<f64>,
-    pub obstacle: Spanned<Obstacle>,
+    pub boundary: String,
+    pub friction: f64,
+    pub obstacle: Obstacle,
 }
 
 #[derive(Deserialize)]
@@ -203,50 +172,50 @@ pub(super) enum ObstacleKind {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Obstacle {
-    pub kind: Spanned<ObstacleKind>,
-    pub gap: Option<Spanned<f64>>,
-    pub through: Option<Spanned<Vector>>,
-    pub radius: Option<Spanned<f64>>,
-    pub apex: Option<Spanned<Vector>>,
-    pub axis: Option<Spanned<Vector>>,
-    pub angle: Option<Spanned<f64>>,
-    pub formula: Option<Spanned<String>>,
-    pub file: Option<Spanned<String>>,
-    pub direction: Option<Spanned<GapDirection>>,
-    pub approach: Option<Spanned<Vec<Tuple<f64>>>>,
+    pub kind: ObstacleKind,
+    pub gap: Option<f64>,
+    pub through: Option<Vector>,
+    pub radius: Option<f64>,
+    pub apex: Option<Vector>,
+    pub axis: Option<Vector>,
+    pub angle: Option<f64>,
+    pub formula: Option<String>,
+    pub file: Option<String>,
+    pub direction: Option<GapDirection>,
+    pub approach: Option<Vec<Tuple<f64>>>,
     pub motion: Option<Motion>,
-    pub normal: Option<Spanned<Vector>>,
-    pub tangent: Option<Spanned<Vector>>,
+    pub normal: Option<Vector>,
+    pub tangent: Option<Vector>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Motion {
-    pub translation: Option<Spanned<Vec<Vec<f64>>>>,
+    pub translation: Option<Vec<Vec<f64>>>,
     pub rotation: Option<Rotation>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Rotation {
-    pub axis: Option<Spanned<Vector>>,
-    pub through: Spanned<Vector>,
-    pub history: Spanned<Vec<Tuple<f64>>>,
+    pub axis: Option<Vector>,
+    pub through: Vector,
+    pub history: Vec<Tuple<f64>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Load {
-    pub boundary: Spanned<String>,
-    pub traction: Spanned<Vec<f64>>,
-    pub history: Option<Spanned<Vec<Tuple<f64>>>>,
+    pub boundary: String,
+    pub traction: Vec<f64>,
+    pub history: Option<Vec<Tuple<f64>>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Time {
-    pub end: Spanned<f64>,
-    pub increments: Spanned<i64>,
+    pub end: f64,
+    pub increments: i64,
 }
 
 #[derive(Deserialize, Default)]
@@ -254,26 +223,26 @@ pub(super) struct Time {
 pub(super) struct Solver {
     #[serde(default)]
     pub method: MethodName,
-    pub setting: Option<Spanned<Setting>>,
-    pub linear: Option<Spanned<LinearName>>,
-    pub start: Option<Spanned<Start>>,
-    pub partition: Option<Spanned<Partition>>,
-    pub newton: Option<Spanned<NewtonSystem>>,
-    pub r_factor: Option<Spanned<f64>>,
-    pub max_iterations: Option<Spanned<i64>>,
-    pub tolerance: Option<Spanned<f64>>,
+    pub setting: Option<Setting>,
+    pub linear: Option<LinearName>,
+    pub start: Option<Start>,
+    pub partition: Option<Partition>,
+    pub newton: Option<NewtonSystem>,
+    pub r_factor: Option<f64>,
+    pub max_iterations: Option<i64>,
+    pub tolerance: Option<f64>,
 }
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Output {
-    pub times: Option<Spanned<Vec<f64>>>,
+    pub times: Option<Vec<f64>>,
     #[serde(default)]
     pub fields: bool,
 }
 
 impl Document {
     pub(super) fn parse(source: &Source) -> Result<Self, SceneError> {
-        toml::from_str(&source.text).map_err(|error| fault::of(error, source))
+        toml::from_str(&source.text).map_err(|error| syntax::error(error, source))
     }
 }

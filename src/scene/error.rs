@@ -6,12 +6,15 @@ use std::path::{Path, PathBuf};
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
+use super::places::Places;
+use crate::fault::Fault;
+
 /// Why a scene was refused.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum SceneError {
     /// The file cannot be read.
     #[error("{path}: the scene cannot be read: {error}")]
-    #[diagnostic(help("name an existing TOML file in UTF-8; data/scenes/block.toml is an example"))]
+    #[diagnostic(help("name an existing TOML file in UTF-8; `stickslip init block` writes an example"))]
     Io {
         /// The file.
         path: String,
@@ -44,6 +47,9 @@ pub struct Located {
     pub file: String,
     /// The line, from 1.
     pub line: usize,
+    /// The path of what is wrong, such as `contact[0].friction`; empty where the text is no TOML or a whole table is
+    /// missing.
+    pub key: String,
     /// What is wrong.
     pub message: String,
     /// How to mend it.
@@ -67,15 +73,35 @@ impl Source {
         Path::new(&self.name).parent().unwrap_or(Path::new("")).join(file)
     }
 
-    /// An error at `span`.
-    pub(super) fn error(&self, span: Range<usize>, message: impl Into<String>, help: impl Into<String>) -> SceneError {
+    /// `fault` at its place.
+    pub(super) fn located(&self, fault: Fault) -> SceneError {
+        let span = Places::of(&self.text).span(&fault.key);
+        self.error(fault.key, span, fault.message, fault.help)
+    }
+
+    /// `fault` at the bytes `part` of the string `text`, which is the value of its key.
+    pub(super) fn located_within(&self, fault: Fault, text: &str, part: &Range<usize>) -> SceneError {
+        let span = Places::of(&self.text).span(&fault.key);
+        // A text with escapes does not stand in the file as it is read.
+        let start = self.text[span.clone()].find(text).map(|quote| span.start + quote);
+        let span = start.map_or(span, |start| start + part.start..start + part.end);
+        self.error(fault.key, span, fault.message, fault.help)
+    }
+
+    /// An error at `span`, whose key is looked up.
+    pub(super) fn at(&self, span: Range<usize>, message: impl Into<String>, help: impl Into<String>) -> SceneError {
+        self.error(Places::of(&self.text).key(&span), span, message.into(), help.into())
+    }
+
+    fn error(&self, key: String, span: Range<usize>, message: String, help: String) -> SceneError {
         let start = span.start.min(self.text.len());
         let line = self.text.as_bytes()[..start].split(|&byte| byte == b'\n').count();
         SceneError::Invalid(Box::new(Located {
             file: self.name.clone(),
             line,
-            message: message.into(),
-            help: help.into(),
+            key,
+            message,
+            help,
             source_code: NamedSource::new(&self.name, self.text.clone()).with_language("TOML"),
             span: (start..span.end.clamp(start, self.text.len())).into(),
         }))

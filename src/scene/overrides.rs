@@ -146,7 +146,7 @@ pub(super) fn apply(name: &str, text: &str, overrides: &[Override]) -> Result<So
         return Ok(source);
     }
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
-        source.error(error.span().unwrap_or(0..0), error.message().trim().replace('\n', ", "), "mend the TOML here")
+        source.at(error.span().unwrap_or(0..0), error.message().trim().replace('\n', ", "), "mend the TOML here")
     })?;
     for change in overrides {
         change.set(document.as_table_mut(), &change.path)?;

@@ -120,6 +120,9 @@ fn what_is_no_such_file_is_refused_with_its_line() {
         assert!(said.contains(message) && said.starts_with("bad.msh:"), "`{message}`: {said}");
         assert!(advice.contains(help), "`{help}`: {advice}");
     }
+    // The command that helps has to write a mesh: with `-save` Gmsh passes over `-2`.
+    let advice = refused(&TRIANGLES.replace("4.1 0 8", "2.2 0 8")).1;
+    assert!(advice.contains("gmsh -2 part.geo -format msh41") && !advice.contains("-save"), "{advice}");
     let place = line(TRIANGLES, "1 11 10");
     assert!(refused(&TRIANGLES.replace("1 11 10\n", "1 11 99\n")).0.starts_with(&format!("bad.msh:{place}:")));
 }
@@ -190,7 +193,7 @@ fn meshes_that_are_not_sound_are_refused_with_their_elements() {
         (
             TRIANGLES.replacen("1 1 0.25\n", "1 1 0.5\n", 1),
             "the mesh is a surface that is not plane: node 34",
-            "gmsh -3",
+            "gmsh -3 and put its volumes into a physical group, too",
         ),
     ];
     for (text, message, help) in faults {
@@ -243,6 +246,33 @@ fn joints_are_refused() {
     assert!(said.contains(&format!("{touching} 6")), "{said}");
     let joined = "2 0 0\n2 1 0\n2 1 1\n2 0 1\n";
     assert!(from_gmsh("joined.msh", cubes("2 9 10 3 6 12 11 7", 12, joined).as_bytes(), 1.0).is_ok());
+}
+
+/// The least number there is has no positive counterpart.
+#[test]
+fn a_group_with_the_least_number() {
+    let text = HEXAHEDRA.replace("2 0 0 0 1 1 1 1 2 0\n", &format!("2 0 0 0 1 1 1 1 {} 0\n", i64::MIN));
+    assert_ne!(text, HEXAHEDRA);
+    let mesh = from_gmsh("least.msh", text.as_bytes(), 1.0).unwrap();
+    assert_eq!(mesh.boundary(&i64::MIN.to_string()).unwrap().facets.len(), 4);
+}
+
+/// A stack of nodes in one place is told by its neighbours, not by all of its pairs.
+#[test]
+fn a_stack_of_nodes() {
+    let n = 2000;
+    let numbers = |k: usize| (1..=k).map(|i| format!("{i}\n")).collect::<String>();
+    let elements: String = (0..n).map(|i| format!("{} {} {} {}\n", i + 1, 3 * i + 1, 3 * i + 2, 3 * i + 3)).collect();
+    let text = format!(
+        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n1 0 0 0 1 1 1 0 0\n$EndEntities\n\
+         $Nodes\n1 {k} 1 {k}\n2 1 0 {k}\n{}{}$EndNodes\n$Elements\n1 {n} 1 {n}\n2 1 2 {n}\n{elements}$EndElements\n",
+        numbers(3 * n),
+        "0 0 0\n1 0 0\n0 1 0\n".repeat(n),
+        k = 3 * n,
+    );
+    let said = refused(&text).0;
+    assert!(said.contains("nodes coincide in pairs: 1 and 4"), "{said}");
+    assert!(said.ends_with(&format!("and {} more", 3 * (n - 1) - 5)), "{said}");
 }
 
 /// What is in two physical groups of one name belongs to it once.

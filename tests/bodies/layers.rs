@@ -44,6 +44,6 @@ fn layers_in_series() {
 #[test]
 fn an_element_belongs_to_the_layer_of_its_centre() {
     let scene = common::block(&["material.layers=[[0.3, 1e9, 0.2], [0.2, 2e9, 0.3]]"]);
-    let layer = |height| scene.material.layer(height);
+    let layer = |height| scene.description.material.layer(height);
     assert_eq!([0.1, 0.29, 0.31, 0.49, 0.51, 0.9].map(layer), [Some(0), Some(0), Some(1), Some(1), None, None]);
 }

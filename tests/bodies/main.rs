@@ -7,6 +7,7 @@ mod auto;
 mod closed_forms;
 mod contact_surface;
 mod cube;
+mod description;
 mod door;
 mod gmsh;
 mod layers;

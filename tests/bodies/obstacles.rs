@@ -7,10 +7,13 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use crate::common;
 use crate::common::BELT;
 use miette::Diagnostic;
-use stickslip::contact::{Facing, Obstacle, ObstacleError, ObstacleMotion};
+use stickslip::contact::{
+    Facing, GapDirection, Obstacle, ObstacleError, ObstacleMotion, PlacedObstacle, Rotation, Shape,
+};
+use stickslip::formula::Formula;
 use stickslip::mesh::{Mesh, block};
 use stickslip::model::Model;
-use stickslip::scene::{self, Formula, GapDirection, Rotation, Scene, Shape};
+use stickslip::scene::Scene;
 
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
@@ -19,13 +22,13 @@ fn close(a: &[f64], b: &[f64]) -> bool {
 }
 
 /// What points at `x` see of `given` above the top of a block.
-fn above(mesh: &Mesh, given: &scene::Obstacle, points: &[[f64; 3]]) -> Vec<Facing> {
-    let obstacle = Obstacle::new(mesh, mesh.boundary("top").unwrap(), given).unwrap();
+fn above(mesh: &Mesh, given: &Obstacle, points: &[[f64; 3]]) -> Vec<Facing> {
+    let obstacle = PlacedObstacle::new(mesh, mesh.boundary("top").unwrap(), given).unwrap();
     points.iter().map(|&x| obstacle.at(x)).collect()
 }
 
 fn gaps(mesh: &Mesh, shape: Shape, points: &[[f64; 3]]) -> Vec<f64> {
-    above(mesh, &scene::Obstacle::at_rest(shape), points).iter().map(|facing| facing.gap).collect()
+    above(mesh, &Obstacle::at_rest(shape), points).iter().map(|facing| facing.gap).collect()
 }
 
 #[test]
@@ -33,10 +36,13 @@ fn gaps_along_one_normal() {
     let mesh = block(&[1.0, 1.0], &[2, 2]);
     let points = [[0.0, 1.0, 0.0], [0.3, 1.0, 0.0], [0.3, 0.9, 0.0]];
     assert_eq!(gaps(&mesh, Shape::Plane { gap: 1e-5 }, &points)[..2], [1e-5; 2]);
-    assert!(close(&gaps(&mesh, Shape::PlaneThrough { through: [9.0, 1.25, 0.0] }, &points), &[0.25, 0.25, 0.35]));
-    let round = Shape::Cylinder { radius: 0.5, apex: [0.0, 1.1, 0.0], axis: None };
+    assert!(close(
+        &gaps(&mesh, Shape::PlaneThrough { through: [9.0, 1.25, 0.0].into() }, &points),
+        &[0.25, 0.25, 0.35]
+    ));
+    let round = Shape::Cylinder { radius: 0.5, apex: [0.0, 1.1, 0.0].into(), axis: None };
     assert!(close(&gaps(&mesh, round, &points), &[0.1, 0.2, 0.3]));
-    let wedge = Shape::Wedge { apex: [0.1, 1.0, 0.0], angle: 0.5_f64.atan(), axis: None };
+    let wedge = Shape::Wedge { apex: [0.1, 1.0, 0.0].into(), angle: 0.5_f64.atan(), axis: None };
     assert!(close(&gaps(&mesh, wedge, &points), &[0.05, 0.1, 0.2]));
     let formula = Shape::Formula(Formula::parse("x^2 / 2 + (1 - y)").unwrap());
     assert!(close(&gaps(&mesh, formula, &points), &[0.0, 0.045, 0.145]));
@@ -46,21 +52,24 @@ fn gaps_along_one_normal() {
 fn a_sphere_and_an_oblique_cylinder_over_a_cube() {
     let mesh = block(&[1.0, 1.0, 1.0], &[2, 2, 2]);
     let points = [[0.5, 0.5, 1.0], [0.8, 0.5, 1.0], [0.8, 0.9, 1.0]];
-    let sphere = Shape::Sphere { radius: 1.3, apex: [0.5, 0.5, 1.0] };
+    let sphere = Shape::Sphere { radius: 1.3, apex: [0.5, 0.5, 1.0].into() };
     assert!(close(&gaps(&mesh, sphere, &points), &[0.0, 1.3 - 1.6_f64.sqrt(), 1.3 - 1.44_f64.sqrt()]));
     // Across an axis along (1, 1, 0) the last point is 0.1 / √2 away.
-    let cylinder =
-        Shape::Cylinder { radius: 1.0, apex: [0.5, 0.5, 1.0], axis: Some([FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0]) };
+    let cylinder = Shape::Cylinder {
+        radius: 1.0,
+        apex: [0.5, 0.5, 1.0].into(),
+        axis: Some([FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0].into()),
+    };
     let expected = [0.0, 1.0 - (1.0_f64 - 0.045).sqrt(), 1.0 - (1.0_f64 - 0.005).sqrt()];
     assert!(close(&gaps(&mesh, cylinder, &points), &expected));
 }
 
 #[test]
 fn gaps_to_the_nearest_point() {
-    let nearest = |shape| scene::Obstacle { direction: GapDirection::Nearest, ..scene::Obstacle::at_rest(shape) };
+    let nearest = |shape| Obstacle { direction: GapDirection::Nearest, ..Obstacle::at_rest(shape) };
     let mesh = block(&[1.0, 1.0, 1.0], &[2, 2, 2]);
     // The centre is at (0, 0, 1.5): 3-4-5 from (0.3, 0, 1.1) and from (0, 0.4, 1.2).
-    let sphere = nearest(Shape::Sphere { radius: 0.4, apex: [0.0, 0.0, 1.1] });
+    let sphere = nearest(Shape::Sphere { radius: 0.4, apex: [0.0, 0.0, 1.1].into() });
     for (x, normal) in [([0.3, 0.0, 1.1], [-0.6, 0.0, 0.8]), ([0.0, 0.4, 1.2], [0.0, -0.8, 0.6])] {
         let facing = above(&mesh, &sphere, &[x])[0];
         assert!((facing.gap - 0.1).abs() < 1e-15 && close(&facing.normal, &normal), "{facing:?}");
@@ -70,7 +79,7 @@ fn gaps_to_the_nearest_point() {
         assert!(close(&products, &[1.0, 1.0, 0.0, 0.0, 0.0]));
     }
     let plane = block(&[1.0, 1.0], &[2, 2]);
-    let wedge = nearest(Shape::Wedge { apex: [0.5, 1.1, 0.0], angle: PI / 4.0, axis: None });
+    let wedge = nearest(Shape::Wedge { apex: [0.5, 1.1, 0.0].into(), angle: PI / 4.0, axis: None });
     let facings = above(&plane, &wedge, &[[0.5, 1.0, 0.0], [1.0, 1.0, 0.0]]);
     assert!((facings[0].gap - 0.1).abs() < 1e-15 && close(&facings[0].normal, &[0.0, 1.0, 0.0]));
     assert!((facings[1].gap - 0.6 * FRAC_1_SQRT_2).abs() < 1e-15);
@@ -81,17 +90,17 @@ fn gaps_to_the_nearest_point() {
 fn obstacles_that_do_not_suit_the_dimension_are_refused() {
     let (plane, cube) = (block(&[1.0, 1.0], &[1, 1]), block(&[1.0, 1.0, 1.0], &[1, 1, 1]));
     let refused =
-        |mesh: &Mesh, given: &scene::Obstacle| Obstacle::new(mesh, mesh.boundary("top").unwrap(), given).unwrap_err();
-    let at_rest = scene::Obstacle::at_rest;
-    let cylinder = |axis| at_rest(Shape::Cylinder { radius: 1.0, apex: [0.0, 1.0, 0.0], axis });
-    let sphere = at_rest(Shape::Sphere { radius: 1.0, apex: [0.0, 1.0, 0.0] });
+        |mesh: &Mesh, given: &Obstacle| PlacedObstacle::new(mesh, mesh.boundary("top").unwrap(), given).unwrap_err();
+    let at_rest = Obstacle::at_rest;
+    let cylinder = |axis| at_rest(Shape::Cylinder { radius: 1.0, apex: [0.0, 1.0, 0.0].into(), axis });
+    let sphere = at_rest(Shape::Sphere { radius: 1.0, apex: [0.0, 1.0, 0.0].into() });
     assert!(matches!(refused(&plane, &sphere), ObstacleError::SphereInPlane));
     assert!(matches!(refused(&cube, &cylinder(None)), ObstacleError::NoAxis));
-    assert!(matches!(refused(&cube, &cylinder(Some(Z))), ObstacleError::SkewAxis));
-    assert!(matches!(refused(&plane, &cylinder(Some([1.0, 0.0, 0.0]))), ObstacleError::OutOfPlane("the axis")));
-    let upwards = scene::Obstacle { normal: Some(Z), ..at_rest(Shape::Plane { gap: 0.0 }) };
+    assert!(matches!(refused(&cube, &cylinder(Some(Z.into()))), ObstacleError::SkewAxis));
+    assert!(matches!(refused(&plane, &cylinder(Some([1.0, 0.0, 0.0].into()))), ObstacleError::OutOfPlane("the axis")));
+    let upwards = Obstacle { normal: Some(Z.into()), ..at_rest(Shape::Plane { gap: 0.0 }) };
     assert!(matches!(refused(&plane, &upwards), ObstacleError::OutOfPlane("the normal")));
-    let away = scene::Obstacle { translation: vec![[0.0, 0.0, 0.0, 1.0]], ..at_rest(Shape::Plane { gap: 0.0 }) };
+    let away = Obstacle { translation: Some(vec![(0.0, Z.into())]), ..at_rest(Shape::Plane { gap: 0.0 }) };
     assert!(matches!(refused(&plane, &away), ObstacleError::OutOfPlane("the translation")));
     // A boundary of two opposite sides faces nothing.
     let mut both = cube.clone();
@@ -99,9 +108,9 @@ fn obstacles_that_do_not_suit_the_dimension_are_refused() {
     both.boundaries.iter_mut().find(|boundary| boundary.name == "top").unwrap().facets.extend(bottom);
     let plane_at_rest = at_rest(Shape::Plane { gap: 0.0 });
     assert!(matches!(refused(&both, &plane_at_rest), ObstacleError::NoNormal));
-    let upwards = scene::Obstacle { normal: Some(Z), ..plane_at_rest };
+    let upwards = Obstacle { normal: Some(Z.into()), ..plane_at_rest };
     let top = both.boundary("top").unwrap();
-    assert!(!Obstacle::new(&both, top, &upwards).unwrap().faces(&both, top));
+    assert!(!PlacedObstacle::new(&both, top, &upwards).unwrap().faces(&both, top));
     let table = at_rest(Shape::Table { file: "nowhere.csv".into() });
     assert!(matches!(refused(&plane, &table), ObstacleError::Table(_)));
 }
@@ -111,16 +120,17 @@ fn obstacles_that_do_not_suit_the_dimension_are_refused() {
 #[test]
 fn motions_of_a_plane_over_a_cube() {
     let mesh = block(&[1.0, 1.0, 1.0], &[2, 2, 2]);
-    let rotation = Rotation { axis: Z, through: [0.5, 0.5, 0.0], history: vec![[0.0, 0.0], [1.0, 20.0 * PI]] };
-    let given = scene::Obstacle {
-        translation: vec![[0.0, 0.0, 0.0, 0.0], [2.0, 0.2, -0.4, -1e-3]],
+    let rotation =
+        Rotation { axis: Some(Z.into()), through: [0.5, 0.5, 0.0].into(), history: vec![[0.0, 0.0], [1.0, 20.0 * PI]] };
+    let given = Obstacle {
+        translation: Some(vec![(0.0, [0.0; 3].into()), (2.0, [0.2, -0.4, -1e-3].into())]),
         rotation: Some(rotation),
-        ..scene::Obstacle::at_rest(Shape::Plane { gap: 1e-3 })
+        ..Obstacle::at_rest(Shape::Plane { gap: 1e-3 })
     };
     let x = [0.75, 0.5, 1.0];
     let facing = above(&mesh, &given, &[x])[0];
     assert_eq!(facing.tangents, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-    let motion = ObstacleMotion::new(&given, facing.normal);
+    let motion = ObstacleMotion::new(&given, facing.normal, 2.0);
     let mut sum = [0.0; 3];
     for (rates, history) in motion.rates(&[x], &[facing]) {
         // At t = 1, the end of the rotation and the middle of the translation.
@@ -130,13 +140,14 @@ fn motions_of_a_plane_over_a_cube() {
     }
     assert!(close(&sum, &[-5e-4, 0.1, -0.2 + 20.0 * PI * 0.25]), "{sum:?}");
     assert!((motion.gap(2.0, x, &facing)).abs() < 1e-18);
-    let obstacle = Obstacle::new(&mesh, mesh.boundary("top").unwrap(), &given).unwrap();
+    let obstacle = PlacedObstacle::new(&mesh, mesh.boundary("top").unwrap(), &given).unwrap();
     assert!((motion.smallest_gap(&obstacle, x, &facing, &[0.5, 2.0])).abs() < 1e-18);
     // Neither a plane that slides nor one that turns about its normal bends.
     let bends = motion.bends(&obstacle, &[x], &[facing], &[0.0, 0.3, 1.0, 2.0]);
     assert_eq!(bends, None);
-    let quarter = Rotation { axis: Z, through: [0.5, 0.5, 0.0], history: vec![[0.0, 0.0], [1.0, PI / 2.0]] };
-    let turned = ObstacleMotion::new(&scene::Obstacle { rotation: Some(quarter), ..given }, facing.normal);
+    let quarter =
+        Rotation { axis: Some(Z.into()), through: [0.5, 0.5, 0.0].into(), history: vec![[0.0, 0.0], [1.0, PI / 2.0]] };
+    let turned = ObstacleMotion::new(&Obstacle { rotation: Some(quarter), ..given }, facing.normal, 2.0);
     let (back, n) = turned.back(1.0, [0.6 + 0.1, 0.75 - 0.2, 1.0 - 5e-4], Z);
     assert!(close(&back, &[0.75, 0.4, 1.0]) && close(&n, &Z), "{back:?}");
 }
@@ -147,23 +158,24 @@ fn motions_of_a_plane_over_a_cube() {
 fn leaning_surfaces_change_the_gap_as_they_pass() {
     let mesh = block(&[1.0, 1.0], &[2, 2]);
     let top = mesh.boundary("top").unwrap();
-    let along = vec![[0.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0]];
+    let along = Some(vec![(0.0, [0.0, 0.0].into()), (1.0, [1.0, 0.0].into())]);
     let x = [0.8, 1.0, 0.0];
-    let rates = |given: &scene::Obstacle| {
-        let obstacle = Obstacle::new(&mesh, top, given).unwrap();
-        let motions = ObstacleMotion::new(given, obstacle.normal).rates(&[x], &[obstacle.at(x)]);
+    let rates = |given: &Obstacle| {
+        let obstacle = PlacedObstacle::new(&mesh, top, given).unwrap();
+        let motions = ObstacleMotion::new(given, obstacle.normal, 1.0).rates(&[x], &[obstacle.at(x)]);
         (motions[0].0[0].gap, motions[0].0[0].drift[0])
     };
     // A circle of radius 0.5 about (0.5, 1.5): 3-4-5 at 0.3 aside, slope 3/4; the first tangent is -x.
-    let round = scene::Obstacle::at_rest(Shape::Cylinder { radius: 0.5, apex: [0.5, 1.0, 0.0], axis: None });
-    let (gap, drift) = rates(&scene::Obstacle { translation: along.clone(), ..round.clone() });
+    let round = Obstacle::at_rest(Shape::Cylinder { radius: 0.5, apex: [0.5, 1.0, 0.0].into(), axis: None });
+    let (gap, drift) = rates(&Obstacle { translation: along.clone(), ..round.clone() });
     assert!((gap + 0.75).abs() < 1e-14 && drift == -1.0, "{gap} {drift}");
-    let rotation = Rotation { axis: Z, through: [0.5, 1.5, 0.0], history: vec![[0.0, 0.0], [1.0, 1.0]] };
-    let (gap, drift) = rates(&scene::Obstacle { rotation: Some(rotation), ..round });
+    let rotation =
+        Rotation { axis: Some(Z.into()), through: [0.5, 1.5, 0.0].into(), history: vec![[0.0, 0.0], [1.0, 1.0]] };
+    let (gap, drift) = rates(&Obstacle { rotation: Some(rotation), ..round });
     // At the node itself, 0.5 below the axis, the surface passes with 0.5.
     assert!(gap.abs() < 1e-15 && (drift + 0.5).abs() < 1e-15, "{gap} {drift}");
     let formula = Shape::Formula(Formula::parse("0.5 * (x - 0.5)^2").unwrap());
-    let (gap, _) = rates(&scene::Obstacle { translation: along, ..scene::Obstacle::at_rest(formula) });
+    let (gap, _) = rates(&Obstacle { translation: along, ..Obstacle::at_rest(formula) });
     assert!((gap + 0.3).abs() < 1e-9, "{gap}");
 }
 

@@ -12,9 +12,9 @@ use miette::Diagnostic;
 use stickslip::scene::{Scene, SceneError};
 
 const REMOVE: &str = "remove the key or correct its spelling";
-const ADD: &str = "add the key";
+const ADD: &str = "add the key; `stickslip init block` shows a complete scene";
 const LISTED: &str = "use one of the values it lists";
-const FORM: &str = "shows the form of every value";
+const FORM: &str = "`stickslip init block` shows the form of every value";
 const MEND: &str = "mend the TOML here";
 
 const KEYS_AND_TYPES: &[Fault] = &[

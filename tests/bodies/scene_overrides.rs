@@ -4,7 +4,10 @@
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
 use miette::Diagnostic;
-use stickslip::scene::{CellShape, Mesh, Obstacle, Override, Plane, Scene, SceneError, Segment, Shape};
+use stickslip::contact::{Obstacle, Shape};
+use stickslip::fem::Plane;
+use stickslip::mesh::{CellKind, MeshSource, Segment};
+use stickslip::scene::{Override, Scene, SceneError};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 
@@ -68,36 +71,38 @@ fn what_is_not_key_equals_value_is_refused() {
 #[test]
 fn a_value_is_replaced() {
     assert_eq!(
-        scene(&["mesh.elements=[7, 8]"]).mesh,
-        Mesh::Block {
+        scene(&["mesh.elements=[7, 8]"]).description.mesh,
+        MeshSource::Block {
             axes: [7, 8].map(|elements| vec![Segment { length: 1.0, elements, grading: 1.0 }]).to_vec(),
-            cells: CellShape::Quadrilateral
+            cells: CellKind::Quadrilateral
         }
     );
-    assert_eq!(scene(&[" material.poisson = 0.25 "]).material.poisson, 0.25);
+    assert_eq!(scene(&[" material.poisson = 0.25 "]).description.material.poisson, 0.25);
     assert_eq!(scene(&["time.end=3", "time.end=4"]).time.end, 4.0);
     let changed = scene(&["time.increments=3"]);
-    assert_eq!((changed.time.increments, changed.material), (3, scene(&[]).material));
+    assert_eq!((changed.time.increments, changed.description.material), (3, scene(&[]).description.material));
 }
 
 #[test]
 fn bare_words_are_strings() {
-    assert_eq!(scene(&["material.plane=stress"]).material.plane, Plane::Stress);
-    assert_eq!(scene(&["material.plane=\"stress\""]).material.plane, Plane::Stress);
+    assert_eq!(scene(&["material.plane=stress"]).description.material.plane, Some(Plane::Stress));
+    assert_eq!(scene(&["material.plane=\"stress\""]).description.material.plane, Some(Plane::Stress));
     assert_eq!(scene(&["title=A = b, \"c\""]).title, "A = b, \"c\"");
 }
 
 #[test]
 fn one_contact_or_all() {
-    let frictions = |sets: &[&str]| two_contacts(sets).contacts.iter().map(|c| c.friction).collect::<Vec<_>>();
+    let frictions =
+        |sets: &[&str]| two_contacts(sets).description.contacts.iter().map(|c| c.friction).collect::<Vec<_>>();
     assert_eq!(frictions(&[]), [0.4, 0.2]);
     assert_eq!(frictions(&["contact.friction=0.7"]), [0.7, 0.7]);
     assert_eq!(frictions(&["contact[0].friction=0.7"]), [0.7, 0.2]);
     assert_eq!(frictions(&["contact[1].friction=0.7"]), [0.4, 0.7]);
-    let gaps = |sets: &[&str]| two_contacts(sets).contacts.iter().map(|c| gap(&c.obstacle)).collect::<Vec<_>>();
+    let gaps =
+        |sets: &[&str]| two_contacts(sets).description.contacts.iter().map(|c| gap(&c.obstacle)).collect::<Vec<_>>();
     assert_eq!(gaps(&["contact.obstacle.gap=3e-5"]), [3e-5, 3e-5]);
     assert_eq!(gaps(&["contact[0].obstacle.gap=3e-5"]), [3e-5, 2e-5]);
-    let loads = scene(&["load[1].traction=[1, 2]"]).loads;
+    let loads = scene(&["load[1].traction=[1, 2]"]).description.loads;
     assert_eq!([&loads[0].traction[..], &loads[1].traction], [[0.0, -10e6], [1.0, 2.0]]);
 }
 
@@ -106,7 +111,7 @@ fn contacts_in_one_line_are_a_list_too() {
     let inline = "contact = [{ boundary = \"bottom\", friction = 0.4, obstacle = { kind = \"plane\" } }]\n";
     let text = [inline, &without("[[contact]]", Some("[[load]]"))].concat();
     for set in ["contact.friction=0.7", "contact[0].friction=0.7"] {
-        assert_eq!(parse(&text, &[set]).unwrap().contacts[0].friction, 0.7);
+        assert_eq!(parse(&text, &[set]).unwrap().description.contacts[0].friction, 0.7);
     }
     let error = parse(&text, &["contact[1].friction=0.7"]).unwrap_err().to_string();
     assert!(error.contains("has 1 [[contact]]"), "{error}");
@@ -119,8 +124,8 @@ fn what_the_scene_leaves_out_is_added() {
     let solver = parse(&bare, &["solver.max_iterations=7", "solver.tolerance=1e-6"]).unwrap().solver;
     assert_eq!((solver.max_iterations, solver.tolerance), (7, 1e-6));
     let changed = scene(&["contact.obstacle.normal=[0, -2]"]);
-    let obstacle = &changed.contacts[0].obstacle;
-    assert_eq!((gap(obstacle), obstacle.normal), (1e-5, Some([0.0, -1.0, 0.0])));
+    let obstacle = &changed.description.contacts[0].obstacle;
+    assert_eq!((gap(obstacle), obstacle.normal), (1e-5, Some([0.0, -2.0].into())));
     // An added table is checked as any other.
     let error = parse(&bare, &["output.times=[5]"]).unwrap_err().to_string();
     assert!(error.contains("output.times holds 5"), "{error}");

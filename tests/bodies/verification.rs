@@ -257,7 +257,7 @@ fn wedge() {
 /// What supports do to the body along x: `K u` of the body without any, at the nodes that they hold.
 fn guide_force(model: &Model, u: &[f64]) -> f64 {
     let all = Dofs::new(&model.mesh, |_, _| false);
-    let stiffness = assemble(&model.mesh, &all, model.element, |e| model.materials[e]).unwrap();
+    let stiffness = assemble(&model.mesh, &all, model.element(), |e| model.materials()[e]).unwrap();
     let displacements: Vec<f64> = model.dofs.displacements(u).iter().flat_map(|u| u[..2].to_vec()).collect();
     let forces = stiffness.times(&displacements).unwrap();
     let held = (0..model.mesh.nodes.len()).filter(|&node| model.dofs.node(node)[0].is_none());

@@ -1,6 +1,8 @@
 //! Histories in words: their points, and where increments step over them.
 
-use stickslip::scene::{Contact, Load, Rotation, Scene, Time};
+use stickslip::contact::Rotation;
+use stickslip::description::{Contact, Load};
+use stickslip::scene::{Scene, Time};
 
 /// More points than this are shortened.
 const SHOWN: usize = 8;
@@ -24,18 +26,19 @@ fn shortened(mut words: Vec<String>) -> String {
 /// The kinks of the histories of `scene` at which no increment ends: `the kink of the load on top at 1 s`.
 pub(super) fn stepped_over(scene: &Scene) -> Vec<String> {
     let time = &scene.time;
-    let of_load = |load: &Load| (format!("the load on {}", load.boundary), missed(&load.history, time));
+    let of_load = |load: &Load| (format!("the load on {}", load.boundary), missed(&load.factors(time.end), time));
     let of_obstacle = |contact: &Contact| {
         let obstacle = &contact.obstacle;
         let rotation: &[[f64; 2]] = obstacle.rotation.as_ref().map_or(&[], |Rotation { history, .. }| history);
         [
-            ("approach", missed(&obstacle.approach, time)),
-            ("translation", missed(&obstacle.translation, time)),
+            ("approach", missed(obstacle.approach.as_deref().unwrap_or_default(), time)),
+            ("translation", missed(&obstacle.path(), time)),
             ("rotation", missed(rotation, time)),
         ]
         .map(|(what, times)| (format!("the {what} of the obstacle at {}", contact.boundary), times))
     };
-    let all = scene.loads.iter().map(of_load).chain(scene.contacts.iter().flat_map(of_obstacle));
+    let all =
+        scene.description.loads.iter().map(of_load).chain(scene.description.contacts.iter().flat_map(of_obstacle));
     let missed = all.filter(|(_, times)| !times.is_empty());
     let in_words = |(what, times): (String, Vec<f64>)| {
         let kinks = if times.len() == 1 { "kink" } else { "kinks" };

@@ -1,11 +1,9 @@
 //! From elements and physical groups to cells, material groups and boundaries.
 
-use std::collections::HashMap;
-
 use super::read::{Block, File};
 use super::{ElementKind, GmshError};
-use crate::mesh::check::MeshFault;
-use crate::mesh::{Boundary, Cell, Facet, Mesh};
+use crate::mesh::boundaries::Outline;
+use crate::mesh::{Cell, Facet, Mesh, MeshFault};
 
 /// The mesh without its boundaries, and Gmsh's number of each cell.
 pub(super) fn mesh(file: File, name: &str) -> Result<(Mesh, Vec<usize>), GmshError> {
@@ -17,7 +15,8 @@ pub(super) fn mesh(file: File, name: &str) -> Result<(Mesh, Vec<usize>), GmshErr
     };
     let dimension = file.blocks.iter().map(|block| block.kind.dimension()).max().unwrap_or(0);
     if dimension < 2 {
-        let help = "mesh the surfaces (gmsh -2) or volumes (gmsh -3), and put them in a physical group";
+        let help = "mesh the surfaces (gmsh -2) or volumes (gmsh -3), and put them in a physical group: where there are \
+                    any groups, Gmsh writes nothing else";
         return Err(at(1, "the file has no elements of two or three dimensions".to_string(), help));
     }
     let (mut cells, mut numbers, mut groups) = (Vec::new(), Vec::new(), Vec::<String>::new());
@@ -52,7 +51,8 @@ pub(super) fn mesh(file: File, name: &str) -> Result<(Mesh, Vec<usize>), GmshErr
             return Err(at(
                 1,
                 message,
-                "a plane mesh has to lie in a plane z = const; a body needs volume elements (gmsh -3)",
+                "a plane mesh has to lie in a plane z = const; a body needs volume elements: mesh it with gmsh -3 and put \
+                 its volumes into a physical group, too, for where there are any groups, Gmsh writes nothing else",
             ));
         }
         for x in &mut nodes {
@@ -67,77 +67,19 @@ pub(super) fn mesh(file: File, name: &str) -> Result<(Mesh, Vec<usize>), GmshErr
     Ok((mesh, numbers))
 }
 
-/// Adds a boundary for each physical group of facets, each facet with its outside on the right side.
+/// Adds a boundary for each physical group of facets.
 pub(super) fn boundaries(mesh: &mut Mesh, file: &File) -> Result<(), MeshFault> {
-    let key = |nodes: &[usize]| {
-        let mut key = nodes.to_vec();
-        key.sort_unstable();
-        key
-    };
-    let mut outer: HashMap<Vec<usize>, Option<Facet>> = HashMap::new();
-    for cell in &mesh.cells {
-        for facet in cell.facets() {
-            // A facet of two cells is inside the body.
-            outer.entry(key(&facet)).and_modify(|facet| *facet = None).or_insert(Some(facet));
-        }
-    }
-    let mut boundaries: Vec<Boundary> = Vec::new();
-    // The element of each facet of each boundary.
-    let mut taken = HashMap::new();
+    let mut named: Vec<(String, Vec<(usize, Facet)>)> = Vec::new();
     for block in file.blocks.iter().filter(|block| block.kind.dimension() + 1 == mesh.dimension) {
         for name in &block.groups {
-            let k = boundaries.iter().position(|boundary| boundary.name == *name).unwrap_or_else(|| {
-                boundaries.push(Boundary { name: name.clone(), facets: Vec::new() });
-                boundaries.len() - 1
+            let k = named.iter().position(|(known, _)| known == name).unwrap_or_else(|| {
+                named.push((name.clone(), Vec::new()));
+                named.len() - 1
             });
-            for (number, nodes) in &block.elements {
-                if let Some(first) = taken.insert((k, key(nodes)), *number) {
-                    return Err(MeshFault::RepeatedFacet { boundary: name.clone(), elements: (first, *number) });
-                }
-                match outer.get(&key(nodes)) {
-                    Some(Some(facet)) => boundaries[k].facets.push(facet.clone()),
-                    Some(None) => return Err(MeshFault::InnerFacet { boundary: name.clone(), element: *number }),
-                    None => return Err(MeshFault::LooseFacet { boundary: name.clone(), element: *number }),
-                }
-            }
+            named[k].1.extend(block.elements.iter().cloned());
         }
     }
-    if mesh.dimension == 2 {
-        for boundary in &mut boundaries {
-            boundary.facets = in_a_row(&boundary.facets);
-        }
-    }
-    mesh.boundaries = boundaries;
+    let outline = Outline::new(&mesh.cells);
+    mesh.boundaries = named.iter().map(|(name, facets)| outline.boundary(name, facets)).collect::<Result<_, _>>()?;
     Ok(())
-}
-
-/// Edges in the order in which they follow one another, chain by chain.
-fn in_a_row(edges: &[Facet]) -> Vec<Facet> {
-    let from: HashMap<usize, usize> = edges.iter().enumerate().map(|(k, edge)| (edge[0], k)).collect();
-    let ends: std::collections::HashSet<usize> = edges.iter().map(|edge| edge[1]).collect();
-    let begins = |k: &usize| !ends.contains(&edges[*k][0]);
-    let mut taken = vec![false; edges.len()];
-    let mut row = Vec::with_capacity(edges.len());
-    // First the chains from their beginnings, then what is left: closed ones.
-    for first in (0..edges.len()).filter(begins).chain(0..edges.len()) {
-        let mut next = Some(first);
-        while let Some(k) = next.filter(|&k| !taken[k]) {
-            taken[k] = true;
-            row.push(edges[k].clone());
-            next = from.get(&edges[k][1]).copied();
-        }
-    }
-    row
-}
-
-#[cfg(test)]
-mod tests {
-    use super::in_a_row;
-
-    #[test]
-    fn edges_follow_one_another() {
-        let edges = [vec![3, 4], vec![1, 2], vec![2, 3], vec![8, 7], vec![7, 8]];
-        let row: Vec<usize> = in_a_row(&edges).iter().map(|edge| edge[0]).collect();
-        assert_eq!(row, [1, 2, 3, 8, 7]);
-    }
 }

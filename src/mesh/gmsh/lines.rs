@@ -64,7 +64,7 @@ impl<'a> Lines<'a> {
                 Some(name) => Ok(Some(name.to_string())),
                 None => Err(self.error(
                     format!("a section was expected, but there is `{}`", shortened(line)),
-                    "export the mesh in the format MSH 4.1 (ASCII): gmsh -save -format msh41",
+                    "export the mesh in the format MSH 4.1 (ASCII): gmsh -2 part.geo -format msh41, in space -3",
                 )),
             },
         }

@@ -80,7 +80,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<File, GmshError> {
     let missing = [("Entities", seen.entities), ("Nodes", seen.nodes), ("Elements", seen.elements)];
     match missing.into_iter().find(|(_, seen)| !seen) {
         Some((section, _)) => {
-            let help = "export the whole mesh in the format MSH 4.1: gmsh -save -format msh41";
+            let help = "export the whole mesh in the format MSH 4.1: gmsh -2 part.geo -format msh41 (in space -3), without -save";
             Err(lines.error(format!("the file has no section ${section}"), help))
         }
         None => Ok(file),
@@ -88,7 +88,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<File, GmshError> {
 }
 
 fn format(lines: &mut Lines<'_>) -> Result<(), GmshError> {
-    let help = "export the mesh with: gmsh -save -format msh41 (in Gmsh: File, Export, \"Version 4 ASCII\")";
+    let help = "export the mesh with: gmsh -2 part.geo -format msh41, in space -3 (in Gmsh: File, Export, \"Version 4 ASCII\")";
     if lines.section()?.as_deref() != Some("MeshFormat") {
         return Err(lines.error("the file does not begin with $MeshFormat: it is no Gmsh mesh", help));
     }
@@ -99,7 +99,7 @@ fn format(lines: &mut Lines<'_>) -> Result<(), GmshError> {
         return Err(lines.error(format!("the file has the format MSH {version}, but only MSH 4.1 is read"), help));
     }
     if words.next() != Some("0") {
-        let help = "export it as ASCII: gmsh -save -format msh41 (with Mesh.Binary = 0)";
+        let help = "export it as ASCII: gmsh -2 part.geo -format msh41, in space -3 (with Mesh.Binary = 0)";
         return Err(lines.error("the file is binary, but only ASCII is read", help));
     }
     lines.end("MeshFormat")
@@ -144,7 +144,7 @@ fn entities(lines: &mut Lines<'_>, names: &HashMap<Entity, String>) -> Result<Ha
             };
             // The sign tells an orientation, not the group.
             let name = |number: &i64| {
-                let number = number.abs();
+                let number = number.checked_abs().unwrap_or(*number);
                 names.get(&(dimension, number)).cloned().unwrap_or_else(|| number.to_string())
             };
             let held: &mut Vec<String> = groups.entry((dimension, tag)).or_default();

@@ -31,9 +31,10 @@ impl Vary {
         match self {
             Vary::Stiffness => {
                 let young: Vec<f64> = (model.mesh.cells.iter())
-                    .map(|_| scene.material.young * 10_f64.powf(by * (random.next() - 0.5)))
+                    .map(|_| scene.description.material.young * 10_f64.powf(by * (random.next() - 0.5)))
                     .collect();
-                let material = |element: usize| Elasticity::plane_strain(young[element], scene.material.poisson);
+                let poisson = scene.description.material.poisson;
+                let material = |element: usize| Elasticity::plane_strain(young[element], poisson);
                 let stiffness =
                     assemble(&model.mesh, &model.dofs, Element::Bilinear, material).map_err(ModelError::from)?;
                 model.problem = ContactProblem::new(Parts { stiffness, ..parts }).map_err(ModelError::from)?;

@@ -17,7 +17,8 @@ const JARGON: [(&str, &str); 7] = [
     ("expected struct ", "expected a table: "),
 ];
 
-pub(super) fn of(mut error: toml::de::Error, source: &Source) -> SceneError {
+/// `error` in plain words, at its place.
+pub(super) fn error(mut error: toml::de::Error, source: &Source) -> SceneError {
     let span = error.span().unwrap_or(0..0);
     // Without the text the reader adds the key to its message instead of the line, which is named anyway.
     error.set_input(None);
@@ -26,14 +27,14 @@ pub(super) fn of(mut error: toml::de::Error, source: &Source) -> SceneError {
         message = message.replace(jargon, plain);
     }
     let help = help(&message, source, &span);
-    source.error(span, message, help)
+    source.at(span, message, help)
 }
 
 fn help(message: &str, source: &Source, span: &Range<usize>) -> String {
-    let form = "data/scenes/block.toml shows the form of every value";
+    let form = "`stickslip init block` shows the form of every value";
     match message.split(' ').take(2).collect::<Vec<_>>()[..] {
         ["unknown", "field"] => return "remove the key or correct its spelling".to_string(),
-        ["missing", "field"] => return "add the key; data/scenes/block.toml shows a complete scene".to_string(),
+        ["missing", "field"] => return "add the key; `stickslip init block` shows a complete scene".to_string(),
         ["unknown", "variant"] => return "use one of the values it lists".to_string(),
         ["invalid", "length" | "value:"] => return form.to_string(),
         _ => {}

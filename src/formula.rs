@@ -52,12 +52,12 @@ impl Formula {
     /// What is wrong, and where.
     ///
     /// ```
-    /// use stickslip::scene::Formula;
+    /// use stickslip::formula::Formula;
     ///
     /// let formula = Formula::parse("1 - x^2 / 2")?;
     /// assert_eq!(formula.at([2.0, 0.0, 0.0]), -1.0);
     /// assert_eq!(Formula::parse("2x").unwrap_err().to_string(), "an operator is missing before `x`, at character 2");
-    /// # Ok::<(), stickslip::scene::FormulaError>(())
+    /// # Ok::<(), stickslip::formula::FormulaError>(())
     /// ```
     pub fn parse(text: &str) -> Result<Self, FormulaError> {
         Ok(Formula { text: text.to_string(), steps: grammar::steps(text)? })

@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn every_name_is_documented() {
-        let page = include_str!("../../../doc/scene.md");
+        let page = include_str!("../../doc/scene.md");
         let names = FUNCTIONS.iter().map(|(name, _)| name).chain(CONSTANTS.iter().map(|(name, _)| name));
         for name in names {
             assert!(page.contains(&format!("`{name}`")), "`{name}` is not in doc/scene.md");
@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn names_mean_what_they_say() {
-        let of = |text: &str| crate::scene::Formula::parse(text).unwrap().at([0.25, -3.0, 4.0]);
+        let of = |text: &str| crate::formula::Formula::parse(text).unwrap().at([0.25, -3.0, 4.0]);
         for (text, value) in [
             ("exp(x)", 0.25_f64.exp()),
             ("tan(x) - sin(x)/cos(x)", 0.0),

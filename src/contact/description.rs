@@ -1,0 +1,245 @@
+//! Rigid obstacles as an input describes them, before they stand in front of a boundary.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::fault::{Fault, demand, finite};
+use crate::formula::Formula;
+use crate::timeline::check_points;
+use crate::vector::{Vector, dot, norm, unit};
+
+/// A rigid obstacle. Vectors have two components for a plane body and three for one in space; directions may have any
+/// length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Obstacle {
+    /// Its shape and place.
+    pub shape: Shape,
+    /// Direction out of the body towards the obstacle; without it, the boundary's mean outward normal.
+    pub normal: Option<Vector>,
+    /// Direction of positive slip, at right angles to a given normal; without it, one that follows from the normal.
+    pub tangent: Option<Vector>,
+    /// Along which normals gaps are measured.
+    pub direction: GapDirection,
+    /// How far it has moved towards the body, against the normal: points `[time (s), distance (m)]` with increasing
+    /// times; linear between, constant outside.
+    pub approach: Option<Vec<[f64; 2]>>,
+    /// How far it has moved: points of time (s) and displacement (m), as above.
+    pub translation: Option<Vec<(f64, Vector)>>,
+    /// How it turns, if it does.
+    pub rotation: Option<Rotation>,
+}
+
+/// A rotation about an axis that stands still.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rotation {
+    /// Direction of the axis; without it, along z.
+    pub axis: Option<Vector>,
+    /// A point of the axis, m.
+    pub through: Vector,
+    /// Points `[time (s), angle (rad)]` with increasing times; linear between, constant outside.
+    pub history: Vec<[f64; 2]>,
+}
+
+/// Along which normals the gaps of an obstacle are measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GapDirection {
+    /// Along one normal for the whole boundary.
+    #[default]
+    Normal,
+    /// From each node to the nearest point of the obstacle.
+    Nearest,
+}
+
+/// The shape of an obstacle.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// A plane at right angles to the normal.
+    Plane {
+        /// Distance to the nearest point of the boundary, m; negative for interference.
+        gap: f64,
+    },
+    /// The same, by a point of it.
+    PlaneThrough {
+        /// The point, m.
+        through: Vector,
+    },
+    /// A cylinder.
+    Cylinder {
+        /// Radius, m.
+        radius: f64,
+        /// A point nearest to the body, m.
+        apex: Vector,
+        /// Direction of its axis; in two dimensions that is z.
+        axis: Option<Vector>,
+    },
+    /// A sphere.
+    Sphere {
+        /// Radius, m.
+        radius: f64,
+        /// Its point nearest to the body, m.
+        apex: Vector,
+    },
+    /// Two planes that meet in a ridge.
+    Wedge {
+        /// A point of the ridge, m.
+        apex: Vector,
+        /// How far each plane leans away from the body, rad, between 0 and π/2.
+        angle: f64,
+        /// Direction of the ridge; in two dimensions that is z.
+        axis: Option<Vector>,
+    },
+    /// Gaps (m) by a formula of the position of the node.
+    Formula(Formula),
+    /// Gaps (m) from a CSV file.
+    Table {
+        /// The file.
+        file: PathBuf,
+    },
+}
+
+impl Obstacle {
+    /// An obstacle that faces the boundary and stands still.
+    pub fn at_rest(shape: Shape) -> Self {
+        Obstacle {
+            shape,
+            normal: None,
+            tangent: None,
+            direction: GapDirection::default(),
+            approach: None,
+            translation: None,
+            rotation: None,
+        }
+    }
+
+    /// A plane at the distance `gap` (m) from the nearest point of the boundary.
+    pub fn plane(gap: f64) -> Self {
+        Self::at_rest(Shape::Plane { gap })
+    }
+
+    /// The same obstacle moving towards the body: points `[time (s), distance (m)]`.
+    #[must_use]
+    pub fn approaching(self, history: &[[f64; 2]]) -> Self {
+        Obstacle { approach: Some(history.to_vec()), ..self }
+    }
+
+    /// Whether all values are possible and none contradicts another.
+    ///
+    /// # Errors
+    /// [`Fault`] of the key that is wrong, as it stands under `obstacle`.
+    pub fn check(&self) -> Result<(), Fault> {
+        self.shape.check()?;
+        let normal = self.normal.map(|normal| direction("normal", normal)).transpose()?;
+        if let Some(given) = self.tangent {
+            let tangent = direction("tangent", given)?;
+            let help = "give both, at right angles, or leave the tangent out";
+            let sound = normal.is_some_and(|normal| dot(normal, tangent).abs() <= SKEW);
+            demand(sound, "tangent", &given, "at right angles to a given normal", help)?;
+        }
+        let round = matches!(self.shape, Shape::Cylinder { .. } | Shape::Sphere { .. } | Shape::Wedge { .. });
+        if self.direction == GapDirection::Nearest && !round {
+            let message = "only a cylinder, a sphere or a wedge has the direction \"nearest\"";
+            return Err(Fault::new("direction", message, "remove the key: gaps are measured along the normal"));
+        }
+        if let Some(approach) = &self.approach {
+            check_points("approach", "distance", approach)?;
+        }
+        if self.translation.is_some() {
+            let message = "translation is not a list of points with increasing times";
+            check_points("motion.translation", "x, y, z", &self.path())
+                .map_err(|fault| Fault { message: message.to_string(), ..fault })?;
+        }
+        self.rotation
+            .as_ref()
+            .map_or(Ok(()), |rotation| rotation.check().map_err(|fault| fault.under("motion.rotation")))
+    }
+
+    /// The points `[time (s), x, y, z (m)]` of the translation; none if there is none.
+    pub fn path(&self) -> Vec<[f64; 4]> {
+        let point = |(t, to): &(f64, Vector)| {
+            let [x, y, z] = to.components();
+            [*t, x, y, z]
+        };
+        self.translation.iter().flatten().map(point).collect()
+    }
+
+    /// The first of its vectors that is given with two components, as only suits a plane body.
+    pub(super) fn plane_vector(&self) -> Option<&'static str> {
+        let (apex, axis, through) = match self.shape {
+            Shape::PlaneThrough { through } => (None, None, Some(through)),
+            Shape::Sphere { apex, .. } => (Some(apex), None, None),
+            Shape::Cylinder { apex, axis, .. } | Shape::Wedge { apex, axis, .. } => (Some(apex), axis, None),
+            Shape::Plane { .. } | Shape::Formula(_) | Shape::Table { .. } => (None, None, None),
+        };
+        let rotation = self.rotation.as_ref();
+        let flat = |vector: &Vector| vector.dimension() == 2;
+        let given = [
+            ("normal", self.normal),
+            ("tangent", self.tangent),
+            ("apex", apex),
+            ("axis", axis),
+            ("through", through),
+            ("rotation.axis", rotation.and_then(|rotation| rotation.axis)),
+            ("rotation.through", rotation.map(|rotation| rotation.through)),
+            ("translation", self.translation.iter().flatten().map(|(_, to)| *to).find(flat)),
+        ];
+        given.iter().find(|(_, vector)| vector.as_ref().is_some_and(flat)).map(|(name, _)| *name)
+    }
+}
+
+/// How far an angle may be from a right one: what rounding leaves of vectors given with a few digits.
+pub(super) const SKEW: f64 = 1e-9;
+
+impl Shape {
+    fn check(&self) -> Result<(), Fault> {
+        match *self {
+            Shape::Plane { gap } => finite("gap", gap),
+            Shape::PlaneThrough { through } => point("through", through),
+            Shape::Cylinder { radius, apex, axis } => {
+                check_radius(radius)?;
+                point("apex", apex)?;
+                axis.map_or(Ok(()), |axis| direction("axis", axis).map(drop))
+            }
+            Shape::Sphere { radius, apex } => {
+                check_radius(radius)?;
+                point("apex", apex)
+            }
+            Shape::Wedge { apex, angle, axis } => {
+                finite("angle", angle)?;
+                let sound = angle > 0.0 && angle < std::f64::consts::FRAC_PI_2;
+                let help = "give the angle in rad by which each plane leans away from the body";
+                demand(sound, "angle", &angle, "between 0 and pi/2", help)?;
+                point("apex", apex)?;
+                axis.map_or(Ok(()), |axis| direction("axis", axis).map(drop))
+            }
+            Shape::Formula(_) | Shape::Table { .. } => Ok(()),
+        }
+    }
+}
+
+impl Rotation {
+    fn check(&self) -> Result<(), Fault> {
+        self.axis.map_or(Ok(()), |axis| direction("axis", axis).map(drop))?;
+        point("through", self.through)?;
+        check_points("history", "angle", &self.history)
+    }
+}
+
+fn check_radius(radius: f64) -> Result<(), Fault> {
+    finite("radius", radius)?;
+    demand(radius > 0.0, "radius", &radius, "positive", "give the radius in m")
+}
+
+fn point(key: &str, value: Vector) -> Result<(), Fault> {
+    let sound = value.components().iter().all(|x| x.is_finite());
+    demand(sound, key, &value, "finite numbers", "give numbers other than nan or inf")
+}
+
+/// The unit vector along `value`.
+fn direction(key: &str, value: Vector) -> Result<[f64; 3], Fault> {
+    point(key, value)?;
+    let length = norm(value.components());
+    demand(length > 0.0 && length.is_finite(), key, &value, "a vector with a direction", "give e.g. [0, -1]")?;
+    Ok(unit(value.components()))
+}

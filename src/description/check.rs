@@ -1,0 +1,66 @@
+//! Are the values of a description possible, each by itself and beside each other?
+
+use super::{Contact, Description, Load, Support};
+use crate::fault::{Fault, demand, finite};
+use crate::fem::{Element, Plane};
+use crate::timeline::{check_points, check_times};
+
+impl Description {
+    /// Whether a model can be made of it, as far as that is known without its mesh.
+    ///
+    /// # Errors
+    /// [`Fault`] of the key that is wrong, such as `contact[0].friction`.
+    pub fn check(&self) -> Result<(), Fault> {
+        check_times("times", &self.times)?;
+        self.mesh.check()?;
+        self.material.check()?;
+        if self.element == Element::BBar && self.material.plane == Some(Plane::Stress) {
+            let message = "mesh.element is \"b-bar\", but material.plane is \"stress\"";
+            let help = "plane stress does not constrain the volume, so nothing locks: use \"bilinear\"";
+            return Err(Fault::new("mesh.element", message, help));
+        }
+        let under = |list: &'static str, k: usize| move |fault: Fault| fault.under(&format!("{list}[{k}]"));
+        for (k, support) in self.supports.iter().enumerate() {
+            support.check().map_err(under("support", k))?;
+        }
+        for (k, contact) in self.contacts.iter().enumerate() {
+            contact.check(&self.contacts[..k]).map_err(under("contact", k))?;
+        }
+        for (k, load) in self.loads.iter().enumerate() {
+            load.check().map_err(under("load", k))?;
+        }
+        Ok(())
+    }
+}
+
+impl Support {
+    fn check(&self) -> Result<(), Fault> {
+        if self.fix.contains(&true) {
+            return Ok(());
+        }
+        Err(Fault::new("fix", "fix is empty, so the support holds nothing", "use [\"x\", \"y\"]"))
+    }
+}
+
+impl Contact {
+    /// Checks it beside those before it.
+    fn check(&self, earlier: &[Contact]) -> Result<(), Fault> {
+        if earlier.iter().any(|other| other.boundary == self.boundary) {
+            let message = format!("the boundary `{}` has a [[contact]] already", self.boundary);
+            return Err(Fault::new("boundary", message, "keep one [[contact]] for each boundary"));
+        }
+        finite("friction", self.friction)?;
+        let help = "give Coulomb's coefficient, 0 for a frictionless contact";
+        demand(self.friction >= 0.0, "friction", &self.friction, "0 or more", help)?;
+        self.obstacle.check().map_err(|fault| fault.under("obstacle"))
+    }
+}
+
+impl Load {
+    fn check(&self) -> Result<(), Fault> {
+        let sound = (2..=3).contains(&self.traction.len()) && self.traction.iter().all(|x| x.is_finite());
+        let help = "give one for each axis, not nan or inf";
+        demand(sound, "traction", &self.traction, "two or three finite numbers", help)?;
+        self.history.as_ref().map_or(Ok(()), |history| check_points("history", "factor", history))
+    }
+}

@@ -1,0 +1,51 @@
+//! What is wrong with an input, told by the key of it.
+
+use std::fmt::Debug;
+
+/// A value that cannot be used.
+///
+/// Keys are those of a scene file, such as `contact[0].friction` (lists count from 0), also for what was put together
+/// from Rust.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("{key}: {message}")]
+#[diagnostic(help("{help}"))]
+pub struct Fault {
+    /// The path of the value that is wrong.
+    pub key: String,
+    /// What is wrong with it.
+    pub message: String,
+    /// How to mend it.
+    pub help: String,
+}
+
+impl Fault {
+    /// The fault of the value at `key`.
+    pub fn new(key: impl Into<String>, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Fault { key: key.into(), message: message.into(), help: help.into() }
+    }
+
+    /// The same fault, told by whom holds the value under `parent`.
+    #[must_use]
+    pub fn under(self, parent: &str) -> Self {
+        Fault { key: format!("{parent}.{}", self.key), ..self }
+    }
+}
+
+/// Fails unless `sound`, saying what the `value` of `key` is and what it must be.
+///
+/// # Errors
+/// [`Fault`] of `key`.
+pub fn demand(sound: bool, key: &str, value: &impl Debug, must: &str, help: &str) -> Result<(), Fault> {
+    if sound {
+        return Ok(());
+    }
+    Err(Fault::new(key, format!("{key} is {value:?}, but must be {must}"), help))
+}
+
+/// Fails unless the `value` of `key` is finite.
+///
+/// # Errors
+/// [`Fault`] of `key`.
+pub fn finite(key: &str, value: f64) -> Result<(), Fault> {
+    demand(value.is_finite(), key, &value, "a finite number", "give a number other than nan or inf")
+}

@@ -1,0 +1,185 @@
+//! The materials of a body: which law each cell of its mesh has.
+
+use serde::{Deserialize, Serialize};
+
+use super::elastic::Elasticity;
+use crate::fault::{Fault, demand, finite};
+use crate::mesh::Mesh;
+
+/// The isotropic linear elastic materials of a body; in two dimensions it is of unit thickness.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Material {
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio, in (-1, 0.5).
+    pub poisson: f64,
+    /// The plane state in two dimensions, plane strain if it is left out; in three there is none.
+    pub plane: Option<Plane>,
+    /// Horizontal layers of other materials, from the bottom of the body up; above the last, the
+    /// material itself.
+    pub layers: Vec<Layer>,
+    /// Other materials of groups of elements; the other groups are of the material itself.
+    pub groups: Vec<MaterialGroup>,
+}
+
+/// The material of a group of elements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialGroup {
+    /// The group of the mesh.
+    pub name: String,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio, in (-1, 0.5).
+    pub poisson: f64,
+}
+
+/// A horizontal layer of the body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Layer {
+    /// How high it is, m.
+    pub thickness: f64,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio, in (-1, 0.5).
+    pub poisson: f64,
+}
+
+/// The plane state of a body in two dimensions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Plane {
+    /// `ε_zz = 0`: a slice of a long body.
+    #[default]
+    Strain,
+    /// `σ_zz = 0`: a thin plate.
+    Stress,
+}
+
+/// What a constant of a material must be.
+struct Limit {
+    holds: fn(f64) -> bool,
+    must: &'static str,
+    help: &'static str,
+}
+
+const THICKNESS: Limit = Limit { holds: |t| t > 0.0, must: "positive", help: "give the thickness of the layer in m" };
+
+const YOUNG: Limit = Limit { holds: |young| young > 0.0, must: "positive", help: "give Young's modulus in Pa" };
+
+const POISSON: Limit = Limit {
+    holds: |poisson| poisson > -1.0 && poisson < 0.5,
+    must: "above -1 and below 0.5",
+    help: "thermodynamics sets the lower limit; an incompressible material is beyond displacements alone, \
+           use e.g. 0.49, or 0.4999 with mesh.element = \"b-bar\"",
+};
+
+impl Limit {
+    /// Checks the `value` called `name`.
+    fn check(&self, name: &str, value: f64) -> Result<(), Fault> {
+        finite(name, value)?;
+        demand((self.holds)(value), name, &value, self.must, self.help)
+    }
+}
+
+impl Material {
+    /// One material for the whole body, in two dimensions in plane strain: Young's modulus in Pa, Poisson's ratio.
+    pub fn new(young: f64, poisson: f64) -> Self {
+        Material { young, poisson, ..Material::default() }
+    }
+
+    /// The same in `plane`.
+    #[must_use]
+    pub fn in_plane(self, plane: Plane) -> Self {
+        Material { plane: Some(plane), ..self }
+    }
+
+    /// Whether all constants are possible, and layers and groups do not contradict each other.
+    ///
+    /// # Errors
+    /// [`Fault`] of the key that is wrong, such as `material.young`.
+    pub fn check(&self) -> Result<(), Fault> {
+        YOUNG.check("material.young", self.young)?;
+        POISSON.check("material.poisson", self.poisson)?;
+        for (k, &Layer { thickness, young, poisson }) in self.layers.iter().enumerate() {
+            let key = format!("material.layers[{k}]");
+            let of_layer = |what: &str, value: f64, limit: &Limit| {
+                limit.check(&format!("{what} in {key}"), value).map_err(|fault| Fault { key: key.clone(), ..fault })
+            };
+            of_layer("the thickness", thickness, &THICKNESS)?;
+            of_layer("Young's modulus", young, &YOUNG)?;
+            of_layer("Poisson's ratio", poisson, &POISSON)?;
+        }
+        for (k, MaterialGroup { name, young, poisson }) in self.groups.iter().enumerate() {
+            let key = |what: &str| format!("material.group[{k}].{what}");
+            if self.groups[..k].iter().any(|other| other.name == *name) {
+                let message = format!("the group `{name}` has a [[material.group]] already");
+                return Err(Fault::new(key("name"), message, "keep one [[material.group]] for each group"));
+            }
+            let of_group = |what: &str, key: String, value: f64, limit: &Limit| {
+                limit.check(&format!("{what} of the group `{name}`"), value).map_err(|fault| Fault { key, ..fault })
+            };
+            of_group("Young's modulus", key("young"), *young, &YOUNG)?;
+            of_group("Poisson's ratio", key("poisson"), *poisson, &POISSON)?;
+        }
+        if !self.layers.is_empty() && !self.groups.is_empty() {
+            let message = "the material has layers and groups, which both say what an element is made of";
+            return Err(Fault::new("material.layers", message, "keep material.layers or [[material.group]]"));
+        }
+        Ok(())
+    }
+
+    /// Heights of the upper sides of the layers over the bottom of the body, m.
+    pub fn tops(&self) -> Vec<f64> {
+        let mut top = 0.0;
+        let above = |layer: &Layer| {
+            top += layer.thickness;
+            top
+        };
+        self.layers.iter().map(above).collect()
+    }
+
+    /// The number of the layer at `height` (m) over the bottom of the body; `None` in the material itself.
+    pub fn layer(&self, height: f64) -> Option<usize> {
+        self.tops().iter().position(|top| height < *top)
+    }
+
+    /// The law of each cell of `mesh`: that of its group, or of the layer that holds its centre, or of the material
+    /// itself.
+    ///
+    /// # Errors
+    /// [`Fault`] of the key that `mesh` contradicts: a plane state in three dimensions, a group it does not have, a
+    /// layer without a cell.
+    pub fn laws(&self, mesh: &Mesh) -> Result<Vec<Elasticity>, Fault> {
+        if mesh.dimension == 3 && self.plane.is_some() {
+            let message = "the material has a plane state, but the body has three dimensions";
+            return Err(Fault::new("material.plane", message, "remove material.plane"));
+        }
+        let law = |young, poisson| match (mesh.dimension, self.plane.unwrap_or_default()) {
+            (2, Plane::Strain) => Elasticity::plane_strain(young, poisson),
+            (2, Plane::Stress) => Elasticity::plane_stress(young, poisson),
+            _ => Elasticity::isotropic(young, poisson),
+        };
+        let base = law(self.young, self.poisson);
+        if self.layers.is_empty() {
+            let mut of_group = vec![base; mesh.groups.len()];
+            for (k, MaterialGroup { name, young, poisson }) in self.groups.iter().enumerate() {
+                let Some(group) = mesh.groups.iter().position(|known| known == name) else {
+                    let message = format!("the mesh has no material group `{name}`");
+                    let help = format!("the mesh has the groups {}", mesh.groups.join(", "));
+                    return Err(Fault::new(format!("material.group[{k}].name"), message, help));
+                };
+                of_group[group] = law(*young, *poisson);
+            }
+            return Ok(mesh.cells.iter().map(|cell| of_group[cell.group]).collect());
+        }
+        let height = |e: usize| mesh.centre(e)[mesh.dimension - 1];
+        let of_cell: Vec<Option<usize>> = (0..mesh.cells.len()).map(|e| self.layer(height(e))).collect();
+        if let Some(k) = (0..self.layers.len()).find(|k| !of_cell.contains(&Some(*k))) {
+            let message = format!("no element of the mesh has its centre in material.layers[{k}]");
+            let help = "use more elements, a thicker layer or fewer layers; thicknesses are in m, from the bottom up";
+            return Err(Fault::new(format!("material.layers[{k}]"), message, help));
+        }
+        let laws: Vec<Elasticity> = self.layers.iter().map(|layer| law(layer.young, layer.poisson)).collect();
+        Ok(of_cell.into_iter().map(|layer| layer.map_or(base, |k| laws[k])).collect())
+    }
+}

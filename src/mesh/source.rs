@@ -1,0 +1,239 @@
+//! Where a mesh comes from: made here, read from a file, or given.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::{CellKind, Mesh, MeshFileError, gmsh, graded_block, half_plane, progression};
+use crate::fault::{Fault, demand, finite};
+
+/// How the mesh of a body is made. Lengths are in m.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MeshSource {
+    /// A rectangle or box with its lowest corner in the origin.
+    Block {
+        /// The segments that x, y and, in three dimensions, z are made of.
+        axes: Vec<Vec<Segment>>,
+        /// The cells; triangles and tetrahedra divide the elements.
+        cells: CellKind,
+    },
+    /// A rectangle that stands for a half-plane pressed at the left end of its top.
+    HalfPlane(HalfPlane),
+    /// From a file in the format MSH 4.1 of Gmsh.
+    Gmsh {
+        /// The file.
+        file: PathBuf,
+        /// The length of the file's unit, m.
+        scale: f64,
+    },
+    /// A mesh in memory; see [`Mesh::new`].
+    Given(Arc<Mesh>),
+}
+
+/// A length with elements in geometric progression.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// The length, m.
+    pub length: f64,
+    /// The elements along it.
+    pub elements: usize,
+    /// Size of the last element over that of the first.
+    pub grading: f64,
+}
+
+/// A rectangle, fine under a contact zone at the left end of its top and coarser away from it:
+/// half of a body that is symmetric about its left side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HalfPlane {
+    /// Width and height, m.
+    pub size: [f64; 2],
+    /// Width of the contact zone, m.
+    pub contact_width: f64,
+    /// Equal elements along the contact zone.
+    pub contact_elements: usize,
+    /// Equal elements along the rest of the top.
+    pub outer_elements: usize,
+    /// Layers of elements, in geometric progression from the top one, whose elements are square in
+    /// the contact zone, to the bottom.
+    pub layers: usize,
+}
+
+/// Beyond this a mesh is a slip of the pen, not a model: no matrix of it would fit into memory.
+const MOST_ELEMENTS: usize = 50_000_000;
+
+/// The values of each axis, printed as a scene writes them: a list only where there are several segments.
+struct Axes<T>(Vec<Vec<T>>);
+
+impl<T: fmt::Debug> fmt::Debug for Axes<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut list = f.debug_list();
+        for axis in &self.0 {
+            match &axis[..] {
+                [one] => list.entry(one),
+                all => list.entry(&all),
+            };
+        }
+        list.finish()
+    }
+}
+
+impl From<Mesh> for MeshSource {
+    fn from(mesh: Mesh) -> Self {
+        MeshSource::Given(Arc::new(mesh))
+    }
+}
+
+impl MeshSource {
+    /// A rectangle or box of `size` (m) with so many equal `elements` along each axis: quadrilaterals or hexahedra.
+    /// Its boundaries are those of [`super::block`].
+    pub fn block<const D: usize>(size: [f64; D], elements: [usize; D]) -> Self {
+        let axis = |k: usize| vec![Segment { length: size[k], elements: elements[k], grading: 1.0 }];
+        MeshSource::Block { axes: (0..D).map(axis).collect(), cells: CellKind::of_block(D) }
+    }
+
+    /// A rectangle or box whose axes have segments of the lengths `size` (m) with so many `elements` each, in geometric
+    /// progression by `grading` (equal without it); quadrilaterals or hexahedra unless `cells` says otherwise.
+    ///
+    /// # Errors
+    /// Where the lists do not belong together, and as [`MeshSource::check`].
+    pub fn segmented(
+        size: &[Vec<f64>],
+        elements: &[Vec<usize>],
+        grading: Option<&[Vec<f64>]>,
+        cells: Option<CellKind>,
+    ) -> Result<Self, Fault> {
+        check_size(size)?;
+        like_size("mesh.elements", elements, size)?;
+        let equal: Vec<Vec<f64>> = size.iter().map(|axis| vec![1.0; axis.len()]).collect();
+        let grading = grading.unwrap_or(&equal);
+        like_size("mesh.grading", grading, size)?;
+        let axes = (size.iter().zip(elements).zip(grading)).map(|((lengths, elements), grading)| {
+            let segments = lengths.iter().zip(elements).zip(grading);
+            segments.map(|((&length, &elements), &grading)| Segment { length, elements, grading }).collect()
+        });
+        let cells = cells.unwrap_or(CellKind::of_block(size.len()));
+        let source = MeshSource::Block { axes: axes.collect(), cells };
+        source.check()?;
+        Ok(source)
+    }
+
+    /// Whether a mesh can be made of it, as far as that is known before a file is read.
+    ///
+    /// # Errors
+    /// [`Fault`] of the key that is wrong, such as `mesh.size`; of a given mesh, `mesh`.
+    pub fn check(&self) -> Result<(), Fault> {
+        match self {
+            MeshSource::Block { axes, cells } => check_block(axes, *cells),
+            MeshSource::HalfPlane(half_plane) => half_plane.check(),
+            MeshSource::Gmsh { scale, .. } => {
+                finite("mesh.scale", *scale)?;
+                let help = "give the length of the file's unit in m, 0.001 for mm";
+                demand(*scale > 0.0, "mesh.scale", scale, "positive", help)
+            }
+            MeshSource::Given(mesh) => {
+                mesh.check().map_err(|fault| Fault::new("mesh", fault.to_string(), fault.help()))
+            }
+        }
+    }
+
+    /// The mesh of a source that [`MeshSource::check`] has passed.
+    ///
+    /// # Errors
+    /// When its file cannot be read, or has no sound mesh.
+    pub fn build(&self) -> Result<Arc<Mesh>, MeshFileError> {
+        Ok(match self {
+            MeshSource::Block { axes, cells } => {
+                let mesh = graded_block(&axes.iter().map(|segments| mesh_lines(segments)).collect::<Vec<_>>());
+                Arc::new(if cells.is_simplex() { mesh.into_simplices() } else { mesh })
+            }
+            MeshSource::HalfPlane(m) => {
+                Arc::new(half_plane(m.size, m.contact_width, m.contact_elements, m.outer_elements, m.layers))
+            }
+            MeshSource::Gmsh { file, scale } => Arc::new(gmsh(file, *scale)?),
+            MeshSource::Given(mesh) => Arc::clone(mesh),
+        })
+    }
+
+    /// The number of nodes and the dimension; `None` if they are not known before a file is read.
+    pub fn nodes(&self) -> Option<(usize, usize)> {
+        match self {
+            MeshSource::Block { axes, .. } => {
+                let nodes = axes.iter().map(|axis| 1 + axis.iter().map(|segment| segment.elements).sum::<usize>());
+                Some((nodes.product(), axes.len()))
+            }
+            MeshSource::HalfPlane(m) => Some(((m.contact_elements + m.outer_elements + 1) * (m.layers + 1), 2)),
+            MeshSource::Gmsh { .. } => None,
+            MeshSource::Given(mesh) => Some((mesh.nodes.len(), mesh.dimension)),
+        }
+    }
+}
+
+fn check_size(size: &[Vec<f64>]) -> Result<(), Fault> {
+    let given = || Axes(size.to_vec());
+    let help = "give width and height in m, in three dimensions the lengths along x, y and z";
+    demand((2..=3).contains(&size.len()), "mesh.size", &given(), "two or three lengths", help)?;
+    let sound = size.iter().all(|axis| !axis.is_empty() && axis.iter().all(|&x| x > 0.0 && x.is_finite()));
+    demand(sound, "mesh.size", &given(), "positive finite lengths", help)
+}
+
+/// Whether a list has a value for each length in `size`.
+fn like_size<T: Clone + fmt::Debug>(key: &str, values: &[Vec<T>], size: &[Vec<f64>]) -> Result<(), Fault> {
+    let sound = values.iter().map(Vec::len).eq(size.iter().map(Vec::len));
+    let help = "mesh.size says how many segments there are along each axis";
+    demand(sound, key, &Axes(values.to_vec()), "a number for each length in mesh.size", help)
+}
+
+fn check_block(axes: &[Vec<Segment>], cells: CellKind) -> Result<(), Fault> {
+    fn each<T>(axes: &[Vec<Segment>], value: fn(&Segment) -> T) -> Vec<Vec<T>> {
+        axes.iter().map(|axis| axis.iter().map(value).collect()).collect()
+    }
+    check_size(&each(axes, |segment| segment.length))?;
+    let elements = Axes(each(axes, |segment| segment.elements));
+    let help = "give the numbers of elements along each axis";
+    let sound = elements.0.iter().flatten().all(|&n| n > 0);
+    demand(sound, "mesh.elements", &elements, "numbers of at least 1", help)?;
+    let along = |axis: &Vec<usize>| axis.iter().try_fold(0_usize, |sum, &n| sum.checked_add(n));
+    let all = elements.0.iter().try_fold(1_usize, |all, axis| all.checked_mul(along(axis)?));
+    let few = all.is_some_and(|n| n <= MOST_ELEMENTS);
+    demand(few, "mesh.elements", &elements, "at most 50 million in all", "use a coarser mesh")?;
+    let grading = Axes(each(axes, |segment| segment.grading));
+    let help = "give the size of the last element over that of the first, along each axis";
+    let sound = grading.0.iter().flatten().all(|ratio| (1e-6..=1e6).contains(ratio));
+    demand(sound, "mesh.grading", &grading, "ratios from 1e-6 to 1e6", help)?;
+    if cells.dimension() == axes.len() {
+        return Ok(());
+    }
+    let message = format!("mesh.cells have {} dimensions, but mesh.size has {}", cells.dimension(), axes.len());
+    let help = "use \"triangle\" or \"quadrilateral\" in two dimensions, \"tetrahedron\" or \"hexahedron\" in three";
+    Err(Fault::new("mesh.cells", message, help))
+}
+
+impl HalfPlane {
+    fn check(&self) -> Result<(), Fault> {
+        check_size(&self.size.map(|length| vec![length]))?;
+        let (key, width) = ("mesh.contact_width", self.contact_width);
+        finite(key, width)?;
+        let must = "positive and less than the width of the mesh";
+        demand(width > 0.0 && width < self.size[0], key, &width, must, "give the contact zone in m")?;
+        let (contact, outer, layers) = (self.contact_elements, self.outer_elements, self.layers);
+        for (key, n) in [("mesh.contact_elements", contact), ("mesh.outer_elements", outer), ("mesh.layers", layers)] {
+            let must = "at least 1 and at most 50 million";
+            demand((1..=MOST_ELEMENTS).contains(&n), key, &n, must, "give a number of elements")?;
+        }
+        if (contact + outer).checked_mul(layers).is_none_or(|n| n > MOST_ELEMENTS) {
+            return Err(Fault::new("mesh", "the mesh has more than 50 million elements", "use a coarser mesh"));
+        }
+        Ok(())
+    }
+}
+
+/// Where the elements of `segments` in a row end, m.
+fn mesh_lines(segments: &[Segment]) -> Vec<f64> {
+    let mut lines = vec![0.0];
+    let mut end = 0.0;
+    for &Segment { length, elements, grading } in segments {
+        lines.extend(progression(length, elements, grading)[1..].iter().map(|x| end + x));
+        end += length;
+    }
+    lines
+}

@@ -1,0 +1,129 @@
+//! Where each key of a scene stands in its text.
+
+use std::ops::Range;
+
+use toml_edit::{Document, Item, TableLike, Value};
+
+/// The keys of a text, such as `contact[0].friction`: first the place of the value, then those of what stands under it,
+/// then that of the name itself.
+pub(super) struct Places(Vec<(String, Range<usize>)>);
+
+impl Places {
+    /// Those of `text`; none if it is not TOML.
+    pub(super) fn of(text: &str) -> Self {
+        let mut places = Places(Vec::new());
+        if let Ok(document) = Document::parse(text) {
+            places.take_table(document.as_table(), "");
+        }
+        places
+    }
+
+    /// The bytes of the value at `key`, or of the nearest table above it that has a place of its own.
+    pub(super) fn span(&self, key: &str) -> Range<usize> {
+        let mut key = key;
+        loop {
+            if let Some((_, span)) = self.0.iter().find(|(known, _)| known == key) {
+                return span.clone();
+            }
+            match key.rfind(['.', '[']) {
+                Some(end) => key = &key[..end],
+                None => return 0..0,
+            }
+        }
+    }
+
+    /// The key of the smallest value that holds all of `span`; empty outside all of them.
+    pub(super) fn key(&self, span: &Range<usize>) -> String {
+        let holds = |place: &Range<usize>| place.start <= span.start && span.end <= place.end;
+        let holding = self.0.iter().filter(|(_, place)| holds(place));
+        // Of two of the same length the latter is further down.
+        let smallest = holding.min_by_key(|(key, place)| (place.len(), std::cmp::Reverse(key.len())));
+        smallest.map_or(String::new(), |(key, _)| key.clone())
+    }
+
+    fn take_table(&mut self, table: &dyn TableLike, above: &str) {
+        for (name, item) in table.iter() {
+            let key = if above.is_empty() { name.to_string() } else { format!("{above}.{name}") };
+            let name = table.key(name).and_then(|name| Some((key.clone(), name.span()?)));
+            self.take(item, key);
+            self.0.extend(name);
+        }
+    }
+
+    fn take(&mut self, item: &Item, key: String) {
+        if let Some(span) = item.span() {
+            self.0.push((key.clone(), span));
+        }
+        match item {
+            Item::ArrayOfTables(tables) => {
+                for (k, table) in tables.iter().enumerate() {
+                    let key = format!("{key}[{k}]");
+                    self.0.extend(table.span().map(|span| (key.clone(), span)));
+                    self.take_table(table, &key);
+                }
+            }
+            Item::Value(Value::Array(values)) => {
+                for (k, value) in values.iter().enumerate() {
+                    let key = format!("{key}[{k}]");
+                    self.0.extend(value.span().map(|span| (key.clone(), span)));
+                    if let Some(table) = value.as_inline_table() {
+                        self.take_table(table, &key);
+                    }
+                }
+            }
+            _ => {
+                if let Some(table) = item.as_table_like() {
+                    self.take_table(table, &key);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Places;
+
+    const TEXT: &str = r#"
+title = "x"
+[mesh]
+size = [1, [2, 3]]
+[[contact]]
+friction = 0.1
+obstacle = { kind = "plane", motion.rotation.axis = [0, 1] }
+[[contact]]
+friction = 0.2
+[contact.obstacle]
+gap = 3
+"#;
+
+    #[test]
+    fn keys_and_places_belong_to_each_other() {
+        let places = Places::of(TEXT);
+        for (key, value) in [
+            ("title", "\"x\""),
+            ("mesh", "[mesh]"),
+            ("mesh.size", "[1, [2, 3]]"),
+            ("contact[0]", "[[contact]]"),
+            ("contact[0].friction", "0.1"),
+            ("contact[1].friction", "0.2"),
+            ("contact[0].obstacle.kind", "\"plane\""),
+            ("contact[0].obstacle.motion.rotation.axis", "[0, 1]"),
+            ("contact[1].obstacle", "[contact.obstacle]"),
+            ("contact[1].obstacle.gap", "3"),
+        ] {
+            let span = places.span(key);
+            assert_eq!(&TEXT[span.clone()], value, "{key}");
+            assert_eq!(places.key(&span), key);
+        }
+        // What is not there stands for what holds it.
+        assert_eq!(&TEXT[places.span("mesh.elements")], "[mesh]");
+        assert_eq!(&TEXT[places.span("contact[1].obstacle.axis")], "[contact.obstacle]");
+        assert_eq!((places.span("solver.method"), places.key(&(0..0)).as_str()), (0..0, ""));
+        let two = TEXT.find("2, 3").unwrap();
+        assert_eq!(places.key(&(two..two + 1)), "mesh.size[1]");
+        let name = TEXT.rfind("friction").unwrap();
+        assert_eq!(places.key(&(name..name + 8)), "contact[1].friction");
+        assert_eq!(Places::of("[mesh").key(&(0..1)), "");
+    }
+}

@@ -1,0 +1,96 @@
+//! From the file as it stands to a scene: which keys belong to which kind of thing. What their values may be is known,
+//! and checked, where they are used.
+
+mod mesh;
+mod obstacle;
+mod solver;
+
+use std::path::Path;
+
+use super::document::{self, Document, Tuple};
+use super::error::Source;
+use super::{Output, Scene, SceneError, Time};
+use crate::description::{Contact, Description, Load, Support};
+use crate::fault::{Fault, demand, finite};
+use crate::fem::{Layer, Material, MaterialGroup};
+
+/// The scene of `document`, which was read from `source`.
+pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneError> {
+    let at = |fault: Fault| source.located(fault);
+    let time = time(&document.time).map_err(at)?;
+    let contacts: Vec<_> = document.contact.into_iter().enumerate().collect();
+    let description = Description {
+        mesh: mesh::source(&document.mesh, &source).map_err(at)?,
+        element: document.mesh.element.unwrap_or_default(),
+        material: material(document.material),
+        supports: document.support.into_iter().map(support).collect(),
+        contacts: contacts.into_iter().map(|(k, given)| contact(k, given, &source)).collect::<Result<_, _>>()?,
+        loads: document.load.into_iter().map(load).collect(),
+        times: time.all(),
+    };
+    description.check().map_err(at)?;
+    let solver = solver::solver(&document.solver, !description.contacts.is_empty()).map_err(at)?;
+    let one_tangent_key = solver::one_tangent_key(solver.method);
+    let output = output(document.output, &time).map_err(at)?;
+    let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
+    let title = document.title.unwrap_or_else(stem);
+    Ok(Scene { title, description, time, solver, one_tangent_key, output, source })
+}
+
+/// The value at `key`, which `whose` needs; otherwise the fault of `kind`, which asks for it.
+fn needed<T>(key: &str, value: Option<T>, kind: &str, whose: &str) -> Result<T, Fault> {
+    value.ok_or_else(|| Fault::new(kind, format!("{whose} needs {key}"), "add the key"))
+}
+
+/// Fails if the `value` at `key` is given, which belongs to another kind of thing than `whose`.
+fn foreign<T>(key: &str, value: Option<&T>, whose: &str) -> Result<(), Fault> {
+    value.map_or(Ok(()), |_| Err(Fault::new(key, format!("{whose} has no {key}"), "remove the key")))
+}
+
+fn time(time: &document::Time) -> Result<Time, Fault> {
+    let document::Time { end, increments } = *time;
+    finite("time.end", end)?;
+    demand(end > 0.0, "time.end", &end, "positive", "the history runs from 0 to this time, s")?;
+    let help = "the history is divided into this many equal increments";
+    let sound = (1..=10_000_000).contains(&increments);
+    demand(sound, "time.increments", &increments, "at least 1 and at most 10 million", help)?;
+    Ok(Time { end, increments: increments as usize })
+}
+
+fn material(given: document::Material) -> Material {
+    let document::Material { young, poisson, plane, layers, group } = given;
+    let layer = |Tuple([thickness, young, poisson])| Layer { thickness, young, poisson };
+    let group = group.into_iter().map(|document::MaterialGroup { name, young, poisson }| MaterialGroup {
+        name,
+        young,
+        poisson,
+    });
+    Material { young, poisson, plane, layers: layers.into_iter().map(layer).collect(), groups: group.collect() }
+}
+
+fn support(document::Support { boundary, fix }: document::Support) -> Support {
+    Support::new(&boundary, &fix)
+}
+
+fn contact(k: usize, given: document::Contact, source: &Source) -> Result<Contact, SceneError> {
+    let document::Contact { boundary, friction, obstacle } = given;
+    let key = format!("contact[{k}].obstacle");
+    Ok(Contact { boundary, friction, obstacle: obstacle::obstacle(obstacle, &key, source)? })
+}
+
+fn load(document::Load { boundary, traction, history }: document::Load) -> Load {
+    Load { boundary, traction, history: history.map(points) }
+}
+
+fn points(given: Vec<Tuple<f64>>) -> Vec<[f64; 2]> {
+    given.into_iter().map(|Tuple(point)| point).collect()
+}
+
+fn output(document::Output { times, fields }: document::Output, time: &Time) -> Result<Output, Fault> {
+    let Some(times) = times else { return Ok(Output { times: vec![time.end], fields }) };
+    if let Some(t) = times.iter().find(|&&t| t.is_nan() || t <= 0.0 || t > time.end) {
+        let message = format!("output.times holds {t}, but the history runs from 0 to {}", time.end);
+        return Err(Fault::new("output.times", message, "give times after 0 and up to time.end, s"));
+    }
+    Ok(Output { times, fields })
+}

@@ -1,0 +1,114 @@
+//! The obstacle of a contact.
+
+use crate::contact::{Obstacle, Rotation, Shape};
+use crate::fault::Fault;
+use crate::formula::Formula;
+use crate::scene::SceneError;
+use crate::scene::document::{self, ObstacleKind};
+use crate::scene::error::Source;
+use crate::vector::Vector;
+
+use super::{foreign, needed, points};
+
+/// The obstacle that stands at `key` of the scene `source`.
+pub(super) fn obstacle(given: document::Obstacle, key: &str, source: &Source) -> Result<Obstacle, SceneError> {
+    let at = |fault: Fault| source.located(fault.under(key));
+    own_keys(&given).map_err(at)?;
+    let shape = match (&given.kind, &given.formula) {
+        (ObstacleKind::Formula, Some(text)) => formula(text, key, source)?,
+        _ => shape(&given, source).map_err(at)?,
+    };
+    let document::Obstacle { normal, tangent, direction, approach, motion, .. } = given;
+    let (translation, rotation) = motion.map_or((None, None), |motion| (motion.translation, motion.rotation));
+    Ok(Obstacle {
+        shape,
+        normal,
+        tangent,
+        direction: direction.unwrap_or_default(),
+        approach: approach.map(points),
+        translation: translation.map(path).transpose().map_err(at)?,
+        rotation: rotation.map(|document::Rotation { axis, through, history }| Rotation {
+            axis,
+            through,
+            history: points(history),
+        }),
+    })
+}
+
+fn whose(kind: &ObstacleKind) -> &'static str {
+    match kind {
+        ObstacleKind::Plane => "a plane",
+        ObstacleKind::Cylinder => "a cylinder",
+        ObstacleKind::Sphere => "a sphere",
+        ObstacleKind::Wedge => "a wedge",
+        ObstacleKind::Formula => "a formula",
+        ObstacleKind::Table => "a table",
+    }
+}
+
+/// Refuses the keys of other kinds of obstacles.
+fn own_keys(obstacle: &document::Obstacle) -> Result<(), Fault> {
+    let document::Obstacle { kind, gap, through, radius, apex, axis, angle, formula, file, .. } = obstacle;
+    let keys: &[&str] = match kind {
+        ObstacleKind::Plane => &["gap", "through"],
+        ObstacleKind::Cylinder => &["radius", "apex", "axis"],
+        ObstacleKind::Sphere => &["radius", "apex"],
+        ObstacleKind::Wedge => &["apex", "angle", "axis"],
+        ObstacleKind::Formula => &["formula"],
+        ObstacleKind::Table => &["file"],
+    };
+    let given = [
+        ("gap", gap.is_some()),
+        ("radius", radius.is_some()),
+        ("angle", angle.is_some()),
+        ("through", through.is_some()),
+        ("apex", apex.is_some()),
+        ("axis", axis.is_some()),
+        ("formula", formula.is_some()),
+        ("file", file.is_some()),
+    ];
+    let alien = given.into_iter().find(|(key, given)| *given && !keys.contains(key));
+    alien.map_or(Ok(()), |(key, _)| foreign(key, Some(&()), whose(kind)))
+}
+
+fn shape(obstacle: &document::Obstacle, source: &Source) -> Result<Shape, Fault> {
+    let document::Obstacle { kind, gap, through, radius, apex, axis, angle, file, .. } = obstacle;
+    let whose = whose(kind);
+    let number = |key: &str, value: &Option<f64>| needed(key, *value, "kind", whose);
+    let apex = || needed("apex", *apex, "kind", whose);
+    Ok(match kind {
+        ObstacleKind::Plane => match (gap, through) {
+            (Some(_), Some(_)) => {
+                return Err(Fault::new("through", "a plane has both gap and through", "keep one of them"));
+            }
+            (None, Some(through)) => Shape::PlaneThrough { through: *through },
+            (gap, None) => Shape::Plane { gap: gap.unwrap_or(0.0) },
+        },
+        ObstacleKind::Cylinder => Shape::Cylinder { radius: number("radius", radius)?, apex: apex()?, axis: *axis },
+        ObstacleKind::Sphere => Shape::Sphere { radius: number("radius", radius)?, apex: apex()? },
+        ObstacleKind::Wedge => Shape::Wedge { angle: number("angle", angle)?, apex: apex()?, axis: *axis },
+        ObstacleKind::Formula => return needed("formula", None, "kind", whose),
+        ObstacleKind::Table => Shape::Table { file: source.beside(needed("file", file.as_ref(), "kind", whose)?) },
+    })
+}
+
+/// A formula; what is wrong within it is underlined.
+fn formula(text: &str, key: &str, source: &Source) -> Result<Shape, SceneError> {
+    Formula::parse(text).map(Shape::Formula).map_err(|why| {
+        let help = "give the gap in m as a formula of x, y and z in m, such as \"0.5 * x^2 / 0.1\"";
+        let fault = Fault::new(format!("{key}.formula"), format!("the formula: {why}"), help);
+        source.located_within(fault, text, &why.span)
+    })
+}
+
+/// The points of a translation: a time, and two or three coordinates.
+fn path(given: Vec<Vec<f64>>) -> Result<Vec<(f64, Vector)>, Fault> {
+    let point = |point: Vec<f64>| match point[..] {
+        [t, x, y] => Some((t, [x, y].into())),
+        [t, x, y, z] => Some((t, [x, y, z].into())),
+        _ => None,
+    };
+    let help = "give points [time, x, y] or [time, x, y, z], s and m, ordered by time";
+    let points: Option<_> = given.into_iter().map(point).collect();
+    points.ok_or_else(|| Fault::new("motion.translation", "translation is not a list of points", help))
+}

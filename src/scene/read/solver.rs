@@ -1,0 +1,102 @@
+//! The solver of a scene.
+
+use super::foreign;
+use crate::fault::{Fault, demand, finite};
+use crate::formulation::NewtonSystem;
+use crate::history::{LinearAlgebra, Method, Solver};
+use crate::linear::SparseLu;
+use crate::scene::document;
+use crate::scene::solver::{LinearName, MethodName, Setting};
+
+const NOTHING_BUILT_IN: &str = "this build has no linear algebra to choose from";
+const BUILD_IT: &str = "build it with the cargo feature umfpack or faer";
+
+/// Which key asks for a `method` that knows one tangent a node only, if one does.
+pub(super) fn one_tangent_key(method: Method) -> Option<&'static str> {
+    match method {
+        Method::PaperIp { .. } => Some("solver.setting"),
+        Method::Ip { newton: NewtonSystem::Extended } => Some("solver.newton"),
+        Method::Bn { .. } | Method::PaperBn | Method::Ip { newton: NewtonSystem::Reduced } => None,
+    }
+}
+
+/// The solver that `given` asks for; `touches` tells whether there is contact.
+pub(super) fn solver(given: &document::Solver, touches: bool) -> Result<Solver, Fault> {
+    let method = method(given)?;
+    let max_iterations = given.max_iterations.unwrap_or(Solver::MAX_ITERATIONS as i64);
+    let help = "an increment that needs more iterations has not converged";
+    let sound = (1..=1_000_000).contains(&max_iterations);
+    demand(sound, "solver.max_iterations", &max_iterations, "at least 1 and at most a million", help)?;
+    let tolerance = given.tolerance.unwrap_or(method.default_tolerance());
+    finite("solver.tolerance", tolerance)?;
+    let help = "the relative error that every law may have, e.g. 1e-10";
+    let sound = tolerance > 0.0 && tolerance < 1.0;
+    demand(sound, "solver.tolerance", &tolerance, "above 0 and below 1", help)?;
+    let linear = linear(given.linear, touches)?;
+    Ok(Solver { method, linear, max_iterations: max_iterations as usize, tolerance })
+}
+
+fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgebra>, Fault> {
+    let fault = |message: &str, help: &str| Fault::new("solver.linear", message, help);
+    let whole = LinearAlgebra::default();
+    let Some(given) = given else {
+        // Without contact a condensed body is all interior: what is left is the Cholesky factor of K.
+        let cholesky = !touches && LinearAlgebra::condensed().is_built_in();
+        return Ok(Some(if cholesky { LinearAlgebra::condensed() } else { whole }));
+    };
+    // What is compared: if one of both is built in, the other is, too.
+    let Some(linear) = given.algebra() else {
+        return if whole.is_built_in() { Ok(None) } else { Err(fault(NOTHING_BUILT_IN, BUILD_IT)) };
+    };
+    let missing = match linear {
+        linear if linear.is_built_in() => return Ok(Some(linear)),
+        LinearAlgebra::Whole(SparseLu::Umfpack) => "UMFPACK".to_string(),
+        LinearAlgebra::Whole(SparseLu::Faer) => "faer".to_string(),
+        condensed => format!("Cholesky factorisation, which \"{condensed}\" needs"),
+    };
+    let help = if whole.is_built_in() { format!("use \"{whole}\" or \"condensed\"") } else { BUILD_IT.to_string() };
+    Err(fault(&format!("this build has no {missing}"), &help))
+}
+
+fn method(solver: &document::Solver) -> Result<Method, Fault> {
+    let document::Solver { method, setting, start, partition, newton, r_factor, .. } = *solver;
+    let setting = setting.unwrap_or_default();
+    let whose = match (method, setting) {
+        (MethodName::Ip, Setting::Paper) => "the method ip",
+        (MethodName::Ip, Setting::Default) => {
+            "the method ip has a start and a partition in the setting paper only; here it"
+        }
+        (MethodName::Bn, Setting::Paper) => "the method bn in the setting paper",
+        (MethodName::Bn, Setting::Default) => "the method bn",
+    };
+    let in_solver = |fault: Fault| fault.under("solver");
+    if (method, setting) != (MethodName::Ip, Setting::Paper) {
+        foreign("start", start.as_ref(), whose).map_err(in_solver)?;
+        foreign("partition", partition.as_ref(), whose).map_err(in_solver)?;
+    }
+    if method == MethodName::Bn {
+        foreign("newton", newton.as_ref(), whose).map_err(in_solver)?;
+    }
+    if (method, setting) != (MethodName::Bn, Setting::Default) {
+        foreign("r_factor", r_factor.as_ref(), whose).map_err(in_solver)?;
+    }
+    let newton = newton.unwrap_or_default();
+    Ok(match (method, setting) {
+        (MethodName::Ip, Setting::Paper) => Method::PaperIp {
+            start: start.unwrap_or_default().constants(),
+            partition: partition.unwrap_or_default(),
+            newton,
+        },
+        (MethodName::Ip, Setting::Default) => Method::Ip { newton },
+        (MethodName::Bn, Setting::Paper) => Method::PaperBn,
+        (MethodName::Bn, Setting::Default) => Method::Bn { r_factor: checked_factor(r_factor)?, rescue: true },
+    })
+}
+
+fn checked_factor(given: Option<f64>) -> Result<f64, Fault> {
+    let factor = given.unwrap_or(1.0);
+    finite("solver.r_factor", factor)?;
+    let help = "r comes from the problem; this multiplies it, for studies of r alone";
+    demand(factor > 0.0, "solver.r_factor", &factor, "positive", help)?;
+    Ok(factor)
+}

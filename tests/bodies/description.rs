@@ -1,0 +1,386 @@
+//! A model without text: the same numbers as from a scene, and nothing wrong gets through; what is wrong is named by
+//! its key.
+
+#![allow(clippy::unwrap_used)]
+
+use miette::Diagnostic;
+use stickslip::contact::{GapDirection, Obstacle, Rotation, Shape};
+use stickslip::description::{Axis, Description, Load};
+use stickslip::fem::{Element, Layer, Material, MaterialGroup, Plane};
+use stickslip::formula::Formula;
+use stickslip::history::{Method, Solver, Status};
+use stickslip::mesh::{Boundary, Cell, CellKind, HalfPlane, Mesh, MeshFault, MeshSource, Segment, block};
+use stickslip::model::{Model, ModelError};
+use stickslip::run::Run;
+use stickslip::scene::{Scene, SceneError};
+use stickslip::timeline::equal_increments;
+
+use crate::common;
+use crate::common::edit;
+use crate::common::faults::BLOCK;
+
+/// The paper's block as data/scenes/block.toml has it, with fewer elements.
+fn paper_block() -> Description {
+    let steel = Material::new(210e9, 0.3).in_plane(Plane::Strain);
+    Description::new(MeshSource::block([1.0, 1.0], [4, 4]), steel, equal_increments(2.0, 40))
+        .support("left", &[Axis::X, Axis::Y])
+        .contact("bottom", 0.4, Obstacle::plane(1e-5))
+        .load(Load::new("top", &[0.0, -10e6]).over(&[[0.0, 0.0], [1.0, 1.0], [2.0, 1.0]]))
+        .load(Load::new("right", &[-10e6, 0.0]).over(&[[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]))
+}
+
+fn cube() -> Description {
+    Description::new(MeshSource::block([1.0; 3], [2; 3]), Material::new(1e9, 0.3), vec![1.0, 1.5])
+        .support("left", &[Axis::X, Axis::Y, Axis::Z])
+        .contact("bottom", 0.3, Obstacle::plane(0.0))
+        .load(Load::new("top", &[0.0, 0.0, -1e6]))
+}
+
+/// Every number of both models is the same to the last bit.
+fn assert_equal(a: &Model, b: &Model) {
+    assert_eq!(a.description(), b.description());
+    assert_eq!(format!("{:?}", a.problem), format!("{:?}", b.problem));
+    assert_eq!(a.loading, b.loading);
+    assert_eq!(a.mesh, b.mesh);
+}
+
+#[test]
+fn the_block_from_text_and_from_rust() {
+    let of_text = Model::new(&common::block(&["mesh.elements=[4, 4]"])).unwrap();
+    assert_equal(&of_text, &Model::build(&paper_block()).unwrap());
+}
+
+#[test]
+fn obstacles_that_move_from_text_and_from_rust() {
+    let text = r#"
+        [mesh]
+        kind = "block"
+        size = [[0.5, 0.5], 1.0]
+        elements = [[2, 3], 2]
+        grading = [[1.0, 2.0], 1.0]
+        cells = "triangle"
+        [material]
+        young = 1e9
+        poisson = 0.3
+        layers = [[0.5, 2e9, 0.2]]
+        [[support]]
+        boundary = "top"
+        fix = ["x", "y"]
+        [[contact]]
+        boundary = "bottom"
+        friction = 0.3
+        [contact.obstacle]
+        kind = "cylinder"
+        radius = 5.0
+        apex = [0.5, -1e-3]
+        direction = "nearest"
+        approach = [[0, 0], [1, 2e-3]]
+        motion.translation = [[0, 0, 0], [3, 0.1, 0]]
+        motion.rotation = { through = [0.5, -5.001], history = [[0, 0], [1, 0.1]] }
+        [time]
+        end = 2
+        increments = 4
+    "#;
+    let source = MeshSource::Block {
+        axes: vec![
+            [(2, 1.0), (3, 2.0)].map(|(elements, grading)| Segment { length: 0.5, elements, grading }).to_vec(),
+            vec![Segment { length: 1.0, elements: 2, grading: 1.0 }],
+        ],
+        cells: CellKind::Triangle,
+    };
+    let layers = vec![Layer { thickness: 0.5, young: 2e9, poisson: 0.2 }];
+    let roller = Obstacle {
+        direction: GapDirection::Nearest,
+        translation: Some(vec![(0.0, [0.0; 2].into()), (3.0, [0.1, 0.0].into())]),
+        rotation: Some(Rotation { axis: None, through: [0.5, -5.001].into(), history: vec![[0.0, 0.0], [1.0, 0.1]] }),
+        ..Obstacle::at_rest(Shape::Cylinder { radius: 5.0, apex: [0.5, -1e-3].into(), axis: None })
+            .approaching(&[[0.0, 0.0], [1.0, 2e-3]])
+    };
+    let description =
+        Description::new(source, Material { layers, ..Material::new(1e9, 0.3) }, equal_increments(2.0, 4))
+            .support("top", &[Axis::X, Axis::Y])
+            .contact("bottom", 0.3, roller);
+    let of_text = Model::new(&Scene::parse("roller.toml", text, &[]).unwrap()).unwrap();
+    assert_equal(&of_text, &Model::build(&description).unwrap());
+    assert_eq!(
+        (of_text.times(), of_text.loading.bends()[0].times()),
+        (&description.times[..], &[0.0, 0.5, 1.0, 1.5, 2.0][..])
+    );
+}
+
+#[test]
+fn a_model_without_text_is_solved() {
+    let model = Model::build(&paper_block()).unwrap();
+    let run = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap();
+    let report = run.solve(&mut ()).unwrap();
+    assert_eq!((report.status, report.increments.len()), (Status::Converged, 40));
+}
+
+/// A fault that the model of `description` has to have, with the key and words of the message.
+fn refused(description: &Description, key: &str, says: &str) {
+    let error = Model::build(description).err().unwrap_or_else(|| panic!("accepted, with `{says}`: {description:?}"));
+    let ModelError::Description(fault) = &error else { panic!("{error}") };
+    assert_eq!(fault.key, key, "{error}");
+    assert!(fault.message.contains(says), "`{says}` is not in: {error}");
+    assert!(error.to_string().starts_with(&format!("{key}: ")), "{error}");
+    assert!(!error.help().unwrap().to_string().is_empty());
+}
+
+#[test]
+fn nonsense_in_the_plane() {
+    let with = |change: &dyn Fn(&mut Description)| {
+        let mut description = paper_block();
+        change(&mut description);
+        description
+    };
+    let mesh = |source: MeshSource| with(&|d| d.mesh = source.clone());
+    let half_plane =
+        HalfPlane { size: [1.0, 1.0], contact_width: 0.1, contact_elements: 2, outer_elements: 2, layers: 2 };
+    let half = |half_plane| mesh(MeshSource::HalfPlane(half_plane));
+    let segment = Segment { length: 1.0, elements: 2, grading: 1.0 };
+    let axes = |axes: Vec<Vec<Segment>>| mesh(MeshSource::Block { axes, cells: CellKind::Quadrilateral });
+    let material = |material: Material| with(&|d| d.material = material.clone());
+    let steel = || Material::new(210e9, 0.3);
+    let contact = |obstacle: Obstacle| with(&|d| d.contacts[0].obstacle = obstacle.clone());
+    let round = |radius: f64| Shape::Cylinder { radius, apex: [0.5, -1.0].into(), axis: None };
+    let plane = || Obstacle::plane(1e-5);
+    let layer = Layer { thickness: 0.5, young: 1e9, poisson: 0.3 };
+    let group = |name: &str| MaterialGroup { name: name.into(), young: 1e9, poisson: 0.3 };
+    let rotation = |history: Vec<[f64; 2]>| Rotation { axis: None, through: [0.0; 2].into(), history };
+    for (description, key, says) in [
+        (mesh(MeshSource::block([1.0], [4])), "mesh.size", "two or three lengths"),
+        (mesh(MeshSource::block([1.0, f64::NAN], [4, 4])), "mesh.size", "[1.0, NaN]"),
+        (mesh(MeshSource::block([1.0, -1.0], [4, 4])), "mesh.size", "positive"),
+        (mesh(MeshSource::block([1.0, 1.0], [4, 0])), "mesh.elements", "[4, 0]"),
+        (mesh(MeshSource::block([1.0, 1.0], [usize::MAX, 2])), "mesh.elements", "50 million"),
+        (axes(vec![vec![segment], vec![]]), "mesh.size", "[1.0, []]"),
+        (axes(vec![vec![segment], vec![Segment { grading: 0.0, ..segment }]]), "mesh.grading", "ratios"),
+        (axes(vec![vec![segment]; 3]), "mesh.cells", "2 dimensions, but mesh.size has 3"),
+        (half(HalfPlane { contact_width: 1.5, ..half_plane }), "mesh.contact_width", "less than the width"),
+        (half(HalfPlane { layers: 0, ..half_plane }), "mesh.layers", "at least 1"),
+        (half(HalfPlane { outer_elements: 9_999_999, layers: 99, ..half_plane }), "mesh", "50 million"),
+        (mesh(MeshSource::Gmsh { file: "part.msh".into(), scale: 0.0 }), "mesh.scale", "positive"),
+        (with(&|d| d.element = Element::BBar).in_plane_stress(), "mesh.element", "\"stress\""),
+        (material(Material::new(0.0, 0.3)), "material.young", "positive"),
+        (material(Material::new(f64::INFINITY, 0.3)), "material.young", "finite"),
+        (material(Material::new(1e9, 0.5)), "material.poisson", "below 0.5"),
+        (
+            material(Material { layers: vec![layer, Layer { thickness: -0.1, ..layer }], ..steel() }),
+            "material.layers[1]",
+            "thickness",
+        ),
+        (
+            material(Material { layers: vec![Layer { thickness: 5.0, ..layer }, layer], ..steel() }),
+            "material.layers[1]",
+            "no element",
+        ),
+        (
+            material(Material { groups: vec![group("body"), group("body")], ..steel() }),
+            "material.group[1].name",
+            "already",
+        ),
+        (
+            material(Material { groups: vec![group("core")], ..steel() }),
+            "material.group[0].name",
+            "no material group `core`",
+        ),
+        (
+            material(Material { groups: vec![group("body")], layers: vec![layer], ..steel() }),
+            "material.layers",
+            "layers and groups",
+        ),
+        (paper_block().support("right", &[]), "support[1].fix", "holds nothing"),
+        (paper_block().support("right", &[Axis::Z]), "support[1].fix", "holds z"),
+        (paper_block().support("rigth", &[Axis::X]), "support[1].boundary", "no boundary `rigth`"),
+        (with(&|d| d.contacts[0].friction = -0.1), "contact[0].friction", "0 or more"),
+        (with(&|d| d.contacts[0].friction = f64::NAN), "contact[0].friction", "finite"),
+        (paper_block().contact("bottom", 0.1, plane()), "contact[1].boundary", "already"),
+        (paper_block().contact("down", 0.1, plane()), "contact[1].boundary", "no boundary `down`"),
+        (paper_block().contact("left", 0.1, plane()), "contact[1].boundary", "supports hold every node"),
+        (contact(Obstacle::plane(f64::NAN)), "contact[0].obstacle.gap", "finite"),
+        (contact(Obstacle::plane(-1e-6)), "contact[0].boundary", "supports hold the body where the obstacle is"),
+        (contact(Obstacle::plane(-0.5)), "contact[0].obstacle", "inside the body"),
+        (contact(Obstacle::at_rest(round(-1.0))), "contact[0].obstacle.radius", "positive"),
+        (contact(Obstacle::at_rest(round(0.1))), "contact[0].obstacle", "does not reach"),
+        (contact(Obstacle { normal: Some([0.0; 2].into()), ..plane() }), "contact[0].obstacle.normal", "[0.0, 0.0]"),
+        (contact(Obstacle { normal: Some([0.0, 1.0].into()), ..plane() }), "contact[0].obstacle", "into the body"),
+        (
+            contact(Obstacle { normal: Some([0.0, -1.0, 1.0].into()), ..plane() }),
+            "contact[0].obstacle",
+            "leaves the plane",
+        ),
+        (
+            contact(Obstacle { tangent: Some([1.0, 0.0].into()), ..plane() }),
+            "contact[0].obstacle.tangent",
+            "right angles",
+        ),
+        (contact(Obstacle { direction: GapDirection::Nearest, ..plane() }), "contact[0].obstacle.direction", "nearest"),
+        (contact(plane().approaching(&[])), "contact[0].obstacle.approach", "empty"),
+        (
+            contact(plane().approaching(&[[1.0, 0.0], [0.0, 1.0]])),
+            "contact[0].obstacle.approach",
+            "times must increase",
+        ),
+        (
+            contact(Obstacle { translation: Some(vec![(f64::NAN, [0.0; 2].into())]), ..plane() }),
+            "contact[0].obstacle.motion.translation",
+            "increasing times",
+        ),
+        (
+            contact(Obstacle { rotation: Some(rotation(Vec::new())), ..plane() }),
+            "contact[0].obstacle.motion.rotation.history",
+            "empty",
+        ),
+        (
+            contact(Obstacle::at_rest(Shape::Formula(Formula::parse("sqrt(x - 0.5)").unwrap()))),
+            "contact[0].obstacle",
+            "no finite value",
+        ),
+        (contact(Obstacle::at_rest(Shape::Table { file: "none.csv".into() })), "contact[0].obstacle", "cannot be read"),
+        (with(&|d| d.loads[1].traction = vec![1.0]), "load[1].traction", "two or three"),
+        (with(&|d| d.loads[1].traction = vec![1.0, f64::NAN]), "load[1].traction", "two or three finite"),
+        (with(&|d| d.loads[1].traction = vec![1.0; 3]), "load[1].traction", "3 components"),
+        (with(&|d| d.loads[0].boundary = "roof".into()), "load[0].boundary", "no boundary `roof`"),
+        (with(&|d| d.loads[0].history = Some(Vec::new())), "load[0].history", "empty"),
+        (with(&|d| d.loads[0].history = Some(vec![[0.0, f64::INFINITY]])), "load[0].history", "inf"),
+        (with(&|d| d.times.clear()), "times", "empty"),
+        (with(&|d| d.times[7] = 0.0), "times", "must increase"),
+        (with(&|d| d.times[39] = f64::NAN), "times", "NaN"),
+    ] {
+        refused(&description, key, says);
+    }
+}
+
+#[test]
+fn nonsense_in_space() {
+    let contact = |shape: Shape| {
+        let mut description = cube();
+        description.contacts[0].obstacle = Obstacle::at_rest(shape);
+        description
+    };
+    let apex = [0.5, 0.5, -0.1].into();
+    let flat = Obstacle { normal: Some([0.0, -1.0].into()), ..Obstacle::plane(0.0) };
+    let mut pressed = cube();
+    pressed.contacts[0].obstacle = flat;
+    for (description, key, says) in [
+        (contact(Shape::Cylinder { radius: 9.0, apex, axis: None }), "contact[0].obstacle", "needs an axis"),
+        (contact(Shape::Sphere { radius: 9.0, apex: [0.5, -0.1].into() }), "contact[0].obstacle", "two components"),
+        (contact(Shape::Wedge { apex, angle: 2.0, axis: None }), "contact[0].obstacle.angle", "between 0 and pi/2"),
+        (pressed, "contact[0].obstacle", "normal of the obstacle has two components"),
+        (cube().in_plane_stress(), "material.plane", "three dimensions"),
+        (cube().load(Load::new("top", &[0.0, 1.0])), "load[1].traction", "2 components"),
+    ] {
+        refused(&description, key, says);
+    }
+}
+
+trait InPlaneStress {
+    fn in_plane_stress(self) -> Self;
+}
+
+impl InPlaneStress for Description {
+    fn in_plane_stress(mut self) -> Self {
+        self.material = self.material.in_plane(Plane::Stress);
+        self
+    }
+}
+
+/// The key stands beside file and line, whoever finds the fault: the TOML reader, the scene or the model.
+#[test]
+fn errors_of_scenes_have_a_key() {
+    for (from, to, key) in [
+        ("210e9", "\"steel\"", "material.young"),
+        ("friction = 0.4", "frction = 0.4", "contact[0].frction"),
+        ("[0.0, -10e6]", "[0.0, \"up\"]", "load[0].traction[1]"),
+        ("friction = 0.4", "friction = -0.4", "contact[0].friction"),
+        ("[100, 100]", "[100, 0]", "mesh.elements"),
+        ("gap = 1e-5", "normal = [0, 0]", "contact[0].obstacle.normal"),
+        ("gap = 1e-5", "radius = 1", "contact[0].obstacle.radius"),
+        ("setting = \"paper\"", "tolerance = 2", "solver.tolerance"),
+        ("\"right\"", "\"rigth\"", "load[1].boundary"),
+        ("[mesh]", "[mesh", ""),
+    ] {
+        let text = edit(BLOCK, from, to).replace("[100, 100]", "[2, 2]");
+        let error = match Scene::parse("block.toml", &text, &[]) {
+            Err(error) => error,
+            Ok(scene) => match Model::new(&scene).unwrap_err() {
+                ModelError::Scene(error) => error,
+                other => panic!("{other}"),
+            },
+        };
+        let SceneError::Invalid(located) = &error else { panic!("{error}") };
+        assert_eq!(located.key, key, "{error}");
+    }
+}
+
+/// A block by its arrays, with the facets of its boundaries turned and in disorder, is the block.
+#[test]
+fn a_mesh_from_arrays() {
+    let made = block(&[1.0, 1.0], &[4, 4]);
+    let mut boundaries = made.boundaries.clone();
+    for facets in boundaries.iter_mut().map(|boundary| &mut boundary.facets) {
+        facets.iter_mut().step_by(2).for_each(|facet| facet.reverse());
+        facets.rotate_left(2);
+    }
+    let given = Mesh::new(made.nodes.clone(), made.cells.clone(), Vec::new(), boundaries).unwrap();
+    assert_eq!(given, made);
+    let of_arrays = Model::build(&Description { mesh: given.into(), ..paper_block() }).unwrap();
+    let model = Model::build(&paper_block()).unwrap();
+    assert_eq!(format!("{:?}", of_arrays.problem), format!("{:?}", model.problem));
+    let cube = block(&[1.0; 3], &[2; 3]).into_simplices();
+    assert_eq!(
+        Mesh::new(cube.nodes.clone(), cube.cells.clone(), cube.groups.clone(), cube.boundaries.clone()),
+        Ok(cube)
+    );
+}
+
+#[test]
+fn meshes_that_are_none() {
+    let sound = block(&[1.0, 1.0], &[2, 2]);
+    let new = |mesh: Mesh| Mesh::new(mesh.nodes, mesh.cells, mesh.groups, mesh.boundaries).unwrap_err();
+    let with = |change: &dyn Fn(&mut Mesh)| {
+        let mut mesh = sound.clone();
+        change(&mut mesh);
+        mesh
+    };
+    let facet = |nodes: &[usize]| Boundary { name: "odd".into(), facets: vec![nodes.to_vec()] };
+    let brick = Cell { kind: CellKind::Hexahedron, nodes: (0..8).collect(), group: 0 };
+    let faults: [(Mesh, MeshFault); 13] = [
+        (with(&|m| m.cells.clear()), MeshFault::Empty),
+        (with(&|m| m.nodes[3][1] = f64::NAN), MeshFault::NotFinite(vec![3])),
+        (with(&|m| m.nodes[2][2] = 0.1), MeshFault::OutOfPlane(vec![2])),
+        (with(&|m| m.cells[1] = brick.clone()), MeshFault::Dimensions { element: 1, cell: 3, mesh: 2 }),
+        (with(&|m| m.cells[1].nodes.truncate(3)), MeshFault::Corners { element: 1, given: 3, needed: 4 }),
+        (with(&|m| m.cells[3].nodes[2] = 9), MeshFault::NoNode { element: 3, node: 9, nodes: 9 }),
+        (with(&|m| m.cells[2].group = 1), MeshFault::NoGroup { element: 2, group: 1, groups: 1 }),
+        (with(&|m| m.cells[0].nodes.reverse()), MeshFault::Inverted(vec![0])),
+        (with(&|m| m.nodes.push([5.0, 5.0, 0.0])), MeshFault::UnusedNodes(vec![9])),
+        (with(&|m| m.boundaries.push(facet(&[1, 4]))), MeshFault::InnerFacet { boundary: "odd".into(), element: 0 }),
+        (with(&|m| m.boundaries.push(facet(&[0, 77]))), MeshFault::LooseFacet { boundary: "odd".into(), element: 0 }),
+        (
+            with(&|m| m.boundaries[0].facets.push(vec![0, 1])),
+            MeshFault::RepeatedFacet { boundary: "bottom".into(), elements: (0, 2) },
+        ),
+        (with(&|m| m.boundaries[1].name = "top".into()), MeshFault::RepeatedName("top".into())),
+    ];
+    for (mesh, fault) in faults {
+        assert!(!fault.help().is_empty());
+        assert_eq!(new(mesh.clone()), fault);
+        // The same of a mesh that was put together without `Mesh::new`.
+        let says = fault.to_string();
+        refused(&Description { mesh: mesh.into(), ..paper_block() }, "mesh", &says);
+    }
+    let turned = with(&|m| m.boundaries[0].facets[1].reverse());
+    refused(&Description { mesh: turned.into(), ..paper_block() }, "mesh", "the wrong way round");
+}
+
+/// Gmsh leaves out what is in no physical group, if there are any.
+#[test]
+fn a_mesh_without_boundaries() {
+    let mut mesh = block(&[1.0, 1.0], &[4, 4]);
+    mesh.boundaries.clear();
+    let error = Model::build(&Description { mesh: mesh.into(), ..paper_block() }).unwrap_err();
+    assert!(error.to_string().contains("the mesh has no boundary `left`"), "{error}");
+    let help = error.help().unwrap().to_string();
+    assert!(help.contains("has no boundaries: put its outer curves into physical groups"), "{help}");
+}
