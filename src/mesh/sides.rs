@@ -90,7 +90,8 @@ fn root(parent: &mut [usize], mut k: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{block, half_plane};
+    use crate::mesh::block;
+    use crate::mesh::half_plane::half_plane;
 
     #[test]
     fn what_is_made_here_is_one_piece() {
@@ -103,7 +104,7 @@ mod tests {
     }
 
     /// The block without all cells but `kept`.
-    fn part(size: &[f64], elements: &[usize], kept: &[usize]) -> Mesh {
+    fn part<const D: usize>(size: &[f64; D], elements: &[usize; D], kept: &[usize]) -> Mesh {
         let whole = block(size, elements);
         Mesh { cells: kept.iter().map(|&e| whole.cells[e].clone()).collect(), ..whole }
     }
