@@ -10,7 +10,7 @@ mod common;
 
 use common::{Naive, Who, block, compare};
 use stickslip::history::{self, HistorySettings, Method, Observer, Status, System};
-use stickslip::linear::{self, Direct, LinearSolver, Umfpack};
+use stickslip::linear::{self, LinearSolver, Umfpack};
 use stickslip::report::{Table, cpu_seconds};
 use stickslip::units::Scaling;
 

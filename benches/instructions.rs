@@ -9,7 +9,7 @@ mod common;
 use common::block;
 use stickslip::condense::Condensed;
 use stickslip::formulation::{Bdiff, Conventions};
-use stickslip::linear::{self, Dense, Direct};
+use stickslip::linear::{self, Dense, Direct, SparseCholesky};
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Increment, State};
 

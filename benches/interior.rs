@@ -14,7 +14,6 @@ use std::time::Instant;
 
 use common::block;
 use stickslip::formulation::{Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
-use stickslip::history::System;
 use stickslip::linear::{self, Direct, FactorInfo, LinearSolver, Umfpack, backward_error};
 use stickslip::model::Model;
 use stickslip::problem::Increment;
@@ -84,7 +83,7 @@ fn measure(n: usize) -> [Form; 2] {
         bare.analyze(formulation.matrix().pattern()).unwrap();
         let mut direct = Direct::new(Box::new(Umfpack::default()));
         direct.analyze(formulation.matrix().pattern()).unwrap();
-        let unknowns = formulation.matrix().pattern.rows();
+        let unknowns = formulation.matrix().pattern().rows();
         let info = FactorInfo::default();
         let form = Form {
             name,

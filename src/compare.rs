@@ -155,14 +155,16 @@ pub struct Comparison {
 }
 
 /// Why scenes could not be compared.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum CompareError {
-    /// A scene of the plan could not be solved.
-    #[error(transparent)]
-    Run(#[from] RunError),
     /// Meshes were asked for that only the scene could make.
-    #[error("the mesh of the scene comes from a file, so it cannot be computed on others")]
+    #[error("the mesh of the scene comes from a file, so nothing can be computed on other meshes")]
+    #[diagnostic(help("leave out the meshes (--meshes), or compare scenes with a file each"))]
     FixedMesh,
+    /// A mesh of the plan could not be built, or a run ended without a report.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Run(#[from] RunError),
 }
 
 impl fmt::Display for SolverPath {

@@ -28,7 +28,7 @@ enum Step {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}, at character {character}")]
 pub struct FormulaError {
-    /// In words.
+    /// The fault in words.
     pub message: String,
     /// The character it begins at, from 1.
     pub character: usize,
@@ -68,7 +68,7 @@ impl Formula {
         &self.text
     }
 
-    /// Its value at `x` (m); NaN where it has none.
+    /// The value of the formula at `x` (m); NaN where it has none.
     pub fn at(&self, x: [f64; 3]) -> f64 {
         self.evaluate(x).unwrap_or(f64::NAN)
     }

@@ -46,9 +46,15 @@ pub mod problem;
 pub mod report;
 pub mod run;
 pub mod scene;
+pub mod sets;
 pub mod solvability;
 pub mod sparse;
 pub mod timeline;
 pub mod uniqueness;
 pub mod units;
 pub mod vector;
+
+/// The README, whose Rust is compiled and run with the examples of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -20,6 +20,7 @@ use serde::Serialize;
 use crate::linear::null_space_of;
 use crate::sparse::{Csr, Symmetric, Twofold};
 use crate::units::Scaling;
+use crate::vector::median;
 
 /// One body against rigid obstacles, in SI units; sound, because [`ContactProblem::new`] lets nothing else pass.
 ///
@@ -180,6 +181,17 @@ impl ContactProblem {
         self.c_n().rows()
     }
 
+    /// `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f`, n_u, N, of external forces `force` (n_u, N); in twice the working
+    /// precision if the state has a `u_rest`.
+    ///
+    /// # Errors
+    /// When an array is longer or shorter than the problem asks for.
+    pub fn equilibrium(&self, force: &[f64], state: &State) -> Result<Vec<f64>, ProblemError> {
+        state.check(self)?;
+        error::expect_length("force", self.displacements(), force.len(), "one for each displacement")?;
+        Ok(self.imbalance(force, state))
+    }
+
     /// `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f`, N; in twice the working precision if the state has a `u_rest`.
     pub(crate) fn imbalance(&self, force: &[f64], state: &State) -> Vec<f64> {
         if state.u_rest.is_empty() {
@@ -240,12 +252,7 @@ impl ContactProblem {
     /// obstacles reach `interference` (m) into the body: the stiffness of a typical node, and the
     /// displacement that either makes.
     pub fn scaling(&self, largest_force: f64, interference: f64) -> Scaling {
-        let mut diagonal = self.stiffness().diagonal();
-        let middle = diagonal.len() / 2;
-        let stiffness = match diagonal.len() {
-            0 => 1.0,
-            _ => *diagonal.select_nth_unstable_by(middle, f64::total_cmp).1,
-        };
+        let stiffness = median(&mut self.stiffness().diagonal()).unwrap_or(1.0);
         Scaling::near(stiffness, interference.max(largest_force / stiffness))
     }
 }

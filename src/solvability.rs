@@ -18,6 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::null_space::{NEGLIGIBLE, null_space};
 use crate::problem::ContactProblem;
+use crate::sets::Sets;
 use cone::{Cone, norm};
 
 /// What violates the conditions (a) and (b) of Theorem 3.
@@ -215,25 +216,16 @@ fn dependent(problem: &ContactProblem) -> Vec<usize> {
 
 /// The rows in groups that have no displacement in common. An empty row is a group of its own.
 fn groups<'a, 'b>(rows: &'b [Row<'a>]) -> Vec<Vec<&'b Row<'a>>> {
-    fn root(parents: &mut [usize], mut k: usize) -> usize {
-        while parents[k] != k {
-            parents[k] = parents[parents[k]];
-            k = parents[k];
-        }
-        k
-    }
-    let mut parents: Vec<usize> = (0..rows.len()).collect();
+    let mut sets = Sets::new(rows.len());
     let mut first = BTreeMap::new();
     for (k, (_, row)) in rows.iter().enumerate() {
         for (column, _) in *row {
-            let other = root(&mut parents, *first.entry(column).or_insert(k));
-            let own = root(&mut parents, k);
-            parents[own] = other;
+            sets.join(*first.entry(column).or_insert(k), k);
         }
     }
     let mut groups = BTreeMap::<usize, Vec<&Row>>::new();
     for (k, row) in rows.iter().enumerate() {
-        groups.entry(root(&mut parents, k)).or_default().push(row);
+        groups.entry(sets.least(k)).or_default().push(row);
     }
     groups.into_values().collect()
 }

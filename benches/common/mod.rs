@@ -119,7 +119,7 @@ impl LinearSolver for Naive {
 
     fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
         let pattern = self.pattern.clone().ok_or(LinearError::Order { missing: "analyze" })?;
-        let (pruned, values) = prune(&Csc { pattern, values: values.to_vec() });
+        let (pruned, values) = prune(&Csc::new(pattern, values.to_vec()).map_err(|_| LinearError::PatternChanged)?);
         self.umfpack = None;
         let mut umfpack = Umfpack::new(Strategy::Automatic);
         umfpack.analyze_with(&pruned, Some(&values))?;
@@ -139,6 +139,6 @@ pub fn prune(a: &Csc) -> (Arc<Pattern>, Vec<f64>) {
         a.entries().filter(|&(_, _, value)| value != 0.0).for_each(|(i, j, _)| take(i, j));
     })
     .unwrap();
-    let values = a.values.iter().copied().filter(|&value| value != 0.0).collect();
+    let values = a.values().iter().copied().filter(|&value| value != 0.0).collect();
     (Arc::new(pattern), values)
 }

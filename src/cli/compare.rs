@@ -76,10 +76,7 @@ pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     };
     let comparison = compare::compute(&scene, &plan, &mut progress).map_err(|error| match error {
         CompareError::Run(error) => Failure::from(error),
-        CompareError::FixedMesh => {
-            let help = "leave out --meshes, or compare scenes with several files";
-            Failure::Input(miette::miette!(help = help, "{}: {error}", args.scene.display()))
-        }
+        fixed @ CompareError::FixedMesh => Failure::Input(fixed.into()),
     })?;
     bar.finish_and_clear();
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::Failure;
 use super::run::write_failure;
+use super::{Failure, output};
 
 #[derive(Args)]
 pub(super) struct InitArgs {
@@ -51,7 +51,7 @@ pub(super) fn init(args: &InitArgs) -> Result<(), Failure> {
     say!("{}", scene.trim_end());
     if !besides.is_empty() {
         let besides: Vec<&str> = besides.iter().map(|(name, _)| *name).collect();
-        eprintln!("note: with --out DIR {name} comes with {}", besides.join(" and "));
+        output::note(&format!("note: with --out DIR {name} comes with {}", besides.join(" and ")));
     }
     Ok(())
 }

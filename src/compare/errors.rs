@@ -70,7 +70,7 @@ impl End {
 }
 
 impl TimeErrors {
-    /// Those of `end` against `reference`, both with the integration weights `l`.
+    /// The errors of `end` against `reference`, both with the integration weights `l`.
     pub fn new(end: &End, reference: &End, weight: &[f64]) -> Self {
         let components = [(&end.p_n, &reference.p_n), (&end.p_t, &reference.p_t), (&end.p_o, &reference.p_o)];
         let [p_n, p_t, p_o] = components.map(|(p, exact)| {
@@ -98,7 +98,7 @@ pub(super) fn relative(value: f64, scale: f64) -> f64 {
 }
 
 impl MeshErrors {
-    /// Those of `end` against the `finest` mesh, tractions `within` a part of the contact boundary only.
+    /// The errors of `end` against the `finest` mesh, tractions `within` a part of the contact boundary only.
     pub fn new(end: &End, finest: &End, within: &Interior) -> Self {
         let sum = |forces: &[f64]| forces.iter().sum::<f64>();
         let apart = |of: fn(&End) -> &[f64]| sum(of(end)) - sum(of(finest));

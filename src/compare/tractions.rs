@@ -46,7 +46,7 @@ impl Interior {
 }
 
 impl Tractions {
-    /// Those of a `state` of `model`.
+    /// The tractions of a `state` of `model`.
     pub(super) fn new(model: &Model, state: &State) -> Self {
         let traction = |(i, contact): (usize, &ContactNode)| {
             let ([t, o], n) = (contact.facing.tangents, contact.facing.normal);

@@ -8,7 +8,7 @@ use std::path::Path;
 pub struct GapTable {
     /// The file, for messages.
     pub file: String,
-    /// Which coordinates the table has, one or two: 0 for x, 1 for y, 2 for z.
+    /// The coordinates of the table, one or two: 0 for x, 1 for y, 2 for z.
     coordinates: Vec<usize>,
     /// Increasing values of each coordinate, m.
     knots: Vec<Vec<f64>>,
@@ -19,7 +19,7 @@ pub struct GapTable {
 /// Why a table was refused.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{file}: the table of gaps cannot be read: {error}")]
     Io {
         /// The file.
@@ -27,7 +27,7 @@ pub enum TableError {
         /// What the system said.
         error: io::Error,
     },
-    /// Its header is not that of such a table.
+    /// The header of the file is not that of such a table.
     #[error("{file}:1: the header is `{header}`, but one or two of x, y, z and then gap are needed, as in `x,gap`")]
     Header {
         /// The file.
@@ -42,7 +42,7 @@ pub enum TableError {
         file: String,
         /// The line, from 1.
         line: usize,
-        /// How many columns there are.
+        /// The number of columns.
         columns: usize,
     },
     /// Points are missing, or there twice.
@@ -52,9 +52,9 @@ pub enum TableError {
     Grid {
         /// The file.
         file: String,
-        /// How many lines of numbers there are.
+        /// The number of lines of numbers.
         points: usize,
-        /// How many values of each coordinate.
+        /// The numbers of values of each coordinate.
         grid: String,
     },
 }

@@ -7,7 +7,7 @@ use super::motion::ObstacleMotion;
 use super::obstacle::{Facing, PlacedObstacle};
 use crate::fem::{Dofs, facet_weights};
 use crate::mesh::{Boundary, Mesh};
-use crate::vector::{cross, dot, unit};
+use crate::vector::{self, cross, dot, unit};
 
 /// A row of a contact map, `w = Σ coefficient · u[dof]`, as pairs `(dof, coefficient)`.
 pub type Row = Vec<(usize, f64)>;
@@ -128,9 +128,8 @@ fn tangents(dofs: &[Option<usize>], facing: &Facing) -> Vec<[f64; 3]> {
     match held[..] {
         [] => facing.tangents.to_vec(),
         [axis] => {
-            let across = [0, 1, 2].map(|c| if c == axis { 1.0 } else { 0.0 });
             let in_plane = facing.tangents.into_iter().find(|tangent| tangent[axis] == 0.0);
-            vec![in_plane.unwrap_or_else(|| unit(cross(across, facing.normal)))]
+            vec![in_plane.unwrap_or_else(|| unit(cross(vector::axis(axis), facing.normal)))]
         }
         _ => Vec::new(),
     }

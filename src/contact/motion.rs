@@ -5,7 +5,7 @@ use super::obstacle::{Facing, PlacedObstacle};
 use super::surface::{across, plus};
 use crate::loading::piecewise_linear;
 use crate::timeline::within;
-use crate::vector::{cross, dot, minus, unit};
+use crate::vector::{axis, cross, dot, minus, unit};
 
 /// How an obstacle moves: a sum of motions in one direction each, times a factor that changes in time.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,9 +40,8 @@ impl ObstacleMotion {
     pub fn new(obstacle: &Obstacle, normal: [f64; 3], end: f64) -> Self {
         let path: Vec<[f64; 4]> = within(end, &obstacle.path());
         let component = |c: usize| {
-            let direction = [0, 1, 2].map(|k| if k == c { 1.0 } else { 0.0 });
             let history = path.iter().map(|point| [point[0], point[1 + c]]).collect::<Vec<_>>();
-            (direction, history)
+            (axis(c), history)
         };
         let mut translations: Vec<_> = (0..3).map(component).collect();
         translations.push((normal.map(|c| -c), within(end, obstacle.approach.as_deref().unwrap_or_default())));

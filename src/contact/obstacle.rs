@@ -4,7 +4,7 @@ use super::description::{GapDirection, Obstacle, Rotation, SKEW, Shape};
 use super::gap_table::{GapTable, TableError};
 use super::surface::{Surface, across};
 use crate::mesh::{Boundary, Mesh};
-use crate::vector::{Vector, cross, dot, norm, unit};
+use crate::vector::{Vector, axis_across, cross, dot, norm, unit};
 
 /// An obstacle in front of a part of the boundary. Small displacements: gaps are measured once, in
 /// the undeformed state.
@@ -243,5 +243,5 @@ fn mean_normal(mesh: &Mesh, boundary: &Boundary) -> Option<[f64; 3]> {
 /// before z.
 fn first_tangent(normal: [f64; 3]) -> [f64; 3] {
     let closest = [1, 2].into_iter().fold(0, |best, c| if normal[c].abs() < normal[best].abs() { c } else { best });
-    unit([0, 1, 2].map(|c| if c == closest { 1.0 } else { 0.0 } - normal[closest] * normal[c]))
+    axis_across(closest, normal)
 }

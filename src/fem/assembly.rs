@@ -11,9 +11,9 @@ use crate::sparse::Symmetric;
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("element {element} near ({}) is inverted or degenerate", coordinates(centre, *dimension))]
 pub struct InvertedElement {
-    /// Its number, from 0.
+    /// The number of the element, from 0.
     pub element: usize,
-    /// Its centre, m.
+    /// The centre of the element, m.
     pub centre: [f64; 3],
     /// The dimension of the mesh.
     pub dimension: usize,

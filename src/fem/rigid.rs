@@ -110,7 +110,7 @@ pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
     basis.iter().filter_map(|weights| RigidMotion::combination(&all, weights)).collect()
 }
 
-/// Another basis of the space of `basis`, whose members are weights of the translations and then of the rotations:
+/// A basis for people of the space of `basis`, whose members are weights of the translations and then of the rotations:
 /// first what is a translation only, then rotations about one axis of coordinates each, without the translations
 /// that are free by themselves, as far as the space has such members.
 ///

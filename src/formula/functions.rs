@@ -12,7 +12,7 @@ pub(super) enum Function {
 }
 
 impl Function {
-    /// What it takes, in words.
+    /// The arguments of the function, in words.
     pub(super) fn arguments(self) -> &'static str {
         match self {
             Function::One(_) => "1 argument",

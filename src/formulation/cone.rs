@@ -25,6 +25,7 @@ use super::{Assembled, Conventions, Face, Layout};
 use crate::problem::{ContactProblem, Increment};
 use crate::sparse::Csc;
 use crate::units::Scaling;
+use crate::vector::dot;
 
 /// The equations of a problem, in the units of its scaling, and their Newton system on `(u, p_t, p_o, p_n)`.
 pub struct Cone {
@@ -54,10 +55,6 @@ impl Node {
     fn widening(&self) -> f64 {
         1.0 + dot(self.e, self.e)
     }
-}
-
-fn dot([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
-    a * c + b * d
 }
 
 impl Cone {

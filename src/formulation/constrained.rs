@@ -128,7 +128,7 @@ impl Constrained {
         self.pairs.iter().map(|pair| pair.length).chain(self.positive_cone_rows())
     }
 
-    /// The cone rows in `G`.
+    /// The cone rows in `G`: all with (26)–(28), none with (29)–(31).
     fn positive_cone_rows(&self) -> Range<usize> {
         match self.partition {
             Partition::Products => 0..0,

@@ -8,6 +8,7 @@ use crate::linear::{Direct, LinearError};
 use crate::nonlinear::{Outcome, PredictorCorrector, PredictorCorrectorSettings, Stop};
 use crate::problem::{ContactProblem, State};
 use crate::sparse::Csc;
+use crate::vector::median;
 
 /// How far inside the attempts at an increment start, in terms of the estimate. The first is the
 /// fastest and nearly always enough: of 12000 increments with random loads, gaps, friction and
@@ -42,7 +43,7 @@ impl<'a> PredictorCorrectorMethod<'a> {
             NewtonSystem::Extended => {
                 let HistorySettings { scaling, conventions, .. } = history;
                 let formulation = Constrained::new(problem, *scaling, conventions, Partition::Products, newton);
-                let stiffness = median(&history.contact_stiffness);
+                let stiffness = median(&mut history.contact_stiffness.clone()).unwrap_or(1.0);
                 Self::with(problem, assembled, history, Box::new(formulation), stiffness)
             }
         }
@@ -56,7 +57,7 @@ impl<'a> PredictorCorrectorMethod<'a> {
             Self::with(problem, assembled, history, formulation, mean_of_compliances(stiffness))
         } else {
             let formulation = Box::new(Constrained::on(assembled.clone(), conventions, Partition::Products));
-            Self::with(problem, assembled, history, formulation, median(stiffness))
+            Self::with(problem, assembled, history, formulation, median(&mut stiffness.clone()).unwrap_or(1.0))
         }
     }
 
@@ -105,13 +106,6 @@ impl<'a> PredictorCorrectorMethod<'a> {
         force *= times;
         self.formulation.move_inside(&mut self.z, force, force / self.stiffness);
     }
-}
-
-/// The median, or 1 of nothing.
-fn median(values: &[f64]) -> f64 {
-    let mut values = values.to_vec();
-    let middle = values.len() / 2;
-    if values.is_empty() { 1.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
 /// The stiffness with the mean compliance: the cold start of the exact cone has to reach as far as the soft

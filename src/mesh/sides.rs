@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::{Cell, CellKind, Facet, Mesh};
+use crate::sets::Sets;
 
 /// The pieces that a mesh falls into.
 #[derive(Debug, PartialEq, Eq)]
@@ -48,22 +49,21 @@ impl Mesh {
 
     /// The parts of the mesh whose cells are joined by whole sides.
     pub(super) fn pieces(&self, sides: &HashMap<Facet, usize>) -> Pieces {
-        let mut parent: Vec<usize> = (0..self.cells.len()).collect();
+        // The first cell stands for its piece.
+        let mut joined = Sets::new(self.cells.len());
         for (facet, &cell) in sides {
             let from_outside = from_least(facet.iter().rev().copied().collect());
             if let Some(&neighbour) = sides.get(&from_outside) {
-                let (a, b) = (root(&mut parent, cell), root(&mut parent, neighbour));
-                // The first cell stands for its piece.
-                parent[a.max(b)] = a.min(b);
+                joined.join(cell, neighbour);
             }
         }
-        let cells: Vec<usize> = (0..parent.len()).filter(|&e| parent[e] == e).collect();
+        let cells: Vec<usize> = (0..self.cells.len()).filter(|&e| joined.least(e) == e).collect();
         let mut piece_at: Vec<Option<usize>> = vec![None; self.nodes.len()];
         let mut joint = None;
         for (e, cell) in self.cells.iter().enumerate() {
-            let piece = root(&mut parent, e);
-            let joined = |&node: &usize| *piece_at[node].get_or_insert(piece) != piece;
-            joint = joint.or(cell.nodes.iter().copied().find(joined));
+            let piece = joined.least(e);
+            let meets = |&node: &usize| *piece_at[node].get_or_insert(piece) != piece;
+            joint = joint.or(cell.nodes.iter().copied().find(meets));
         }
         Pieces { cells, joint }
     }
@@ -76,15 +76,6 @@ pub(super) fn from_least(mut facet: Facet) -> Facet {
         facet.rotate_left(least);
     }
     facet
-}
-
-/// The representative of the part that `k` belongs to.
-fn root(parent: &mut [usize], mut k: usize) -> usize {
-    while parent[k] != k {
-        parent[k] = parent[parent[k]];
-        k = parent[k];
-    }
-    k
 }
 
 #[cfg(test)]

@@ -183,7 +183,8 @@ struct Branch {
 }
 
 impl Bn {
-    /// Directions of the exact derivative (20), branch by branch, until one can be stepped along.
+    /// Directions by the directional Newton equation (11), with the exact derivative (20), branch by branch until one can be
+    /// stepped along.
     fn look_for_a_branch(
         &mut self,
         mut branch: Branch,

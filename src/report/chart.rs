@@ -29,7 +29,7 @@ pub struct Chart {
 pub struct Axis {
     /// The quantity and its unit.
     pub label: String,
-    /// How its numbers are laid out.
+    /// The layout of the numbers along the axis.
     pub scale: Scale,
 }
 
@@ -45,7 +45,7 @@ pub struct Panel {
 /// A curve: a line, markers, or both.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Its name in the legend; curves of the same name share an entry, those without have none.
+    /// The name of the curve in the legend; curves of the same name share an entry, those without have none.
     pub label: String,
     /// The points in order. On an axis of decades, numbers that are not positive are left out.
     pub points: Vec<[f64; 2]>,

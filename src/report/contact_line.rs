@@ -27,7 +27,7 @@ pub struct ContactPoint {
     /// Tangential contact force, N, in two dimensions per unit depth: of the body on the obstacle, along the
     /// first tangent.
     pub p_t: f64,
-    /// The same along the second tangent.
+    /// Tangential contact force along the second tangent, N.
     pub p_o: f64,
     /// Normal contact stress `p_n / l` (32), Pa.
     pub sigma_n: f64,
@@ -39,13 +39,13 @@ pub struct ContactPoint {
     pub w_n: f64,
     /// Tangential contact displacement along the first tangent, m.
     pub w_t: f64,
-    /// The same along the second tangent, m.
+    /// Tangential contact displacement along the second tangent, m.
     pub w_o: f64,
     /// The distance from the obstacle that is left, m.
     pub gap: f64,
     /// Motion past the obstacle along the first tangent since the beginning, m.
     pub slip_t: f64,
-    /// The same along the second tangent, m.
+    /// Motion past the obstacle along the second tangent since the beginning, m.
     pub slip_o: f64,
     /// The force of the body on the obstacle, N: normal and tangential ones together.
     pub force: [f64; 3],
@@ -84,7 +84,7 @@ impl ContactLine {
         model.contact_boundaries.iter().map(line).collect()
     }
 
-    /// As CSV, SI units: the columns of the plane, and in three dimensions those of space among them.
+    /// The nodes as CSV, SI units: the columns of the plane, and in three dimensions those of space among them.
     pub fn to_csv(&self) -> String {
         let columns: Vec<&Column> = COLUMNS.iter().filter(|column| column.dimension <= self.dimension).collect();
         let header: Vec<&str> = columns.iter().map(|column| column.name).chain(["status"]).collect();

@@ -3,7 +3,7 @@
 use crate::contact::{ContactBoundary, ContactStatus};
 use crate::history::Step;
 use crate::model::Model;
-use crate::vector::{cross, dot, unit};
+use crate::vector::{axis_across, cross, dot};
 
 /// The nodes and facets of a boundary with contact, projected on the plane at right angles to the obstacle's normal.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +25,7 @@ pub struct ContactSurface {
 /// A node of a contact surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceNode {
-    /// Its place along the axes, m.
+    /// The place of the node along the two axes of the map, m.
     pub place: [f64; 2],
     /// Normal contact stress (32), Pa.
     pub pressure: f64,
@@ -81,8 +81,7 @@ impl ContactSurface {
 fn axes(normal: [f64; 3]) -> [[f64; 3]; 2] {
     let steepest = (0..3).fold(0, |best, c| if normal[c].abs() > normal[best].abs() { c } else { best });
     let [a, b] = [[1, 2], [0, 2], [0, 1]][steepest];
-    // + 0.0 turns -0 into 0.
-    let first = unit([0, 1, 2].map(|c| if c == a { 1.0 } else { 0.0 } - normal[a] * normal[c] + 0.0));
+    let first = axis_across(a, normal);
     let second = cross(normal, first);
     let sign = second[b].signum();
     [first, second.map(|c| sign * c + 0.0)]

@@ -87,7 +87,7 @@ impl ContactSurface {
                 Some(_) if node.pressure > 0.0 => shade(node.pressure / view.most_pressure),
                 Some(_) => WHITE,
             };
-            svg.polygon(&overlapping(corners.map(|corner| view.at(corner))), colour);
+            svg.tile(&corners.map(|corner| view.at(corner)), colour);
         }
     }
 
@@ -152,12 +152,6 @@ fn arrow(svg: &mut Svg, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) {
     let at = |along: f64, aside: f64| [x + along * ex - aside * ey, y + along * ey + aside * ex];
     svg.line(&[at(0.0, 0.0), at(length - 0.7 * head, 0.0)], Line { width: 1.8, ..THIN }, TANGENTIAL);
     svg.polygon(&[at(length, 0.0), at(length - head, 0.4 * head), at(length - head, -0.4 * head)], TANGENTIAL);
-}
-
-/// The corners moved apart by a third of a pixel, so that no gap shows between neighbours.
-fn overlapping(corners: [[f64; 2]; 4]) -> [[f64; 2]; 4] {
-    let centre = [0, 1].map(|c| corners.iter().map(|corner| 0.25 * corner[c]).sum::<f64>());
-    corners.map(|corner| [0, 1].map(|c| corner[c] + 0.33 * (corner[c] - centre[c]).signum()))
 }
 
 fn middle(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {

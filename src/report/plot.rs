@@ -21,7 +21,8 @@ pub fn contact_stresses(line: &ContactLine, title: &str) -> Result<String, PlotE
 }
 
 /// A panel for each contact line under its heading: `σ_n` and `σ_t` in MPa, the friction bound
-/// `±μ σ_n`, and on `σ_t` the status of each node: filled for stick, hollow for slip, none for open.
+/// `±μ σ_n`, and on `σ_t` the status of each node: filled for stick, hollow for slip, none for open. Of a line that touches
+/// in a small part only, that part is shown.
 pub fn stress_chart(title: String, subtitle: String, columns: usize, lines: &[(String, &ContactLine)]) -> Chart {
     // Contact lines are mostly level: then x says more than the distance along the line.
     let level = |line: &ContactLine| line.points.windows(2).all(|pair| pair[1].x > pair[0].x && pair[1].y == pair[0].y);
@@ -38,9 +39,23 @@ pub fn stress_chart(title: String, subtitle: String, columns: usize, lines: &[(S
         columns,
         panels: lines
             .iter()
-            .map(|(heading, line)| Panel { title: heading.clone(), curves: curves(&line.points, abscissa) })
+            .map(|(heading, line)| Panel { title: heading.clone(), curves: curves(shown(&line.points), abscissa) })
             .collect(),
     }
+}
+
+/// The points to show: those in contact and half as much around them, two on either side at least, where that is
+/// no more than half of the line; otherwise all.
+fn shown(points: &[ContactPoint]) -> &[ContactPoint] {
+    let touches = |p: &ContactPoint| p.status != ContactStatus::Open;
+    let (Some(first), Some(last)) = (points.iter().position(touches), points.iter().rposition(touches)) else {
+        return points;
+    };
+    let (low, high) = (points[first].s, points[last].s);
+    let margin = 0.25 * (high - low);
+    let from = points.partition_point(|p| p.s < low - margin).min(first.saturating_sub(2));
+    let to = points.partition_point(|p| p.s <= high + margin).max(last + 3).min(points.len());
+    if 2 * (to - from) <= points.len() { &points[from..to] } else { points }
 }
 
 fn curves(points: &[ContactPoint], abscissa: fn(&ContactPoint) -> f64) -> Vec<Curve> {
@@ -76,4 +91,50 @@ fn curves(points: &[ContactPoint], abscissa: fn(&ContactPoint) -> f64) -> Vec<Cu
         sample("stick", Marker::Disc),
         sample("slip", Marker::Circle),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A straight line of `n` nodes, of which those `closed` stick.
+    fn points(n: usize, closed: std::ops::Range<usize>) -> Vec<ContactPoint> {
+        let point = |k: usize| ContactPoint {
+            x: k as f64,
+            y: 0.0,
+            z: 0.0,
+            s: k as f64,
+            p_n: 1.0,
+            p_t: 0.0,
+            p_o: 0.0,
+            sigma_n: 1.0,
+            sigma_t: 0.0,
+            sigma_o: 0.0,
+            w_n: 0.0,
+            w_t: 0.0,
+            w_o: 0.0,
+            gap: 0.0,
+            slip_t: 0.0,
+            slip_o: 0.0,
+            force: [0.0; 3],
+            mu: 0.3,
+            status: if closed.contains(&k) { ContactStatus::Stick } else { ContactStatus::Open },
+        };
+        (0..n).map(point).collect()
+    }
+
+    #[test]
+    fn a_narrow_contact_fills_the_plot() {
+        let range = |n, closed| {
+            let points = points(n, closed);
+            let shown = shown(&points);
+            (shown[0].x, shown[shown.len() - 1].x)
+        };
+        assert_eq!(range(101, 40..61), (35.0, 65.0));
+        assert_eq!(range(101, 50..51), (48.0, 52.0));
+        assert_eq!(range(101, 0..9), (0.0, 10.0));
+        assert_eq!([range(101, 92..101), range(12, 5..7)], [(90.0, 100.0), (3.0, 8.0)]);
+        // Nothing touches, or half of the line and more.
+        assert_eq!([range(101, 0..0), range(31, 0..23), range(11, 5..7)], [(0.0, 100.0), (0.0, 30.0), (0.0, 10.0)]);
+    }
 }

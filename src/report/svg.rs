@@ -6,6 +6,8 @@ use std::fmt::Write;
 const RADIUS: f64 = 3.4;
 /// The width of the outline of a hollow marker.
 const OUTLINE: f64 = 1.4;
+/// How wide a seam two neighbours can show.
+const SEAM: f64 = 0.7;
 /// How far the line on which letters stand is below their middle, in sizes of the letters.
 const HALF_A_LETTER: f64 = 0.35;
 
@@ -25,9 +27,9 @@ pub(super) fn expect_finite(mut values: impl Iterator<Item = f64>) -> Result<(),
 /// A line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
-    /// How it is broken.
+    /// The dashes of the line.
     pub dash: Dash,
-    /// Its width, px.
+    /// The width of the line, px.
     pub width: f64,
 }
 
@@ -60,15 +62,15 @@ pub enum Marker {
 /// How a text stands to its point, which is half-way up its letters.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Anchor {
-    /// It begins there.
+    /// The text begins at the point.
     Start,
-    /// Its middle is there.
+    /// The middle of the text is at the point.
     Middle,
-    /// The same in bold letters.
+    /// The middle of the text, in bold letters, is at the point.
     Bold,
-    /// It ends there.
+    /// The text ends at the point.
     End,
-    /// Its middle is there, and it reads upwards.
+    /// The middle of the text is at the point, and it reads upwards.
     Upwards,
 }
 
@@ -125,6 +127,14 @@ impl Svg {
     pub(super) fn polygon(&mut self, corners: &[[f64; 2]], colour: Colour) {
         let (corners, colour) = (places(corners), hex(colour));
         self.put(format_args!("<polygon points=\"{corners}\" fill=\"{colour}\"/>"));
+    }
+
+    /// A filled polygon that leaves no seam between itself and its neighbours.
+    pub(super) fn tile(&mut self, corners: &[[f64; 2]], colour: Colour) {
+        let (corners, colour) = (places(corners), hex(colour));
+        self.put(format_args!(
+            "<polygon points=\"{corners}\" fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\"{SEAM}\"/>"
+        ));
     }
 
     /// A marker; a hollow one hides the line behind it.

@@ -20,7 +20,7 @@ pub enum Values {
 /// A field: so many values for each point or cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// Its name.
+    /// The name of the field.
     pub name: &'static str,
     /// Values for each point or cell: 1 for a number, 3 for a vector, 9 for a tensor, row by row.
     pub components: usize,

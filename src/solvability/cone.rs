@@ -2,6 +2,7 @@
 //! Lawson and Hanson (Solving Least Squares Problems, 1974, chapter 23).
 
 use crate::null_space::NEGLIGIBLE;
+use crate::vector::dot;
 
 /// Residuals of unit vectors are orthogonal to the columns they were fitted with up to some ten
 /// times 2.2e-16. A column makes a smaller angle with the residual than this by rounding only.
@@ -110,10 +111,6 @@ fn without(q: &[Vec<f64>], v: &[f64]) -> (Vec<f64>, Vec<f64>) {
         }
     }
     (products, rest)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// The Euclidean length of `v`, whatever its order of magnitude.

@@ -100,7 +100,7 @@ fn both_ways_have_the_same_result() {
         (&["mesh.elements=[300,2]", "mesh.size=[300,2]"], LinearAlgebra::default()),
     ] {
         let (scene, model) = scene(&[overrides, &["time.increments=2"]].concat());
-        let chosen = cheapest(&scene, &model, None).backend;
+        let chosen = cheapest(&scene, &model, None).linear;
         assert_eq!(chosen, expected);
         let [(whole, whole_states), (condensed, condensed_states)] =
             [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&scene, &model, backend));

@@ -2,12 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::formulation::Conventions;
-use stickslip::history::{self, FirstGuess, HistorySettings, Method, Status};
-use stickslip::linear::Direct;
+use stickslip::history::{self, HistorySettings, Method, Status, System};
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::model::Model;
-use stickslip::nonlinear::BnSettings;
 use stickslip::problem::{ContactProblem, Parts};
 use stickslip::scene::Scene;
 use stickslip::sparse::{Csr, Symmetric};

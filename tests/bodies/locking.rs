@@ -29,7 +29,7 @@ fn patch_test_of_b_bar() {
         let k = assemble(&mesh, &dofs, Element::BBar, |_| material).unwrap();
         let [ux, uy] = [[0.3, -0.2], [0.7, 0.4]];
         let u: Vec<f64> = mesh.nodes.iter().flat_map(|[x, y, _]| [ux, uy].map(|g| 0.1 + g[0] * x + g[1] * y)).collect();
-        let force = k.times(&u).unwrap();
+        let mut force = k.times(&u).unwrap();
         // The forces of the uniform stress on the sides are all there are.
         let [sx, sy, _, txy, _, _] = material.stress([ux[0], uy[1], 0.0, ux[1] + uy[0], 0.0, 0.0]);
         for (side, [nx, ny]) in

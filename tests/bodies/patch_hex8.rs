@@ -75,7 +75,7 @@ fn patch_test() {
             let k = assemble(&mesh, &dofs, element, |_| material).unwrap();
             let field = |x: [f64; 3]| (0..d).map(move |c| 0.1 + (0..d).map(|a| gradient[c][a] * x[a]).sum::<f64>());
             let u: Vec<f64> = mesh.nodes.iter().flat_map(|&x| field(x)).collect();
-            let force = k.times(&u).unwrap();
+            let mut force = k.times(&u).unwrap();
             let g = |a: usize, b: usize| if a < d && b < d { gradient[a][b] } else { 0.0 };
             let gamma = |a, b| g(a, b) + g(b, a);
             let [xx, yy, zz, xy, yz, zx] =

@@ -10,7 +10,7 @@ pub mod random;
 use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
-use stickslip::problem::{Increment, State};
+use stickslip::problem::{ContactProblem, Increment, Parts, State};
 use stickslip::run::Run;
 use stickslip::scene::Scene;
 use stickslip::sparse::{Csc, Symmetric};
@@ -19,6 +19,13 @@ use stickslip::sparse::{Csc, Symmetric};
 pub fn block(overrides: &[&str]) -> Scene {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
     Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &overrides).unwrap()
+}
+
+/// The same problem with other parts.
+pub fn changed(problem: &ContactProblem, change: impl FnOnce(&mut Parts)) -> ContactProblem {
+    let mut parts = problem.clone().into_parts();
+    change(&mut parts);
+    ContactProblem::new(parts).unwrap()
 }
 
 /// `text` with the first `from` replaced.

@@ -77,11 +77,7 @@ fn the_papers_ip_within_its_stop() {
 fn reduced_and_extended() {
     let case = block(20, 0.4, 10);
     let reduced = ip(&case.0);
-    let Method::PredictorCorrector { settings, .. } = reduced.method else { unreachable!() };
-    let extended = HistorySettings {
-        method: Method::PredictorCorrector { settings, newton: NewtonSystem::Extended },
-        ..reduced.clone()
-    };
+    let extended = HistorySettings { method: Method::Ip { newton: NewtonSystem::Extended }, ..reduced.clone() };
     let ((reduced, one), (extended, other)) = (states(&case, &reduced), states(&case, &extended));
     let counts = |outcome: &HistoryOutcome| outcome.records.iter().map(|r| r.iterations).collect::<Vec<_>>();
     assert_eq!(counts(&one), counts(&other));

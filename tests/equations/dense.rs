@@ -6,8 +6,7 @@ use std::sync::Arc;
 use stickslip::condense::Condensed;
 use stickslip::contact::coulomb::{NormalCase, TangentialCase};
 use stickslip::formulation::{Bdiff, Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
-use stickslip::history::System;
-use stickslip::linear::{Dense, Direct, LinearError, LinearSolver, backward_error};
+use stickslip::linear::{Dense, Direct, LinearError, LinearSolver, SparseCholesky, backward_error};
 use stickslip::model::Model;
 use stickslip::problem::ContactProblem;
 use stickslip::scene::Scene;
@@ -78,7 +77,7 @@ fn compare(solver: &mut Dense, displacements: usize, a: &Csc, tolerance: f64) ->
 }
 
 fn condensed(model: &Model) -> ContactProblem {
-    Condensed::new(&model.problem, &model.loading).unwrap().problem
+    Condensed::new(&model.problem, &model.loading, SparseCholesky::default()).unwrap().problem
 }
 
 fn bdiff(model: &Model, condensed: &ContactProblem) -> Bdiff {
@@ -173,7 +172,7 @@ fn a_body_held_by_contact() {
 fn matrices_of_an_interior_point_method() {
     let model = model(BLOCK, &["mesh.elements=[10,10]"]);
     for newton in [NewtonSystem::Reduced, NewtonSystem::Extended] {
-        let conventions = Conventions::paper(&model.problem);
+        let conventions = Conventions::paper(model.problem.weight().unwrap());
         let condensed = condensed(&model);
         let mut formulation = Constrained::new(&condensed, model.scaling(), &conventions, Partition::Products, newton);
         let mut solver = Dense::new(condensed.displacements());

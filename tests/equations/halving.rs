@@ -3,8 +3,7 @@
 
 use crate::common;
 use crate::common::Keep;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status};
-use stickslip::linear::Direct;
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, System};
 use stickslip::model::Model;
 
 /// BN that gives up after so many iterations, without help from the interior point method.
@@ -12,7 +11,7 @@ fn hasty(model: &Model, iterations: usize, times: &[f64], keep: &mut Keep) -> Hi
     let mut settings =
         HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(iterations, 1e-10);
     if let Method::Bn { rescue, .. } = &mut settings.method {
-        *rescue = None;
+        *rescue = false;
     }
     history::run(&model.problem, &model.loading, times, &settings, System::default(), keep).unwrap()
 }

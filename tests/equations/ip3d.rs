@@ -6,7 +6,7 @@ use crate::common::random::{self, Random};
 use stickslip::formulation::{Cone, Conventions, InteriorPoint, NewtonSystem};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status, System};
 use stickslip::linear::Direct;
-use stickslip::loading::Loading;
+use stickslip::loading::{LoadCase, Loading};
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Increment, Parts};
 use stickslip::scene::Scene;
@@ -17,10 +17,6 @@ const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 
 fn run(problem: &ContactProblem, loading: &Loading, times: &[f64], settings: &HistorySettings) -> HistoryOutcome {
     history::run(problem, loading, times, settings, System::default(), &mut ()).unwrap()
-}
-
-fn scaling(problem: &ContactProblem, loading: &Loading) -> Scaling {
-    problem.scaling(loading.largest_force(), loading.largest_interference())
 }
 
 /// Without halving.
@@ -119,14 +115,15 @@ fn nodes_with_fewer_tangents() {
     for seed in 0..20 {
         let mut random = Random(seed * 271 + 5);
         let contacts = 4 + (12.0 * random.next()) as usize;
-        let (mut problem, loading) = random::problem(&mut random, contacts, 0.7, 0.0);
+        let (problem, loading) = random::problem(&mut random, contacts, 0.7, 0.0);
         let without = |map: &Csr, nodes: &[usize]| {
-            let mut kept = Csr::new(problem.displacements());
-            (0..contacts).for_each(|i| kept.push_row(map.row(i).iter().copied().filter(|_| !nodes.contains(&i))));
-            kept
+            let row = |i: usize| map.row(i).iter().copied().filter(|_| !nodes.contains(&i)).collect();
+            random::rows(problem.displacements(), (0..contacts).map(row))
         };
-        (problem.c_t(), problem.c_o()) = (without(problem.c_t(), &[1, 3]), without(problem.c_o(), &[2, 3]));
-        problem.mu().iter_mut().step_by(3).for_each(|mu| *mu = 0.0);
+        let problem = common::changed(&problem, |parts| {
+            (parts.c_t, parts.c_o) = (without(problem.c_t(), &[1, 3]), without(problem.c_o(), &[2, 3]));
+            parts.mu.iter_mut().step_by(3).for_each(|mu| *mu = 0.0);
+        });
         count.add(&agree(&problem, &loading, &format!("seed {seed}")));
     }
     println!("{count}");
@@ -143,11 +140,11 @@ fn a_body_held_by_contact_only() {
         let (held, loading) = random::problem(&mut random, contacts, 0.6, 0.0);
         let n = held.displacements();
         let mut motion = vec![0.0; n];
-        held.c_n.add_transposed(&vec![1.0; contacts], &mut motion);
-        let force = held.stiffness.times(&motion).unwrap();
+        (0..contacts).flat_map(|i| held.c_n().row(i)).for_each(|(dof, c)| motion[*dof] += c);
+        let force = held.stiffness().times(&motion).unwrap();
         let energy: f64 = force.iter().zip(&motion).map(|(a, b)| a * b).sum();
         let mut full = vec![0.0; n * n];
-        for (row, column, value) in held.stiffness.entries() {
+        for (row, column, value) in held.stiffness().entries() {
             full[row * n + column] = value;
         }
         let stiffness: Symmetric = random::symmetric(n, |i, j| full[i * n + j] - force[i] * force[j] / energy);
@@ -155,7 +152,8 @@ fn a_body_held_by_contact_only() {
         for x in &mut motion {
             *x /= size;
         }
-        let problem = ContactProblem::new(Parts { stiffness, free_motions: Some(vec![motion]), ..held }).unwrap();
+        let problem =
+            ContactProblem::new(Parts { stiffness, free_motions: Some(vec![motion]), ..held.into_parts() }).unwrap();
         count.add(&agree(&problem, &loading, &format!("seed {seed}")));
     }
     println!("{count}");
@@ -172,7 +170,7 @@ fn the_choice_of_tangents_does_not_matter() {
         // The interior point method alone: below 1e-10 rounding decides how many steps of BN it takes to the end.
         let settings = |problem| HistorySettings {
             halvings: 0,
-            ..HistorySettings::new(problem, loading, Method::IP).unwrap().until(100, 1e-8)
+            ..HistorySettings::new(problem, &loading, Method::IP).unwrap().until(100, 1e-8)
         };
         let [own, other] = [&problem, &turned].map(|problem| run(problem, &loading, &TIMES, &settings(problem)));
         assert_eq!(own.status, Status::Converged, "seed {seed}");
@@ -187,12 +185,12 @@ fn the_choice_of_tangents_does_not_matter() {
 #[test]
 fn the_newton_system_is_the_derivative() {
     let mut random = Random(5);
-    let (mut problem, loading) = random::problem(&mut random, 7, 0.5, 0.0);
-    problem.mu()[3] = 0.0;
-    let mut formulation = Cone::new(&problem, Scaling::near(1e11, 1.0), &Conventions::paper(&problem));
-    let force = loading.cases[0].force.clone();
+    let (problem, loading) = random::problem(&mut random, 7, 0.5, 0.0);
+    let problem = common::changed(&problem, |parts| parts.mu[3] = 0.0);
+    let mut formulation = Cone::new(&problem, Scaling::near(1e11, 1.0), &Conventions::paper(problem.weight().unwrap()));
+    let force = loading.cases()[0].force();
     let last = [(); 2].map(|()| (0..7).map(|_| 0.3 * random.sign()).collect::<Vec<f64>>());
-    formulation.begin(&Increment { force: &force, gap: &loading.gap, w_t_last: &last[0], w_o_last: &last[1] });
+    formulation.begin(&Increment { force, gap: loading.gap(), w_t_last: &last[0], w_o_last: &last[1] });
     let mut linear = Direct::default();
     linear.analyze(formulation.matrix().pattern()).unwrap();
     for spread in [0.0, 0.5, 1.0] {
@@ -206,7 +204,7 @@ fn the_newton_system_is_the_derivative() {
         let b: Vec<f64> = (0..n).map(|_| random.sign()).collect();
         formulation.linearize(&z);
         linear.factorize(formulation.matrix()).unwrap();
-        let m = formulation.matrix().pattern.rows();
+        let m = formulation.matrix().pattern().rows();
         let (mut rhs, mut dz) = (vec![0.0; m], vec![0.0; n]);
         formulation.reduce(&z, &b, &mut rhs);
         linear.solve(formulation.matrix(), &rhs, &mut dz[..m]).unwrap();
@@ -233,9 +231,8 @@ fn the_paper_knows_one_tangent() {
     let (problem, loading) = random::problem(&mut Random(1), 3, 0.5, 0.0);
     let paper = HistorySettings::new(&problem, &loading, Method::paper_ip(Start::Safe)).unwrap().until(100, 1e-6);
     assert_eq!(run(&problem, &loading, &TIMES, &paper).status, Status::Unsupported);
-    let mut extended = ip(&problem, &loading);
-    let Method::PredictorCorrector { newton, .. } = &mut extended.method else { unreachable!() };
-    *newton = NewtonSystem::Extended;
+    let newton = NewtonSystem::Extended;
+    let extended = HistorySettings { method: Method::Ip { newton }, ..ip(&problem, &loading) };
     assert_eq!(run(&problem, &loading, &TIMES, &extended).status, Status::Unsupported);
 }
 
@@ -248,35 +245,24 @@ fn punch(overrides: &[&str]) -> Scene {
 /// which nothing moves. The exact cone then takes the place of the two constraints of (25).
 fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Loading) {
     let (n, contacts) = (problem.displacements(), problem.contacts());
-    let own: Vec<_> = problem.stiffness().entries().filter(|(row, column, _)| row >= column).collect();
-    let idle = problem.contact_stiffness();
-    let mut stiffness = Symmetric::from_entries(n + contacts, |take| {
-        for &(row, column, _) in &own {
-            take(row, column);
-        }
-        (0..contacts).for_each(|i| take(n + i, n + i));
-    })
-    .unwrap();
-    for &(row, column, value) in &own {
-        stiffness.add(row, column, value);
-    }
-    (0..contacts).for_each(|i| stiffness.add(n + i, n + i, idle[i]));
-    let wide = |map: &Csr| {
-        let mut wide = Csr::new(n + contacts);
-        (0..contacts).for_each(|i| wide.push_row(map.row(i).iter().copied()));
-        wide
-    };
-    let mut thick = ContactProblem::new(Parts {
+    let own = problem.stiffness().lower().entries();
+    let idle = problem.contact_stiffness().into_iter().enumerate().map(|(i, k)| (n + i, n + i, k));
+    let stiffness = Symmetric::from_triplets(n + contacts, &own.chain(idle).collect::<Vec<_>>()).unwrap();
+    let wide = |map: &Csr| random::rows(n + contacts, (0..contacts).map(|i| map.row(i).to_vec()));
+    let padded = |values: &[f64]| [values, &vec![0.0; contacts]].concat();
+    let thick = ContactProblem::new(Parts {
         stiffness,
         c_n: wide(problem.c_n()),
         c_t: wide(problem.c_t()),
         c_o: random::rows(n + contacts, (0..contacts).map(|i| vec![(n + i, 1.0)])),
+        free_motions: Some(problem.free_motions().iter().map(|motion| padded(motion)).collect()),
         ..problem.clone().into_parts()
     })
     .unwrap();
-    thick.free_motions.iter_mut().for_each(|motion| motion.resize(n + contacts, 0.0));
-    let mut loading = loading.clone();
-    loading.cases.iter_mut().for_each(|case| case.force.resize(n + contacts, 0.0));
+    let cases = loading.cases().iter();
+    let cases = cases.map(|case| LoadCase::new(padded(case.force()), case.history().to_vec()).unwrap()).collect();
+    let moving = Loading::new(cases, loading.gap().to_vec()).unwrap();
+    let loading = moving.with_motions(loading.motions().to_vec(), loading.bends().to_vec()).unwrap();
     (thick, loading)
 }
 

@@ -3,31 +3,32 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
+use crate::common::random;
 use stickslip::formulation::{Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
-use stickslip::history::{self, HistorySettings, Method, Start, Status, System};
+use stickslip::history::{Method, Solver, Start, Status};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
-use stickslip::nonlinear::IpSettings;
 use stickslip::problem::Increment;
+use stickslip::run::Run;
 
 /// A small block in which a node has friction, one has none, and one cannot slide.
 fn model() -> Model {
     let scene = common::block(&["mesh.elements=[5,2]", "contact.friction=0.4"]);
     let mut model = Model::new(&scene).unwrap();
-    model.problem.mu()[1] = 0.0;
-    let mut c_t = stickslip::sparse::Csr::new(model.problem.displacements());
-    for i in 0..model.problem.contacts() {
-        c_t.push_row(model.problem.c_t().row(i).iter().copied().filter(|_| i != 2));
-    }
-    model.problem.c_t = c_t;
+    let row = |i: usize| model.problem.c_t().row(i).iter().copied().filter(|_| i != 2).collect::<Vec<_>>();
+    let c_t = random::rows(model.problem.displacements(), (0..model.problem.contacts()).map(row));
+    model.problem = common::changed(&model.problem, |parts| {
+        parts.mu[1] = 0.0;
+        parts.c_t = c_t;
+    });
     model
 }
 
 fn formulation(model: &Model, partition: Partition, newton: NewtonSystem) -> Constrained {
     let problem = &model.problem;
-    let mut formulation = Constrained::new(problem, model.scaling(), &Conventions::paper(problem), partition, newton);
-    let mut force = vec![0.0; problem.displacements()];
-    model.loading.force(0.7, &mut force);
+    let conventions = Conventions::paper(problem.weight().unwrap());
+    let mut formulation = Constrained::new(problem, model.scaling(), &conventions, partition, newton);
+    let force = model.loading.force_at(0.7, problem.displacements());
     let w_t_last: Vec<f64> = (0..problem.contacts()).map(|i| 1e-6 * (i as f64).cos()).collect();
     formulation.begin(&Increment {
         force: &force,
@@ -58,7 +59,7 @@ fn residual(formulation: &Constrained, z: &[f64]) -> Vec<f64> {
 /// The direction for the right-hand side `b`.
 fn direction(formulation: &mut Constrained, z: &[f64], b: &[f64]) -> Vec<f64> {
     formulation.linearize(z);
-    let n = formulation.matrix().pattern.rows();
+    let n = formulation.matrix().pattern().rows();
     let (mut rhs, mut dz) = (vec![0.0; n], vec![0.0; z.len()]);
     formulation.reduce(z, b, &mut rhs);
     let mut direct = Direct::default();
@@ -86,7 +87,7 @@ fn the_extended_matrix_is_the_derivative_of_the_residual() {
         for row in 0..z.len() {
             let difference = (ahead[row] - behind[row]) / (2.0 * step);
             let matrix = formulation.matrix();
-            let entry = matrix.pattern().slot(row, column).map_or(0.0, |k| matrix.values[k]);
+            let entry = matrix.pattern().slot(row, column).map_or(0.0, |k| matrix.values()[k]);
             assert!((difference - entry).abs() < 1e-8, "row {row}, column {column}: {difference} {entry}");
         }
     }
@@ -176,16 +177,8 @@ fn both_partitions_solve_the_block() {
     for partition in [Partition::Products, Partition::Cone] {
         for newton in [NewtonSystem::Reduced, NewtonSystem::Extended] {
             for start in [Start::Safe, Start::PREV] {
-                let method = Method::Ip { settings: IpSettings::paper(200), start, partition, newton };
-                let settings = HistorySettings {
-                    method,
-                    ..HistorySettings::new(&model.problem, &model.loading, Method::paper_ip(start))
-                        .unwrap()
-                        .until(200, 1e-6)
-                };
-                let mut linear = Direct::default();
-                let times = scene.time.all();
-                let run = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut ()).unwrap();
+                let solver = Solver::new(Method::PaperIp { start, partition, newton });
+                let run = Run::of(&model, scene.time.all(), solver).unwrap().history(&mut ()).unwrap();
                 assert_eq!(run.status, Status::Converged, "{partition:?} {newton:?} {start:?}");
                 assert!(run.records.iter().all(|record| record.theta <= 1e-2));
                 assert_eq!(run.linear.analyses, 1);

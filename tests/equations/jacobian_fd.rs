@@ -25,13 +25,13 @@ fn jacobian_is_the_derivative_of_the_residual() {
     let model = Model::new(&scene).unwrap();
     let problem = &model.problem;
     let scaling = model.scaling();
-    let mut formulation = Bdiff::new(problem, scaling, &Conventions::paper(problem));
+    let mut formulation = Bdiff::new(problem, scaling, &Conventions::paper(problem.weight().unwrap()));
     let layout = formulation.layout().clone();
     assert_eq!(layout.contacts(), CASES.len());
 
     // A state in which node i is in case i: u free, then gap and w̄_t are chosen to fit.
     let mut z: Vec<f64> = (0..layout.unknowns()).map(|k| (1.0 + k as f64 * 0.7).sin()).collect();
-    let r = |i: usize| 1e12 * problem.weight()[i] / scaling.stiffness();
+    let r = |i: usize| 1e12 * problem.weight().unwrap()[i] / scaling.stiffness();
     let (mut gap, mut w_t_last) = (vec![0.0; CASES.len()], vec![0.0; CASES.len()]);
     for (i, (_, [p_n, gap_left, p_t, slip])) in CASES.into_iter().enumerate() {
         z[layout.p_n(i)] = p_n;
@@ -65,7 +65,7 @@ fn jacobian_is_the_derivative_of_the_residual() {
         for row in 0..n {
             let difference = (ahead[row] - behind[row]) / (2.0 * step);
             let entry =
-                formulation.jacobian().pattern.slot(row, column).map_or(0.0, |k| formulation.jacobian().values[k]);
+                formulation.jacobian().pattern().slot(row, column).map_or(0.0, |k| formulation.jacobian().values()[k]);
             let case = (0..CASES.len()).find(|&i| row == layout.p_n(i) || Some(row) == layout.p_t(i));
             let name = case.map_or("equilibrium", |i| CASES[i].0);
             // r spans several units here: differences are exact to rounding / step.
@@ -102,9 +102,8 @@ fn merit_along_a_direction_is_the_merit() {
     let model = Model::new(&scene).unwrap();
     let problem = &model.problem;
     let scaling = model.scaling();
-    let mut formulation = Bdiff::new(problem, scaling, &Conventions::paper(problem));
-    let mut force = vec![0.0; problem.displacements()];
-    model.loading.force(1.0, &mut force);
+    let mut formulation = Bdiff::new(problem, scaling, &Conventions::paper(problem.weight().unwrap()));
+    let force = model.loading.force_at(1.0, problem.displacements());
     let w_t_last = vec![0.0; problem.contacts()];
     formulation.begin(&Increment {
         force: &force,

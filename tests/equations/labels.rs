@@ -14,14 +14,15 @@ fn read(path: &str) -> String {
         .unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
+/// The number of a label that `text` begins with, and what follows.
+fn label(text: &str) -> Option<(u32, &str)> {
+    let (number, rest) = text.strip_prefix('(')?.split_once(')')?;
+    let sound = number.len() <= 2 && number.bytes().all(|c| c.is_ascii_digit());
+    Some((number.parse().ok().filter(|_| sound)?, rest))
+}
+
 /// The numbers of equations in `text`: `(12)`, and all of `(29)–(31)`.
 fn numbers(text: &str) -> BTreeSet<u32> {
-    let label = |text: &str| {
-        let inner = text.strip_prefix('(')?;
-        let (number, rest) = inner.split_once(')')?;
-        let sound = number.len() <= 2 && number.bytes().all(|c| c.is_ascii_digit());
-        Some((number.parse().ok().filter(|_| sound)?, rest.to_string()))
-    };
     let mut found = BTreeSet::new();
     for (at, _) in text.match_indices('(') {
         let Some((first, rest)) = label(&text[at..]) else { continue };

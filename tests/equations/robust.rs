@@ -2,10 +2,11 @@
 //! equilibrium, and say so where there is none.
 #![allow(clippy::unwrap_used)]
 
+use crate::common;
 use stickslip::fem::{Elasticity, Element, RigidMotion, assemble};
 use stickslip::formulation::{Layout, SlackLayout};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status};
-use stickslip::linear::Direct;
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, System};
+use stickslip::loading::Loading;
 use stickslip::model::Model;
 use stickslip::scene::Scene;
 
@@ -15,12 +16,9 @@ const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n"
 const METHODS: [&str; 2] = ["bn", "ip"];
 
 fn solve(method: &str, model: &Model, times: &[f64]) -> HistoryOutcome {
-    let (problem, scaling) = (&model.problem, model.scaling());
-    let settings = match method {
-        "bn" => HistorySettings::new(problem, loading, Method::BN).unwrap().until(100, 1e-10),
-        _ => HistorySettings::new(problem, loading, Method::IP).unwrap().until(100, 1e-10),
-    };
-    history::run(problem, &model.loading, times, &settings, System::default(), &mut ()).unwrap()
+    let method = if method == "bn" { Method::BN } else { Method::IP };
+    let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap().until(100, 1e-10);
+    history::run(&model.problem, &model.loading, times, &settings, System::default(), &mut ()).unwrap()
 }
 
 /// Fails unless both methods get through whole increments by themselves, in 40 iterations each and 20
@@ -156,7 +154,8 @@ fn randomise_stiffness(model: &mut Model, decades: f64, random: &mut Random) {
     let young: Vec<f64> =
         model.mesh.cells.iter().map(|_| 210e9 * 10_f64.powf(decades * (random.next() - 0.5))).collect();
     let material = |element| Elasticity::plane_strain(young[element], 0.3);
-    model.problem.stiffness = assemble(&model.mesh, &model.dofs, Element::Bilinear, material).unwrap();
+    let stiffness = assemble(&model.mesh, &model.dofs, Element::Bilinear, material).unwrap();
+    model.problem = common::changed(&model.problem, |parts| parts.stiffness = stiffness);
 }
 
 /// Stiffness that jumps by up to eight decades from element to element.
@@ -204,16 +203,19 @@ fn random_histories() {
         let scene = Scene::parse("block.toml", base(), &overrides).unwrap();
         let mut model = Model::new(&scene).unwrap();
         let kind = (r() * 4.0) as usize;
-        for i in 0..model.contacts.len() {
-            model.problem.mu()[i] = match kind {
+        let (mut friction, mut gaps) = (Vec::new(), Vec::new());
+        for _ in 0..model.contacts.len() {
+            friction.push(match kind {
                 0 => 0.4,
                 1 => r(),
                 2 => [0.0, r()][usize::from(r() >= 0.5)],
                 _ => 10_f64.powf(-6.0 * r()),
-            };
+            });
             let depth = r() - if roller { 0.3 } else { 0.0 };
-            model.loading.gap()[i] = [1e-5, 0.0, 5e-5 * depth][(r() * 3.0) as usize];
+            gaps.push([1e-5, 0.0, 5e-5 * depth][(r() * 3.0) as usize]);
         }
+        model.problem = common::changed(&model.problem, |parts| parts.mu = friction);
+        model.loading = Loading::new(model.loading.cases().to_vec(), gaps).unwrap();
         if r() < 0.3 {
             let decades = 6.0 * r();
             randomise_stiffness(&mut model, decades, &mut random);
@@ -237,7 +239,9 @@ fn random_histories() {
 fn friction_that_differs_by_node() {
     let (mut model, times) = block(base(), 20, &[]);
     let mu = [0.0, 0.1, 2.0, 0.4, 1e-6];
-    model.problem.mu().iter_mut().enumerate().for_each(|(i, value)| *value = mu[i % mu.len()]);
+    model.problem = common::changed(&model.problem, |parts| {
+        parts.mu.iter_mut().enumerate().for_each(|(i, value)| *value = mu[i % mu.len()]);
+    });
     assert_solved("mixed", &model, &times);
 }
 

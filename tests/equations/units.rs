@@ -3,8 +3,7 @@
 
 use proptest::prelude::*;
 use stickslip::contact::ContactStatus;
-use stickslip::history::{self, HistorySettings, Method, Observer, Status, Step};
-use stickslip::linear::Direct;
+use stickslip::history::{self, HistorySettings, Method, Observer, Status, Step, System};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
@@ -91,13 +90,11 @@ impl Observer for Told {
 fn run(method: &str, scene: &Scene, inside: impl Fn(Scaling) -> Scaling) -> Told {
     let model = Model::new(scene).unwrap();
     let scaling = inside(model.scaling());
-    let settings = match method {
-        "bn" => HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10),
-        _ => HistorySettings::new(&model.problem, &model.loading, Method::IP).unwrap().until(100, 1e-10),
-    };
-    let mut linear = Direct::default();
-    let (mut told, times) = (Told::default(), scene.time.all());
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut told).unwrap();
+    let method = if method == "bn" { Method::BN } else { Method::IP };
+    let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap().until(100, 1e-10);
+    let settings = HistorySettings { scaling, ..settings };
+    let (mut told, times, system) = (Told::default(), scene.time.all(), System::default());
+    let outcome = history::run(&model.problem, &model.loading, &times, &settings, system, &mut told).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     told
 }

@@ -35,6 +35,17 @@ fn brackets_are_quoted() {
     }
 }
 
+/// Links from page to page, to scenes and to pictures lead somewhere.
+#[test]
+fn links_lead_to_files() {
+    for (page, text) in pages() {
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split([')', '#', ' ']).next()) {
+            let there = link.is_empty() || link.starts_with("http") || page.parent().unwrap().join(link).exists();
+            assert!(there, "{}: {link}", page.display());
+        }
+    }
+}
+
 /// With `-save` Gmsh writes the geometry alone, whatever else it is told.
 #[test]
 fn gmsh_is_told_to_make_a_mesh() {

@@ -5,6 +5,7 @@
 //! a matrix product for each costs more than its work.
 
 use super::{Supernodal, Supernode, nodes};
+use crate::vector::dot;
 
 /// `[b_r; b_c] → [L_rr⁻¹ b_r; b_c - L_cr L_rr⁻¹ b_r]`, in the order of the factors.
 pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
@@ -33,7 +34,7 @@ pub(super) fn backward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) 
         // First all columns with the rows below the block, in the order of memory; then the block.
         let (top, below) = work.split_at_mut(columns);
         for (k, x) in top.iter_mut().enumerate() {
-            *x -= dot(&node.column(k)[columns - k..], below);
+            *x -= dot(&node.column(k)[columns - k..], &*below);
         }
         for k in (0..columns).rev() {
             let column = node.column(k);
@@ -48,17 +49,4 @@ fn gather(node: &Supernode<'_>, x: &[f64], work: &mut Vec<f64>) {
     work.clear();
     work.extend_from_slice(&x[node.first..node.first + node.columns]);
     work.extend(node.below.iter().map(|&row| x[row as usize]));
-}
-
-/// The scalar product in eight sums, which the processor adds side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
-    let mut sums = [0.0; 8];
-    for (a, b) in a.iter().zip(b) {
-        for k in 0..8 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    sums.into_iter().sum::<f64>() + rest
 }

@@ -8,6 +8,7 @@ use faer::Mat;
 use super::local::Local;
 use crate::linear::LinearError;
 use crate::linear::error::expect_length;
+use crate::sets::Sets;
 use crate::sparse::Pattern;
 
 /// The parts of a pattern on `(u, q)`.
@@ -57,7 +58,7 @@ impl Blocks {
         contact(&mut |row, column, _| sets.join(row, column));
         let (mut number, mut members) = (vec![None; n], Vec::<(Vec<usize>, Vec<usize>)>::new());
         for unknown in 0..n {
-            let group = *number[sets.find(unknown)].get_or_insert(members.len());
+            let group = *number[sets.least(unknown)].get_or_insert(members.len());
             if group == members.len() {
                 members.push((Vec::new(), Vec::new()));
             }
@@ -117,28 +118,5 @@ impl Group {
         self.rows.iter().for_each(|&(place, slot)| rows[place] = values[slot]);
         self.coupling.iter().for_each(|&(place, slot)| coupling[place] = values[slot]);
         Local::new(own, others, &rows, &coupling)
-    }
-}
-
-/// Sets that grow together.
-struct Sets(Vec<usize>);
-
-impl Sets {
-    fn new(n: usize) -> Self {
-        Sets((0..n).collect())
-    }
-
-    /// The member that stands for the set of `k`.
-    fn find(&mut self, mut k: usize) -> usize {
-        while self.0[k] != k {
-            self.0[k] = self.0[self.0[k]];
-            k = self.0[k];
-        }
-        k
-    }
-
-    fn join(&mut self, i: usize, j: usize) {
-        let (i, j) = (self.find(i), self.find(j));
-        self.0[i.max(j)] = i.min(j);
     }
 }

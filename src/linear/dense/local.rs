@@ -15,6 +15,7 @@
 //! are `t`. Oblique normals only fill in the small matrices.
 
 use crate::linear::LinearError;
+use crate::vector::dot;
 
 /// The solutions of the contact rows of a group.
 pub(super) struct Local {
@@ -115,7 +116,7 @@ impl Local {
 
     /// `B q`.
     fn act<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-        (0..self.displacements).map(|i| dot(&self.coupling[i * self.others..], q))
+        (0..self.displacements).map(move |i| dot(&self.coupling[i * self.others..(i + 1) * self.others], q))
     }
 
     /// Column `j` of `[V 0; Y Z]`.
@@ -149,7 +150,7 @@ impl Local {
     /// `u = P_u b`, `q = P_q b`.
     pub(super) fn start(&self, b: &[f64], u: &mut [f64], q: &mut [f64]) {
         for (k, value) in u.iter_mut().chain(q).enumerate() {
-            *value = dot(&self.particular[k * self.others..], b);
+            *value = dot(&self.particular[k * self.others..(k + 1) * self.others], b);
         }
     }
 
@@ -173,11 +174,6 @@ impl Local {
             q.iter_mut().zip(&self.column(j)[c..]).for_each(|(q, n)| *q += reaction * n);
         }
     }
-}
-
-/// The product with the beginning of `a` that is as long as `b`.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// A small matrix with another one beside it, row after row, for Gauss and Jordan's elimination.

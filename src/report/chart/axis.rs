@@ -27,7 +27,7 @@ pub(in crate::report) struct Tick {
 }
 
 impl Tick {
-    /// How long it is drawn, px.
+    /// The length that is drawn, px.
     pub(in crate::report) fn length(&self) -> f64 {
         if self.label.is_some() { 6.0 } else { 3.0 }
     }

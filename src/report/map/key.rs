@@ -1,7 +1,7 @@
 //! What the colours, the markers and the arrows of a map mean.
 
 use super::view::View;
-use super::{BLACK, GREY, HELD, LABEL_SIZE, NUMBER_SIZE, THIN, WHITE, WIDTH, arrow, overlapping};
+use super::{BLACK, GREY, HELD, LABEL_SIZE, NUMBER_SIZE, THIN, WHITE, WIDTH, arrow};
 use crate::report::chart::axis::Scale;
 use crate::report::svg::{Anchor, Colour, Marker, Svg, text_width};
 
@@ -27,8 +27,8 @@ impl View {
         let height = |share: f64| bottom - share * (bottom - top);
         for k in 0..STEPS {
             let [low, high] = [k, k + 1].map(|k| k as f64 / STEPS as f64);
-            let corners = overlapping([[from, low], [to, low], [to, high], [from, high]].map(|[x, y]| [x, height(y)]));
-            svg.polygon(&corners, shade((k as f64 + 0.5) / STEPS as f64));
+            let corners = [[from, low], [to, low], [to, high], [from, high]].map(|[x, y]| [x, height(y)]);
+            svg.tile(&corners, shade((k as f64 + 0.5) / STEPS as f64));
         }
         svg.line(&[[from, top], [to, top], [to, bottom], [from, bottom], [from, top]], THIN, BLACK);
         let most = 1e-6 * self.most_pressure;

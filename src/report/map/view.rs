@@ -15,6 +15,8 @@ const MOST_HEIGHT: f64 = 720.0;
 
 /// Where there is no surface.
 const OUTSIDE: Colour = [236, 236, 236];
+/// The least width or height of the frame, in the other.
+const NARROWEST: f64 = 0.25;
 /// The longest arrow, in distances between nodes.
 const ARROW: f64 = 0.9;
 /// Arrows that are shorter say nothing (px); where nodes are closer, some have none.
@@ -64,6 +66,11 @@ impl View {
         let [lowest, highest] = bounds(&mut tips.chain([low, high]));
         let low = [0, 1].map(|c| (low[c] - margin).min(lowest[c] - 0.25 * margin));
         let high = [0, 1].map(|c| (high[c] + margin).max(highest[c] + 0.25 * margin));
+        // More around a narrow contact, for the numbers along its side.
+        let narrowest = NARROWEST * (high[0] - low[0]).max(high[1] - low[1]);
+        let widened = [0, 1].map(|c| 0.5 * (narrowest - (high[c] - low[c])).max(0.0));
+        let low = [0, 1].map(|c| low[c] - widened[c]);
+        let high = [0, 1].map(|c| high[c] + widened[c]);
         let [across, upwards] = [0, 1].map(|c| high[c] - low[c]);
         let scale = ((WIDTH - LEFT - RIGHT) / across).min(MOST_HEIGHT / upwards);
         let spacing = scale * spacing;
@@ -114,23 +121,35 @@ impl View {
     pub(super) fn draw_frame(&self, svg: &mut Svg, axes: &[[f64; 3]; 2]) {
         let ([left, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
         svg.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], THIN, BLACK);
-        let ticks = |c: usize, room: f64| {
-            let (low, high) = (self.low[c], self.high[c]);
-            let inside = move |tick: &Tick| (low..=high).contains(&tick.value);
-            Scale::Linear.ticks([low, high].into_iter(), 0.0, self.size[c] / room).all.into_iter().filter(inside)
-        };
-        for tick in ticks(0, 80.0) {
+        for tick in self.ticks(0, 80.0) {
             let [x, _] = self.at([tick.value, self.low[1]]);
             svg.line(&[[x, bottom], [x, bottom + tick.length()]], THIN, BLACK);
             svg.text([x, bottom + 17.0], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::Middle);
         }
-        for tick in ticks(1, 45.0) {
+        for tick in self.ticks(1, 45.0) {
             let [_, y] = self.at([self.low[0], tick.value]);
             svg.line(&[[left, y], [left - tick.length(), y]], THIN, BLACK);
             svg.text([left - 10.0, y], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::End);
         }
         svg.text([0.5 * (left + right), bottom + 44.0], &name(axes[0]), LABEL_SIZE, Anchor::Middle);
         svg.text([left - 70.0, 0.5 * (top + bottom)], &name(axes[1]), LABEL_SIZE, Anchor::Upwards);
+    }
+
+    /// The ticks along axis `c` within the frame: a label each `room` px or so, but two at least.
+    fn ticks(&self, c: usize, room: f64) -> Vec<Tick> {
+        let range = self.low[c]..=self.high[c];
+        let ticks = |most: f64| {
+            let all = Scale::Linear.ticks([self.low[c], self.high[c]].into_iter(), 0.0, most).all;
+            all.into_iter().filter(|tick| range.contains(&tick.value)).collect::<Vec<_>>()
+        };
+        let labels = |ticks: &[Tick]| ticks.iter().filter(|tick| tick.label.is_some()).count();
+        let most = self.size[c] / room;
+        // Steps are 1, 2 or 5 times a power of ten: one that is asked to go five times into a range goes twice at least.
+        [2.0, 3.0, 4.0, 5.0]
+            .map(|least| ticks(most.max(least)))
+            .into_iter()
+            .find(|ticks| labels(ticks) >= 2)
+            .unwrap_or_default()
     }
 }
 
@@ -141,5 +160,42 @@ fn name(axis: [f64; 3]) -> String {
         [0.0, 1.0, 0.0] => "y, m".into(),
         [0.0, 0.0, 1.0] => "z, m".into(),
         [x, y, z] => format!("along ({x:.3}, {y:.3}, {z:.3}), m"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::ContactStatus;
+
+    /// A strip of facets along y, of which the middle ones are pressed.
+    fn strip(left: f64, width: f64, length: f64) -> ContactSurface {
+        let node = |k: usize| SurfaceNode {
+            place: [left + width * (k % 2) as f64, length * (k / 2) as f64 / 10.0],
+            pressure: if (6..16).contains(&k) { 1e6 } else { 0.0 },
+            traction: [0.0; 2],
+            status: Some(ContactStatus::Stick),
+        };
+        ContactSurface {
+            boundary: None,
+            index: 1,
+            time: 1.0,
+            axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            nodes: (0..22).map(node).collect(),
+            facets: (0..10).map(|k| vec![2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2]).collect(),
+        }
+    }
+
+    #[test]
+    fn a_narrow_contact_has_numbers_along_both_sides() {
+        for (left, width, length) in [(0.0443, 1e-4, 0.04), (0.0, 2e-3, 0.04), (-0.31, 0.004, 1.7), (12.0, 7.0, 0.02)] {
+            let view = View::new(&strip(left, width, length));
+            assert!(view.size.iter().all(|&size| size > 150.0), "{:?}", view.size);
+            for (c, room) in [(0, 80.0), (1, 45.0)] {
+                let ticks = view.ticks(c, room);
+                let labels: Vec<_> = ticks.iter().filter_map(|tick| tick.label.as_deref()).collect();
+                assert!((2..20).contains(&labels.len()), "{labels:?}");
+            }
+        }
     }
 }

@@ -6,7 +6,7 @@ use std::thread;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// As many jobs as there are processors, unless told.
+/// The number of jobs: as many as there are processors, unless told.
 pub(super) fn count(wanted: Option<u16>) -> usize {
     wanted.map_or_else(|| thread::available_parallelism().map_or(1, Into::into), usize::from)
 }

@@ -1,0 +1,41 @@
+//! Sets that grow together (union and find).
+
+/// The numbers 0 to n - 1 in disjoint sets.
+#[derive(Debug)]
+pub struct Sets(Vec<usize>);
+
+impl Sets {
+    /// Each of `n` numbers in a set of its own.
+    pub fn new(n: usize) -> Self {
+        Sets((0..n).collect())
+    }
+
+    /// The least number of the set that `k` is in, which stands for it.
+    pub fn least(&mut self, mut k: usize) -> usize {
+        while self.0[k] != k {
+            self.0[k] = self.0[self.0[k]];
+            k = self.0[k];
+        }
+        k
+    }
+
+    /// Makes one set of those that `i` and `j` are in.
+    pub fn join(&mut self, i: usize, j: usize) {
+        let (i, j) = (self.least(i), self.least(j));
+        self.0[i.max(j)] = i.min(j);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Sets;
+
+    #[test]
+    fn the_least_stands_for_a_set() {
+        let mut sets = Sets::new(7);
+        for (i, j) in [(5, 6), (3, 1), (6, 3), (1, 1), (4, 2)] {
+            sets.join(i, j);
+        }
+        assert_eq!([0, 1, 2, 3, 4, 5, 6].map(|k| sets.least(k)), [0, 1, 2, 1, 2, 1, 1]);
+    }
+}
