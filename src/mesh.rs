@@ -10,11 +10,10 @@ mod sides;
 mod simplices;
 mod source;
 
-pub use block::{block, graded_block, progression};
+pub use block::block;
 pub use check::MeshFault;
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
-pub use half_plane::half_plane;
-pub use source::{HalfPlane, MeshSource, Segment};
+pub use source::{HalfPlane, MeshError, MeshSource, Segment};
 
 use serde::{Deserialize, Serialize};
 

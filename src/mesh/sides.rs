@@ -81,7 +81,8 @@ pub(super) fn from_least(mut facet: Facet) -> Facet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{block, half_plane};
+    use crate::mesh::block;
+    use crate::mesh::half_plane::half_plane;
 
     #[test]
     fn what_is_made_here_is_one_piece() {
@@ -94,7 +95,7 @@ mod tests {
     }
 
     /// The block without all cells but `kept`.
-    fn part(size: &[f64], elements: &[usize], kept: &[usize]) -> Mesh {
+    fn part<const D: usize>(size: &[f64; D], elements: &[usize; D], kept: &[usize]) -> Mesh {
         let whole = block(size, elements);
         Mesh { cells: kept.iter().map(|&e| whole.cells[e].clone()).collect(), ..whole }
     }
