@@ -66,11 +66,11 @@ pub struct Phases {
     pub factorization: f64,
     /// Solves with refinement and backward error.
     pub solve: f64,
-    /// Everything else.
+    /// The time of everything else.
     pub rest: f64,
-    /// All of it, wall time.
+    /// The wall time of the whole run.
     pub wall: f64,
-    /// All of it, CPU time of the process.
+    /// The CPU time of the process for the whole run.
     pub cpu: f64,
 }
 
@@ -79,7 +79,7 @@ pub struct Phases {
 pub struct Iterate {
     /// The increment, from 1.
     pub increment: usize,
-    /// Its number in the increment, over all attempts; 0 is the start.
+    /// The number of the iteration in the increment, over all attempts; 0 is the start.
     pub iteration: usize,
     /// CPU time since the last increment, s.
     pub seconds: f64,
@@ -94,7 +94,7 @@ pub struct Iterate {
 pub struct Trial {
     /// The way it was solved.
     pub path: SolverPath,
-    /// Which mesh, by [`MeshResult::mesh`].
+    /// The mesh, by [`MeshResult::mesh`].
     pub mesh: usize,
     /// The number of increments asked for.
     pub increments: usize,
@@ -116,7 +116,7 @@ pub struct Trial {
     pub kkt: f64,
     /// The distance to the reference; none if either did not converge.
     pub errors: Option<TimeErrors>,
-    /// Its iterations.
+    /// The iterations of the run.
     pub iterates: Vec<Iterate>,
 }
 
@@ -131,11 +131,11 @@ pub struct MeshResult {
     pub contacts: usize,
     /// The increments of the reference.
     pub increments: usize,
-    /// Its verdict.
+    /// The verdict of the reference.
     pub status: Status,
-    /// Its CPU time, s.
+    /// The CPU time of the reference, s.
     pub seconds: f64,
-    /// What it comes to.
+    /// The end of the reference.
     pub end: End,
     /// The distance to the finest mesh; none on that itself, or if either did not converge.
     pub errors: Option<MeshErrors>,
@@ -245,7 +245,7 @@ impl Comparison {
         self.runs.iter().filter(move |run| run.mesh == mesh)
     }
 
-    /// Those of them that no other beats in time and error in the contact forces, the cheapest first.
+    /// The runs on a mesh that no other beats in time and error in the contact forces, the cheapest first.
     pub fn front(&self, mesh: usize) -> Vec<&Trial> {
         let points = |run| Some((run, Trial::point(run, |errors| errors.forces, self.tolerance)?));
         let (runs, points): (Vec<&Trial>, Vec<[f64; 2]>) = self.on(mesh).filter_map(points).unzip();

@@ -5,8 +5,10 @@
 //! use stickslip::contact::Obstacle;
 //! use stickslip::description::{Axis, Description, Load};
 //! use stickslip::fem::Material;
+//! use stickslip::history::{Method, Solver, Status};
 //! use stickslip::mesh::MeshSource;
 //! use stickslip::model::Model;
+//! use stickslip::run::Run;
 //! use stickslip::timeline::equal_increments;
 //!
 //! let steel = Material::new(210e9, 0.3);
@@ -16,12 +18,13 @@
 //!     .load(Load::new("top", &[0.0, -10e6]).over(&[[0.0, 0.0], [1.0, 1.0], [2.0, 1.0]]))
 //!     .load(Load::new("right", &[-10e6, 0.0]).over(&[[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]));
 //! let model = Model::build(&description)?;
-//! assert_eq!((model.problem.displacements(), model.problem.contacts()), (220, 10));
+//! let report = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN))?.solve(&mut ())?;
+//! assert_eq!(report.status, Status::Converged);
 //!
 //! // What is wrong is named by its key.
 //! let mirror = description.contact("right", -0.4, Obstacle::plane(0.0));
 //! assert!(Model::build(&mirror).unwrap_err().to_string().starts_with("contact[1].friction: "));
-//! # Ok::<(), stickslip::model::ModelError>(())
+//! # Ok::<(), stickslip::run::RunError>(())
 //! ```
 
 mod check;

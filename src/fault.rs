@@ -14,7 +14,7 @@ pub struct Fault {
     pub key: String,
     /// What is wrong with it.
     pub message: String,
-    /// How to mend it.
+    /// What mends the fault.
     pub help: String,
 }
 
@@ -42,10 +42,28 @@ pub fn demand(sound: bool, key: &str, value: &impl Debug, must: &str, help: &str
     Err(Fault::new(key, format!("{key} is {value:?}, but must be {must}"), help))
 }
 
-/// Fails unless the `value` of `key` is finite.
+/// Numbers beyond this are refused: up to it the square of a product of three of them is finite.
+const LARGEST: f64 = 1e50;
+
+/// Fails unless the `value` of `key` is finite, and not so large that what is computed from it overflows.
 ///
 /// # Errors
 /// [`Fault`] of `key`.
 pub fn finite(key: &str, value: f64) -> Result<(), Fault> {
-    demand(value.is_finite(), key, &value, "a finite number", "give a number other than nan or inf")
+    demand(value.is_finite(), key, &value, "a finite number", "give a number other than nan or inf")?;
+    not_huge(key, [value])
+}
+
+/// Fails if one of the `numbers` at `key` is so large that what is computed from it overflows.
+///
+/// # Errors
+/// [`Fault`] of `key`.
+pub fn not_huge(key: &str, numbers: impl IntoIterator<Item = f64>) -> Result<(), Fault> {
+    match numbers.into_iter().find(|x| x.is_finite() && x.abs() > LARGEST) {
+        None => Ok(()),
+        Some(x) => {
+            let message = format!("{key} has the number {x:e}, but products of numbers beyond {LARGEST:e} overflow");
+            Err(Fault::new(key, message, "give SI units, and smaller numbers"))
+        }
+    }
 }

@@ -56,7 +56,7 @@ pub use solver::Solver;
 pub use system::{LinearAlgebra, System, UnknownLinearAlgebra};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
 
-use crate::contact::{KktScales, Violation, rounding_level, statuses};
+use crate::contact::{KktScales, Violation, rounding_level, statuses_of};
 use crate::formulation::Layout;
 use crate::linear::{LinearError, Statistics};
 use crate::loading::Loading;
@@ -187,7 +187,7 @@ pub fn run_with(
             Err(error) => return Err(error.into()),
         };
         let Walked { solved, attempt, kkt, status, parts, friction_work } = increment;
-        let statuses = statuses(problem, &path.data(), &attempt.state, &attempt.scales);
+        let statuses = statuses_of(problem, &path.data(), &attempt.state, &attempt.scales);
         let seconds =
             Seconds::between(&before, linear.statistics(), solved.assembly_seconds, start.elapsed().as_secs_f64());
         let record = IncrementRecord {

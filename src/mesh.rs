@@ -10,11 +10,10 @@ mod sides;
 mod simplices;
 mod source;
 
-pub use block::{block, graded_block, progression};
+pub use block::block;
 pub use check::MeshFault;
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
-pub use half_plane::half_plane;
-pub use source::{HalfPlane, MeshSource, Segment};
+pub use source::{HalfPlane, MeshError, MeshSource, Segment};
 
 use serde::{Deserialize, Serialize};
 
@@ -38,11 +37,11 @@ pub struct Mesh {
 /// A cell of a mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cell {
-    /// Its kind.
+    /// The kind of the cell.
     pub kind: CellKind,
-    /// Its corners, as many as the kind has, in the order of [`CellKind`].
+    /// The corners of the cell, as many as the kind has, in the order of [`CellKind`].
     pub nodes: Vec<usize>,
-    /// Its material group, an index of [`Mesh::groups`].
+    /// The material group of the cell, an index of [`Mesh::groups`].
     pub group: usize,
 }
 
@@ -69,7 +68,7 @@ pub type Facet = Vec<usize>;
 pub struct Boundary {
     /// The name a scene uses.
     pub name: String,
-    /// Its facets; in two dimensions in a row.
+    /// The facets of the boundary; in two dimensions in a row.
     pub facets: Vec<Facet>,
 }
 
@@ -79,7 +78,7 @@ impl CellKind {
         if axes == 2 { CellKind::Quadrilateral } else { CellKind::Hexahedron }
     }
 
-    /// Whether it is a triangle or a tetrahedron.
+    /// Whether the cell is a triangle or a tetrahedron.
     pub fn is_simplex(self) -> bool {
         matches!(self, CellKind::Triangle | CellKind::Tetrahedron)
     }

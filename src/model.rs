@@ -12,7 +12,7 @@ use crate::description::Description;
 use crate::fault::Fault;
 use crate::fem::{Dofs, Elasticity, Element, InvertedElement, Plane, RigidMotion, assemble, facet_load, rigid_motions};
 use crate::loading::{Bend, LoadCase, Loading, Motion};
-use crate::mesh::{Boundary, Mesh, MeshFileError};
+use crate::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::problem::{ContactProblem, Parts, ProblemError};
 use crate::scene::{Scene, SceneError};
 use crate::sparse::Csr;
@@ -68,6 +68,15 @@ pub enum ModelError {
     Element(#[from] InvertedElement),
 }
 
+impl From<MeshError> for ModelError {
+    fn from(error: MeshError) -> Self {
+        match error {
+            MeshError::Source(fault) => ModelError::Description(fault),
+            MeshError::File(error) => ModelError::Mesh(error),
+        }
+    }
+}
+
 impl Model {
     /// Discretises what `scene` describes.
     ///
@@ -87,7 +96,7 @@ impl Model {
     /// nothing, contact where supports hold the body inside the obstacle, nothing free; the message names the key.
     pub fn build(description: &Description) -> Result<Self, ModelError> {
         description.check()?;
-        let mesh = description.mesh.build()?;
+        let mesh = description.mesh.made()?;
         let dofs = body::dofs(description, &mesh)?;
         let element = body::element(description, &mesh)?;
         let materials = description.material.laws(&mesh)?;

@@ -55,7 +55,7 @@ pub struct Scene {
     pub description: Description,
     /// The history's end and increments, whose ends the description has.
     pub time: Time,
-    /// How to solve.
+    /// The method, its constants and the linear algebra.
     pub solver: Solver,
     /// The key that asks for a method that knows one tangent a node only, if one does: ip in the setting
     /// `paper`, or with `newton = "extended"`.

@@ -1,11 +1,11 @@
 //! Values prescribed over time by points `[time, value, …]`: linear between them, constant outside.
 
-use crate::fault::Fault;
+use crate::fault::{Fault, not_huge};
 
 /// Checks the points of a history at `key`; `value` says what stands behind the time in each.
 ///
 /// # Errors
-/// [`Fault`] of `key` where there is no point, one is not finite, or times do not increase.
+/// [`Fault`] of `key` where there is no point, one is not finite or huge, or times do not increase.
 pub fn check_points<const N: usize>(key: &str, value: &str, points: &[[f64; N]]) -> Result<(), Fault> {
     let name = key.rsplit('.').next().unwrap_or(key);
     if points.is_empty() {
@@ -17,6 +17,7 @@ pub fn check_points<const N: usize>(key: &str, value: &str, points: &[[f64; N]])
         let message = format!("{name} has the point {point:?}");
         return Err(Fault::new(key, message, "give numbers other than nan or inf"));
     }
+    not_huge(key, points.iter().flatten().copied())?;
     if let Some(pair) = points.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
         let message = format!("{name} goes from time {} to {}, but times must increase", pair[0][0], pair[1][0]);
         return Err(Fault::new(key, message, format!("order the points [time, {value}] by time, each time once")));

@@ -71,13 +71,11 @@ pub fn critical_friction(
     scaling: Scaling,
     linear: &mut Direct,
 ) -> Result<Option<CriticalFriction>, Error> {
-    increment.check(problem)?;
-    state.check(problem)?;
     let layout = Layout::new(problem);
     if (0..problem.contacts()).any(|i| layout.slides_in_a_plane(i)) {
         return Ok(None);
     }
-    let statuses = statuses(problem, increment, state, scales);
+    let statuses = statuses(problem, increment, state, scales)?;
     // Nothing is iterated: of all the conventions only r is used, to scale the rows of held nodes.
     let mut tangent = Bdiff::new(problem, scaling, &Conventions::natural(problem));
     tangent.set_cases(statuses.iter().map(|status| match status {

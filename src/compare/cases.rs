@@ -222,7 +222,10 @@ mod tests {
     #[test]
     fn all_directions_are_refined_in_proportion() {
         let punch = Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &[]).unwrap();
-        let MeshSource::HalfPlane(finer) = punch.with(&refined(&punch.description.mesh, 60)).unwrap().description.mesh else { panic!() };
+        let MeshSource::HalfPlane(finer) = punch.with(&refined(&punch.description.mesh, 60)).unwrap().description.mesh
+        else {
+            panic!()
+        };
         assert_eq!((finer.contact_elements, finer.outer_elements, finer.layers), (60, 100, 22));
         let block = "mesh.elements=[40,8]".parse().unwrap();
         let block = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &[block]).unwrap();

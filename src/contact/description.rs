@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fault::{Fault, demand, finite};
+use crate::fault::{Fault, demand, finite, not_huge};
 use crate::formula::Formula;
 use crate::timeline::check_points;
 use crate::vector::{Vector, dot, norm, unit};
@@ -13,7 +13,7 @@ use crate::vector::{Vector, dot, norm, unit};
 /// length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Obstacle {
-    /// Its shape and place.
+    /// The shape and the place of the obstacle.
     pub shape: Shape,
     /// Direction out of the body towards the obstacle; without it, the boundary's mean outward normal.
     pub normal: Option<Vector>,
@@ -26,7 +26,7 @@ pub struct Obstacle {
     pub approach: Option<Vec<[f64; 2]>>,
     /// How far it has moved: points of time (s) and displacement (m), as above.
     pub translation: Option<Vec<(f64, Vector)>>,
-    /// How it turns, if it does.
+    /// The rotation of the obstacle, if it turns.
     pub rotation: Option<Rotation>,
 }
 
@@ -48,7 +48,7 @@ pub enum GapDirection {
     /// Along one normal for the whole boundary.
     #[default]
     Normal,
-    /// From each node to the nearest point of the obstacle.
+    /// Along a normal of each node, to the nearest point of the obstacle.
     Nearest,
 }
 
@@ -60,7 +60,7 @@ pub enum Shape {
         /// Distance to the nearest point of the boundary, m; negative for interference.
         gap: f64,
     },
-    /// The same, by a point of it.
+    /// A plane at right angles to the normal, by a point of it.
     PlaneThrough {
         /// The point, m.
         through: Vector,
@@ -78,7 +78,7 @@ pub enum Shape {
     Sphere {
         /// Radius, m.
         radius: f64,
-        /// Its point nearest to the body, m.
+        /// The point of the sphere nearest to the body, m.
         apex: Vector,
     },
     /// Two planes that meet in a ridge.
@@ -146,6 +146,7 @@ impl Obstacle {
             check_points("approach", "distance", approach)?;
         }
         if self.translation.is_some() {
+            not_huge("motion.translation", self.path().into_iter().flatten())?;
             let message = "translation is not a list of points with increasing times";
             check_points("motion.translation", "x, y, z", &self.path())
                 .map_err(|fault| Fault { message: message.to_string(), ..fault })?;
@@ -233,7 +234,8 @@ fn check_radius(radius: f64) -> Result<(), Fault> {
 
 fn point(key: &str, value: Vector) -> Result<(), Fault> {
     let sound = value.components().iter().all(|x| x.is_finite());
-    demand(sound, key, &value, "finite numbers", "give numbers other than nan or inf")
+    demand(sound, key, &value, "finite numbers", "give numbers other than nan or inf")?;
+    not_huge(key, value.components())
 }
 
 /// The unit vector along `value`.

@@ -15,29 +15,29 @@ pub type Row = Vec<(usize, f64)>;
 /// A node that can touch an obstacle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactNode {
-    /// Its number in the mesh.
+    /// The number of the node in the mesh.
     pub node: usize,
-    /// Its position, m.
+    /// The position of the node, m.
     pub position: [f64; 3],
-    /// Its row of `C_n`.
+    /// The row of `C_n`.
     pub normal: Row,
-    /// Its rows of `C_t` and `C_o`, along orthonormal tangents. A row is empty where there is no such
+    /// The rows of `C_t` and `C_o`, along orthonormal tangents. A row is empty where there is no such
     /// direction to slide in: the first before the second never.
     pub tangents: [Row; 2],
-    /// What it sees of the obstacle; the tangents are those of `C_t` and `C_o`, 0 where there is none.
+    /// What the node sees of the obstacle; the tangents are those of `C_t` and `C_o`, 0 where there is none.
     pub facing: Facing,
     /// The obstacle's own tangents, along which results are told: they are the same for all nodes in front of a plane.
     pub frame: [[f64; 3]; 2],
-    /// Its share of the contact boundary, `∫ N dA`: m in two dimensions (the trapezoidal rule), m² in three.
+    /// The share of the node in the contact boundary, `∫ N dA`: m in two dimensions (the trapezoidal rule), m² in three.
     pub weight: f64,
 }
 
 /// The contact nodes of one boundary.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ContactBoundary {
-    /// Its name.
+    /// The name of the boundary.
     pub name: String,
-    /// Its nodes among all contact nodes.
+    /// The nodes of the boundary among all contact nodes.
     pub nodes: Range<usize>,
 }
 

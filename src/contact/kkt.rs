@@ -125,7 +125,7 @@ impl Law {
     const ALL: [Law; 6] =
         [Law::Equilibrium, Law::Penetration, Law::Tension, Law::Complementarity, Law::Cone, Law::Dissipation];
 
-    /// Its name in reports.
+    /// The name of the law in reports.
     pub fn name(self) -> &'static str {
         match self {
             Law::Equilibrium => "equilibrium",
@@ -140,7 +140,12 @@ impl Law {
 
 impl Violation {
     /// The largest violation in `state`.
-    pub fn worst(problem: &ContactProblem, increment: &Increment<'_>, state: &State, scales: &KktScales) -> Self {
+    pub(crate) fn worst(
+        problem: &ContactProblem,
+        increment: &Increment<'_>,
+        state: &State,
+        scales: &KktScales,
+    ) -> Self {
         let mut worst = Violation { law: Law::Equilibrium, place: 0, error: 0.0 };
         violations(problem, increment, state, scales, |law, place, error| {
             if exceeds(error, worst.error) {
@@ -281,7 +286,7 @@ fn exceeds(a: f64, b: f64) -> bool {
 
 /// The equilibrium error that rounding the displacements to double precision makes, relative to the
 /// force scale: `ε |K| |u| / F`. In slender bodies it is far above ε, and no solver can do better.
-pub fn rounding_level(problem: &ContactProblem, state: &State, scales: &KktScales) -> f64 {
+pub(crate) fn rounding_level(problem: &ContactProblem, state: &State, scales: &KktScales) -> f64 {
     let mut sums = vec![0.0; state.u.len()];
     problem.stiffness().add_sizes(&state.u, &mut sums);
     f64::EPSILON * sums.into_iter().fold(0.0, f64::max) / scales.force
@@ -301,7 +306,22 @@ pub enum ContactStatus {
 
 /// The status of every contact node, from the state alone: of each complementary pair (pressure
 /// and distance; friction reserve and slip) the relatively larger one decides.
+///
+/// # Errors
+/// When an array of `increment` or `state` has another length than `problem` asks for.
 pub fn statuses(
+    problem: &ContactProblem,
+    increment: &Increment<'_>,
+    state: &State,
+    scales: &KktScales,
+) -> Result<Vec<ContactStatus>, ProblemError> {
+    increment.check(problem)?;
+    state.check(problem)?;
+    Ok(statuses_of(problem, increment, state, scales))
+}
+
+/// [`statuses`] of arrays that fit.
+pub(crate) fn statuses_of(
     problem: &ContactProblem,
     increment: &Increment<'_>,
     state: &State,

@@ -62,7 +62,7 @@ pub enum ObstacleError {
 }
 
 impl ObstacleError {
-    /// How to mend it.
+    /// What mends the fault, in words.
     pub fn help(&self) -> &'static str {
         match self {
             ObstacleError::NoNormal => "give the obstacle a `normal`",

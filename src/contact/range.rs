@@ -24,34 +24,34 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct RangeLeft {
-    /// Its number in the mesh, from 0.
+    /// The number of the node in the mesh, from 0.
     pub node: usize,
-    /// Its position, m.
+    /// The position of the node, m.
     pub position: [f64; 3],
-    /// When, s.
+    /// The time, s.
     pub time: f64,
-    /// Its distance from the obstacle as computed, m.
+    /// The linearised distance of the node from the obstacle, as computed, m.
     pub linearised: f64,
-    /// Its distance along the normal without linearisation, m; null if the obstacle is no longer in front of it.
+    /// The distance of the node along the normal without linearisation, m; null if the obstacle is no longer in front of it.
     pub exact: f64,
-    /// Their difference over the largest indentation.
+    /// The difference of the two distances over the largest indentation.
     pub share: f64,
 }
 
 /// A contact node in its deformed state.
 #[derive(Debug, Clone, Copy)]
 pub struct DeformedNode {
-    /// Its number in the mesh.
+    /// The number of the node in the mesh.
     pub node: usize,
-    /// Its position before, m.
+    /// The position of the node before the deformation, m.
     pub position: [f64; 3],
-    /// Its displacement, m.
+    /// The displacement of the node, m.
     pub displacement: [f64; 3],
     /// The normal along which its gap is measured.
     pub normal: [f64; 3],
-    /// Its gap at this time, m.
+    /// The gap of the node at this time, m.
     pub gap: f64,
-    /// Whether it is in contact.
+    /// Whether the node is in contact.
     pub closed: bool,
 }
 

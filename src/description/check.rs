@@ -1,7 +1,7 @@
 //! Are the values of a description possible, each by itself and beside each other?
 
 use super::{Contact, Description, Load, Support};
-use crate::fault::{Fault, demand, finite};
+use crate::fault::{Fault, demand, finite, not_huge};
 use crate::fem::{Element, Plane};
 use crate::timeline::{check_points, check_times};
 
@@ -61,6 +61,7 @@ impl Load {
         let sound = (2..=3).contains(&self.traction.len()) && self.traction.iter().all(|x| x.is_finite());
         let help = "give one for each axis, not nan or inf";
         demand(sound, "traction", &self.traction, "two or three finite numbers", help)?;
+        not_huge("traction", self.traction.iter().copied())?;
         self.history.as_ref().map_or(Ok(()), |history| check_points("history", "factor", history))
     }
 }

@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Element {
-    /// That of the linear, bilinear or trilinear displacements. It locks when `ν → 1/2`: every Gauss point
+    /// The strain of the linear, bilinear or trilinear displacements. It locks when `ν → 1/2`: every Gauss point
     /// holds a volume, four in a quadrilateral and eight in a hexahedron, with two or three displacements
     /// for each element.
     #[default]
     Bilinear,
-    /// Its volumetric part is the mean over the element (Hughes, Int. J. Numer. Meth. Engng 15
+    /// A strain whose volumetric part is the mean over the element (Hughes, Int. J. Numer. Meth. Engng 15
     /// (1980) 1413; Simo & Hughes, *Computational Inelasticity*, ch. 4). Meant for plane strain
     /// and three dimensions: in the plane, the correction has a component `ε_zz`.
     BBar,

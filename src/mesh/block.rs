@@ -3,34 +3,24 @@
 use super::{Boundary, Cell, CellKind, Facet, Mesh};
 
 /// A rectangle or box of `size` (m, two or three lengths) with its lowest corner in the origin, divided
-/// into `elements` equal quadrilaterals or hexahedra along each axis. See [`graded_block`].
-///
-/// # Panics
-/// If the lists are not of equal length, 2 or 3.
-pub fn block(size: &[f64], elements: &[usize]) -> Mesh {
-    assert!(elements.len() == size.len(), "one value for each axis");
-    let axes: Vec<_> = size.iter().zip(elements).map(|(&length, &n)| progression(length, n, 1.0)).collect();
-    graded_block(&axes)
-}
-
-/// As [`block`], with the mesh lines at the ascending coordinates (m) of `axes`, one list for each axis.
+/// into `elements` equal quadrilaterals or hexahedra along each axis.
 ///
 /// Boundaries: `left` and `right` are at the ends of x. In two dimensions `bottom` and `top` are at the
 /// ends of y; in three they are at the ends of z, and `front` and `back` at those of y.
-///
-/// # Panics
-/// If there are not two or three axes.
-pub fn graded_block(axes: &[Vec<f64>]) -> Mesh {
-    match axes {
-        [xs, ys] => rectangle(xs, ys),
-        [xs, ys, zs] => cuboid(xs, ys, zs),
-        _ => panic!("a block has two or three axes"),
-    }
+pub fn block<const D: usize>(size: &[f64; D], elements: &[usize; D]) -> Mesh {
+    const { assert!(D == 2 || D == 3, "a block has two or three axes") };
+    let axis = |k: usize| progression(size[k], elements[k], 1.0);
+    graded_block(&axis(0), &axis(1), (D == 3).then(|| axis(2)).as_deref())
+}
+
+/// As [`block`], with the mesh lines at the ascending coordinates (m) of each axis.
+pub(super) fn graded_block(xs: &[f64], ys: &[f64], zs: Option<&[f64]>) -> Mesh {
+    zs.map_or_else(|| rectangle(xs, ys), |zs| cuboid(xs, ys, zs))
 }
 
 /// The ends of `n` lengths that fill `length` in geometric progression, the last `ratio` times the
 /// first: `x_i = length (q^i - 1) / (q^n - 1)` with `q = ratio^(1 / (n - 1))`.
-pub fn progression(length: f64, n: usize, ratio: f64) -> Vec<f64> {
+pub(super) fn progression(length: f64, n: usize, ratio: f64) -> Vec<f64> {
     // Both fractions are exact at both ends, so the sides are exactly straight.
     if ratio == 1.0 || n == 1 {
         return (0..=n).map(|i| length * i as f64 / n as f64).collect();
@@ -112,9 +102,10 @@ mod tests {
     /// By Gauss's theorem, `d V = ∮ x · n`, for flat facets with x at any point of them.
     #[test]
     fn facets_point_outwards() {
-        let sizes: [(&[f64], &[usize]); 2] = [(&[2.0, 1.5], &[3, 2]), (&[2.0, 1.5, 0.5], &[3, 2, 4])];
-        for (size, elements) in sizes {
-            for mesh in [block(size, elements), block(size, elements).into_simplices()] {
+        let sizes: [(&[f64], Mesh); 2] =
+            [(&[2.0, 1.5], block(&[2.0, 1.5], &[3, 2])), (&[2.0, 1.5, 0.5], block(&[2.0, 1.5, 0.5], &[3, 2, 4]))];
+        for (size, block) in sizes {
+            for mesh in [block.clone(), block.into_simplices()] {
                 let facets = || mesh.boundaries.iter().flat_map(|b| &b.facets);
                 let volume: f64 = facets().map(|facet| dot(mesh.nodes[facet[0]], mesh.area_vector(facet))).sum();
                 assert!((volume - size.len() as f64 * size.iter().product::<f64>()).abs() < 1e-14);
@@ -149,7 +140,7 @@ mod tests {
             let q = ratio.powf(1.0 / 9.0);
             assert!(sizes.windows(2).all(|h| (h[1] / h[0] / q - 1.0).abs() < 1e-9), "{sizes:?}");
         }
-        assert_eq!(graded_block(&[vec![0.0, 1.0, 2.0], vec![0.0, 1.0]]), block(&[2.0, 1.0], &[2, 1]));
+        assert_eq!(graded_block(&[0.0, 1.0, 2.0], &[0.0, 1.0], None), block(&[2.0, 1.0], &[2, 1]));
         assert_eq!(progression(3.0, 1, 8.0), [0.0, 3.0]);
     }
 }

@@ -160,7 +160,7 @@ fn list<T: ToString>(items: &[T]) -> String {
 }
 
 impl MeshFault {
-    /// How to mend it.
+    /// What mends the fault, in words.
     pub fn help(&self) -> &'static str {
         match self {
             MeshFault::Empty => "give the cells of the body",

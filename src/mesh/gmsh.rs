@@ -18,7 +18,7 @@ use super::{CellKind, Mesh, MeshFault};
 /// Why a mesh file was refused.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum MeshFileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{path}: the mesh cannot be read: {error}")]
     #[diagnostic(help("name an existing Gmsh file; paths are relative to the scene file"))]
     Io {
@@ -27,11 +27,11 @@ pub enum MeshFileError {
         /// What the system said; not a `source`, since the message has it already.
         error: io::Error,
     },
-    /// Its text is not a mesh in the format MSH 4.1.
+    /// The text of the file is not a mesh in the format MSH 4.1.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Format(#[from] GmshError),
-    /// It is a mesh, but not a sound one.
+    /// The file has a mesh, but not a sound one.
     #[error("{file}: {fault}")]
     #[diagnostic(help("{}", fault.help()))]
     Unsound {
@@ -53,7 +53,7 @@ pub struct GmshError {
     pub line: usize,
     /// What is wrong.
     pub message: String,
-    /// How to mend it.
+    /// What mends the fault.
     pub help: String,
 }
 

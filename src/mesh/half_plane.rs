@@ -8,7 +8,7 @@ use super::{Boundary, Mesh};
 /// equal columns over the rest, and `layers` in geometric progression downwards from elements that
 /// are square in the contact zone. Boundaries `bottom`, `right`, `top` (without the contact zone),
 /// `contact` and `left`.
-pub fn half_plane(
+pub(super) fn half_plane(
     size: [f64; 2],
     contact_width: f64,
     contact_elements: usize,

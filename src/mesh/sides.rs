@@ -15,7 +15,7 @@ pub(super) struct Pieces {
 }
 
 impl Cell {
-    /// Its sides, each with its outside as [`Facet`] wants it.
+    /// The sides of the cell, each with its outside as [`Facet`] wants it.
     pub(super) fn facets(&self) -> Vec<Facet> {
         let n = self.nodes.len();
         let sides: Vec<Vec<usize>> = match self.kind {
@@ -69,7 +69,7 @@ impl Mesh {
     }
 }
 
-/// The same facet, with the same outside, from its least node on. An edge has one way only to be written.
+/// A facet written from its least node on, with the same outside. An edge has one way only to be written.
 pub(super) fn from_least(mut facet: Facet) -> Facet {
     if facet.len() > 2 {
         let least = (0..facet.len()).min_by_key(|&k| facet[k]).unwrap_or(0);
@@ -81,7 +81,8 @@ pub(super) fn from_least(mut facet: Facet) -> Facet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{block, half_plane};
+    use crate::mesh::block;
+    use crate::mesh::half_plane::half_plane;
 
     #[test]
     fn what_is_made_here_is_one_piece() {
@@ -94,7 +95,7 @@ mod tests {
     }
 
     /// The block without all cells but `kept`.
-    fn part(size: &[f64], elements: &[usize], kept: &[usize]) -> Mesh {
+    fn part<const D: usize>(size: &[f64; D], elements: &[usize; D], kept: &[usize]) -> Mesh {
         let whole = block(size, elements);
         Mesh { cells: kept.iter().map(|&e| whole.cells[e].clone()).collect(), ..whole }
     }

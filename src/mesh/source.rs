@@ -4,8 +4,10 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::{CellKind, Mesh, MeshFileError, gmsh, graded_block, half_plane, progression};
-use crate::fault::{Fault, demand, finite};
+use super::block::{graded_block, progression};
+use super::half_plane::half_plane;
+use super::{CellKind, Mesh, MeshFileError, gmsh};
+use crate::fault::{Fault, demand, finite, not_huge};
 
 /// How the mesh of a body is made. Lengths are in m.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +21,7 @@ pub enum MeshSource {
     },
     /// A rectangle that stands for a half-plane pressed at the left end of its top.
     HalfPlane(HalfPlane),
-    /// From a file in the format MSH 4.1 of Gmsh.
+    /// A mesh from a file in the format MSH 4.1 of Gmsh.
     Gmsh {
         /// The file.
         file: PathBuf,
@@ -56,6 +58,19 @@ pub struct HalfPlane {
     /// Layers of elements, in geometric progression from the top one, whose elements are square in
     /// the contact zone, to the bottom.
     pub layers: usize,
+}
+
+/// Why a source makes no mesh.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum MeshError {
+    /// One of its values is not possible.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Source(#[from] Fault),
+    /// Its file is not sound.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    File(#[from] MeshFileError),
 }
 
 /// Beyond this a mesh is a slip of the pen, not a model: no matrix of it would fit into memory.
@@ -136,22 +151,34 @@ impl MeshSource {
         }
     }
 
-    /// The mesh of a source that [`MeshSource::check`] has passed.
+    /// The mesh.
     ///
     /// # Errors
-    /// When its file cannot be read, or has no sound mesh.
-    pub fn build(&self) -> Result<Arc<Mesh>, MeshFileError> {
-        Ok(match self {
+    /// As [`MeshSource::check`]; when its file cannot be read, or has no sound mesh.
+    pub fn build(&self) -> Result<Arc<Mesh>, MeshError> {
+        self.check()?;
+        self.made()
+    }
+
+    /// The mesh of a source that has been checked.
+    pub(crate) fn made(&self) -> Result<Arc<Mesh>, MeshError> {
+        let mesh = match self {
             MeshSource::Block { axes, cells } => {
-                let mesh = graded_block(&axes.iter().map(|segments| mesh_lines(segments)).collect::<Vec<_>>());
-                Arc::new(if cells.is_simplex() { mesh.into_simplices() } else { mesh })
+                let lines: Vec<Vec<f64>> = axes.iter().map(|segments| mesh_lines(segments)).collect();
+                let mesh = match &lines[..] {
+                    [xs, ys] => graded_block(xs, ys, None),
+                    [xs, ys, zs] => graded_block(xs, ys, Some(zs)),
+                    _ => return Err(MeshError::Source(no_dimension(&lines))),
+                };
+                if cells.is_simplex() { mesh.into_simplices() } else { mesh }
             }
             MeshSource::HalfPlane(m) => {
-                Arc::new(half_plane(m.size, m.contact_width, m.contact_elements, m.outer_elements, m.layers))
+                half_plane(m.size, m.contact_width, m.contact_elements, m.outer_elements, m.layers)
             }
-            MeshSource::Gmsh { file, scale } => Arc::new(gmsh(file, *scale)?),
-            MeshSource::Given(mesh) => Arc::clone(mesh),
-        })
+            MeshSource::Gmsh { file, scale } => gmsh(file, *scale)?,
+            MeshSource::Given(mesh) => return Ok(Arc::clone(mesh)),
+        };
+        Ok(Arc::new(mesh))
     }
 
     /// The number of nodes and the dimension; `None` if they are not known before a file is read.
@@ -168,12 +195,21 @@ impl MeshSource {
     }
 }
 
+const LENGTHS: &str = "give width and height in m, in three dimensions the lengths along x, y and z";
+
 fn check_size(size: &[Vec<f64>]) -> Result<(), Fault> {
-    let given = || Axes(size.to_vec());
-    let help = "give width and height in m, in three dimensions the lengths along x, y and z";
-    demand((2..=3).contains(&size.len()), "mesh.size", &given(), "two or three lengths", help)?;
+    if !(2..=3).contains(&size.len()) {
+        return Err(no_dimension(size));
+    }
     let sound = size.iter().all(|axis| !axis.is_empty() && axis.iter().all(|&x| x > 0.0 && x.is_finite()));
-    demand(sound, "mesh.size", &given(), "positive finite lengths", help)
+    demand(sound, "mesh.size", &Axes(size.to_vec()), "positive finite lengths", LENGTHS)?;
+    not_huge("mesh.size", size.iter().flatten().copied())
+}
+
+/// The fault of a block with too few axes, or too many.
+fn no_dimension(size: &[Vec<f64>]) -> Fault {
+    let message = format!("mesh.size is {:?}, but must be two or three lengths", Axes(size.to_vec()));
+    Fault::new("mesh.size", message, LENGTHS)
 }
 
 /// Whether a list has a value for each length in `size`.

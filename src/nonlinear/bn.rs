@@ -1,11 +1,13 @@
 //! Algorithm BN: the B-differentiable Newton method.
 
+mod beyond;
+
 use super::clock::Clock;
 use super::cycle::Cycle;
 use super::{Armijo, End, Flow, Iteration, IterationRecord, LinearSystem, Outcome, Stop};
 use crate::formulation::Bdiff;
 use crate::linear::{Direct, LinearError};
-use crate::sparse::sum;
+use beyond::Branch;
 
 /// Algorithm BN with its workspace.
 pub struct Bn {
@@ -61,8 +63,8 @@ impl Bn {
         let (mut cycle, mut full_step) = (Cycle::default(), false);
 
         for iteration in 1..=self.max_iterations {
-            // Step 2: the direction, H(z) + H̃'(z; dz) = 0 (22). The matrix is factored unless it is
-            // that of the last direction.
+            // Step 2: the direction, H(z) + H̃'(z; dz) = 0 (22), which stands for (11). The matrix is factored
+            // unless it is that of the last direction.
             let changed = clock.time(|| formulation.linearize(z));
             let factored = changed || self.factored != Some(linear.statistics().factorizations);
             cycle.visit(formulation.cases());
@@ -80,10 +82,10 @@ impl Bn {
             let (mut step, mut backtracks) =
                 if repeated { (1.0, 0) } else { clock.time(|| self.step_size(formulation, z, theta)) };
             if end.is_measured() && backtracks == self.armijo.max_backtracks {
-                let branch = Branch { step, backtracks, backward_error, solves: 0 };
-                let branch = self.look_for_a_branch(branch, formulation, linear, z, theta)?;
-                Branch { step, backtracks, backward_error, .. } = branch;
-                outcome.iterations += branch.solves;
+                let last = Branch { step, backtracks, backward_error, solves: 0 };
+                let ahead = self.branch_ahead(last, formulation, linear, z, theta)?;
+                Branch { step, backtracks, backward_error, .. } = ahead;
+                outcome.iterations += ahead.solves;
             }
             theta = clock.time(|| {
                 z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += step * dz);
@@ -160,84 +162,6 @@ impl Bn {
     fn system<'a>(&'a self, formulation: &'a Bdiff) -> LinearSystem<'a> {
         let (matrix, layout, scaling) = (formulation.jacobian(), formulation.layout(), *formulation.scaling());
         LinearSystem { matrix, rhs: &self.rhs, solution: &self.dz, layout, scaling }
-    }
-}
-
-// What the paper's loop does not have: the last digits, and the places where it stands still.
-
-/// In the places where several cases meet, the branch that a direction leads into is looked for this
-/// many times; two nodes that wait for each other would go on for ever.
-const BRANCH_TRIALS: usize = 3;
-
-/// Each gains as many digits as the condition of the matrix leaves: one is the rule, three serve up to
-/// 1e11 or so.
-const REFINEMENTS: usize = 3;
-
-/// The last direction tried, and the step along it.
-struct Branch {
-    step: f64,
-    backtracks: usize,
-    backward_error: f64,
-    /// Linear systems solved on the way.
-    solves: usize,
-}
-
-impl Bn {
-    /// Directions by the directional Newton equation (11), with the exact derivative (20), branch by branch until one can be
-    /// stepped along.
-    fn look_for_a_branch(
-        &mut self,
-        mut branch: Branch,
-        formulation: &mut Bdiff,
-        linear: &mut Direct,
-        z: &[f64],
-        theta: f64,
-    ) -> Result<Branch, LinearError> {
-        for _ in 0..BRANCH_TRIALS {
-            if !formulation.linearize_towards(z, &self.dz) {
-                break;
-            }
-            let Ok(error) = self.direction(formulation, linear, true)? else { break };
-            branch.backward_error = branch.backward_error.max(error);
-            branch.solves += 1;
-            (branch.step, branch.backtracks) = self.step_size(formulation, z, theta);
-            if branch.backtracks < self.armijo.max_backtracks {
-                break;
-            }
-        }
-        Ok(branch)
-    }
-
-    /// Newton steps with the last factors from residuals in twice the working precision, as long as they
-    /// gain: `z + rest` then solves the equations where the rounding of `z` alone is too coarse. Tells whether that is
-    /// enough.
-    fn refine(
-        &mut self,
-        formulation: &Bdiff,
-        linear: &mut Direct,
-        z: &mut [f64],
-        end: &mut End<'_>,
-    ) -> Result<bool, LinearError> {
-        let mut best = end.measure(z, &self.rest);
-        for _ in 0..REFINEMENTS {
-            formulation.residual_beyond(z, &self.rest, &mut self.h);
-            if self.direction(formulation, linear, false)?.is_err() {
-                break;
-            }
-            let corrected = z.iter().zip(&self.rest).zip(&self.dz).map(|((z, rest), dz)| sum(*z, rest + dz));
-            let (candidate, rest): (Vec<f64>, Vec<f64>) = corrected.unzip();
-            let reached = end.measure(&candidate, &rest);
-            if reached.is_none_or(f64::is_nan) || reached >= best {
-                break;
-            }
-            z.copy_from_slice(&candidate);
-            self.rest = rest;
-            best = reached;
-            if end.met(f64::INFINITY, best) {
-                break;
-            }
-        }
-        Ok(end.met(f64::INFINITY, best))
     }
 }
 

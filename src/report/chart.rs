@@ -227,7 +227,9 @@ impl Curve {
             svg.line(points, line, self.colour);
         }
         if let Some(marker) = self.marker {
-            points.iter().for_each(|&point| svg.marker(point, marker, self.colour));
+            for &point in points {
+                svg.marker(point, marker, self.colour);
+            }
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::model::Model;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Explanation {
-    /// In words; empty if it did not.
+    /// The reason in words; empty if the run went to its end.
     pub reason: String,
     /// Where the increment that failed violates the law most.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -26,9 +26,9 @@ pub struct WorstNode {
     pub law: Law,
     /// The error, relative as everywhere.
     pub error: f64,
-    /// Its number in the mesh, from 0.
+    /// The number of the node in the mesh, from 0.
     pub node: usize,
-    /// Its position, m: as many coordinates as there are dimensions.
+    /// The position of the node, m: as many coordinates as there are dimensions.
     pub position: Vec<f64>,
 }
 

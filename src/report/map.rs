@@ -136,7 +136,9 @@ impl ContactSurface {
                 arrows.push((at, [right, -up]));
             }
         }
-        arrows.into_iter().for_each(|(at, along)| arrow(svg, at, along));
+        for (at, along) in arrows {
+            arrow(svg, at, along);
+        }
     }
 }
 

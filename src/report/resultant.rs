@@ -19,7 +19,7 @@ pub struct Resultant {
     pub boundary: String,
     /// The force of the body on the obstacle: x, y and, in three dimensions, z, N; in two dimensions N per m of depth.
     pub force: Vec<f64>,
-    /// Its moment about the origin, at the reference positions of the nodes: about z in two dimensions, about x, y
+    /// The moment of the force about the origin, at the reference positions of the nodes: about z in two dimensions, about x, y
     /// and z in three, N m; in two dimensions N m per m of depth.
     pub moment: Vec<f64>,
     /// The sums of the components.
@@ -77,7 +77,7 @@ impl Resultant {
 }
 
 impl ComponentSums {
-    /// Those of the contact nodes `nodes`.
+    /// The sums over the contact nodes `nodes`.
     pub(super) fn of(model: &Model, state: &State, nodes: Range<usize>) -> Self {
         let mut sums = [0.0; 3];
         for i in nodes {

@@ -37,7 +37,7 @@ pub struct RunReport {
     pub setting: &'static str,
     /// The linear algebra: `umfpack`, `faer` or `condensed`, or the name of a solver from outside.
     pub solver: String,
-    /// Why that, where it was left open.
+    /// The reason for the linear algebra, where the scene leaves it open.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solver_choice: Option<String>,
     /// A linear algebra that is estimated to take much less time, if the run was long enough to ask.
@@ -56,9 +56,9 @@ pub struct RunReport {
     /// The node and time where the contact was furthest out of the range of its linearised gaps, if it left it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_left: Option<RangeLeft>,
-    /// How many unknowns of each kind there were.
+    /// The number of unknowns of each kind.
     pub unknowns: Unknowns,
-    /// How many there were not, and why.
+    /// The unknowns that the scene does without, and why.
     pub left_out: Vec<LeftOut>,
     /// One record per increment.
     pub increments: Vec<IncrementRecord>,
@@ -184,7 +184,7 @@ impl RunReport {
         }
     }
 
-    /// As one JSON object. Numbers that are not finite become `null`.
+    /// The report as one JSON object. Numbers that are not finite become `null`.
     ///
     /// # Errors
     /// None that the types allow; serde's signature has one.

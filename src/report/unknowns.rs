@@ -14,7 +14,7 @@ pub struct Unknowns {
     pub u: usize,
     /// Tangential contact forces along the first tangent.
     pub p_t: usize,
-    /// The same along the second, in three dimensions.
+    /// Tangential forces along second tangents, in three dimensions.
     pub p_o: usize,
     /// Normal contact forces.
     pub p_n: usize,
@@ -31,16 +31,16 @@ pub struct Unknowns {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct LeftOut {
-    /// How many.
+    /// The number of unknowns that are left out.
     pub count: usize,
     /// Of which kind: `"u"`, `"p_n"`, `"p_t and p_o"`.
     pub unknown: &'static str,
-    /// Why.
+    /// The reason, in words.
     pub reason: &'static str,
 }
 
 impl Unknowns {
-    /// Those of `method` for the unknowns in `layout`.
+    /// The unknowns of `method` for those in `layout`.
     pub fn new(layout: &Layout, method: Method) -> Self {
         let (u, p_n) = (layout.displacements(), layout.contacts());
         let with = |has: &dyn Fn(usize) -> bool| (0..p_n).filter(|&i| has(i)).count();

@@ -27,11 +27,11 @@ pub struct Validity {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct LargestDisplacement {
-    /// Its length, m.
+    /// The length of the displacement, m.
     pub length: f64,
     /// The node's position, m.
     pub position: [f64; 3],
-    /// When, s.
+    /// The time, s.
     pub time: f64,
 }
 

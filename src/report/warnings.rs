@@ -9,9 +9,9 @@ use crate::model::Model;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Warning {
-    /// Of what.
+    /// The kind of the warning.
     pub kind: WarningKind,
-    /// In words, with what to do.
+    /// The warning in words, with what to do.
     pub message: String,
 }
 
@@ -49,10 +49,10 @@ impl WarningKind {
     }
 }
 
-/// From this Poisson's ratio on elements may lock: K is 50 times as stiff against a change of volume as against shear.
+/// Poisson's ratio from which elements may lock: K is 50 times as stiff against a change of volume as against shear.
 const LOCKING: f64 = 0.49;
 
-/// Beside the size of the body, what rounding leaves of the corners of an element.
+/// Relative to the size of the body, what rounding leaves of the corners of an element.
 const ROUNDING: f64 = 1e-9;
 
 impl Warning {

@@ -33,7 +33,7 @@ pub enum SceneError {
         text: String,
         /// What is wrong.
         message: String,
-        /// How to mend it.
+        /// What mends the fault.
         help: String,
     },
 }
@@ -52,7 +52,7 @@ pub struct Located {
     pub key: String,
     /// What is wrong.
     pub message: String,
-    /// How to mend it.
+    /// What mends the fault.
     pub help: String,
     #[source_code]
     source_code: NamedSource<String>,

@@ -17,7 +17,7 @@ use stickslip::vector::{norm, unit};
 /// A unit square or cube of `n` elements along each axis, of any kind.
 fn cube(kind: CellKind, n: usize) -> Mesh {
     let d = kind.dimension();
-    let mesh = block(&vec![1.0; d], &vec![n; d]);
+    let mesh = if d == 2 { block(&[1.0; 2], &[n; 2]) } else { block(&[1.0; 3], &[n; 3]) };
     if kind.corners() == d + 1 { mesh.into_simplices() } else { mesh }
 }
 

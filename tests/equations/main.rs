@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod arrays;
 mod backends_agree;
 mod bn_vs_ip;
 mod cholesky;
@@ -18,6 +19,7 @@ mod ip_step;
 mod jacobian_fd;
 mod labels;
 mod left_out;
+mod own_method;
 mod robust;
 mod uniqueness;
 mod units;

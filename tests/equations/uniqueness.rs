@@ -240,7 +240,7 @@ fn posed_critical(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64
     let force = vec![0.0; model.problem.displacements()];
     let increment = Increment { force: &force, gap: &gap, w_t_last: &w_t_last, w_o_last: &vec![0.0; w_t_last.len()] };
     let scales = KktScales { force: 1e6, length: 1e-5 };
-    assert_eq!(statuses(&model.problem, &increment, &state, &scales), wanted);
+    assert_eq!(statuses(&model.problem, &increment, &state, &scales).unwrap(), wanted);
     let mut linear = Direct::default();
     let critical =
         critical_friction(&model.problem, &increment, &state, &scales, model.scaling(), &mut linear).unwrap().unwrap();

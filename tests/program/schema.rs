@@ -236,5 +236,13 @@ fn the_schema_of_scenes_has_the_keys_of_the_reader() {
         let table = if place.is_empty() { &schema } else { &schema["$defs"][place] };
         let known: BTreeSet<&str> = table["properties"].as_object().unwrap().keys().map(String::as_str).collect();
         assert_eq!(known, reader, "{path}");
+        for (key, of) in table["properties"].as_object().unwrap() {
+            let Some(words) = of.get("enum") else { continue };
+            let error = base.with(&[format!("{path}{key}=nonsense").parse().unwrap()]).unwrap_err().to_string();
+            let expected = error.split_once("expected ").unwrap_or_else(|| panic!("{path}{key}: {error}")).1;
+            let reader: BTreeSet<&str> = expected.split('`').skip(1).step_by(2).collect();
+            let known: BTreeSet<&str> = words.as_array().unwrap().iter().map(|word| word.as_str().unwrap()).collect();
+            assert_eq!(known, reader, "{path}{key}");
+        }
     }
 }

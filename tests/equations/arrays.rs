@@ -1,0 +1,260 @@
+//! Arrays that do not fit, numbers that are none: each is refused by an error that names the array.
+#![allow(clippy::unwrap_used)]
+
+use stickslip::contact::{KktErrors, KktScales, statuses};
+use stickslip::history::{self, HistorySettings, Method, Observer, Start, Status, Step, System};
+use stickslip::linear::{Cholesky, Direct, LinearError};
+use stickslip::loading::{Bend, LoadCase, Loading, Motion};
+use stickslip::nonlinear::{Flow, LinearSystem};
+use stickslip::problem::{ContactProblem, Increment, Parts, State};
+use stickslip::sparse::{Csc, Csr, MatrixError, Pattern, Symmetric};
+use stickslip::uniqueness::critical_friction;
+use stickslip::units::Scaling;
+
+/// A node on two springs, pressed on a floor and pushed along it.
+fn parts() -> Parts {
+    let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 0, 0.5), (1, 1, 2.0)]).unwrap();
+    let c_n = Csr::from_rows(2, [[(1, 1.0)]]).unwrap();
+    let c_t = Csr::from_rows(2, [[(0, 1.0)]]).unwrap();
+    Parts { c_t, mu: vec![0.3], weight: Some(vec![1.0]), ..Parts::new(stiffness, c_n) }
+}
+
+fn problem() -> ContactProblem {
+    ContactProblem::new(parts()).unwrap()
+}
+
+fn loading(force: Vec<f64>, gap: Vec<f64>) -> Loading {
+    Loading::new(vec![LoadCase::new(force, vec![[0.0, 0.0], [1.0, 1.0]]).unwrap()], gap).unwrap()
+}
+
+fn run(loading: &Loading, times: &[f64], change: impl FnOnce(&mut HistorySettings)) -> Result<Status, history::Error> {
+    let mut settings = HistorySettings::new(&problem(), &self::loading(vec![1.0; 2], vec![0.0]), Method::BN).unwrap();
+    change(&mut settings);
+    history::run(&problem(), loading, times, &settings, System::default(), &mut ()).map(|outcome| outcome.status)
+}
+
+/// Every way to hand in nonsense, with what its error says.
+#[test]
+fn every_error_names_its_array() {
+    const NAN: f64 = f64::NAN;
+    const ONE: [(usize, f64); 1] = [(1, 1.0)];
+    let made = |change: &dyn Fn(&mut Parts)| {
+        let mut parts = parts();
+        change(&mut parts);
+        ContactProblem::new(parts).map(|_| ()).map_err(|error| error.to_string())
+    };
+    let matrix = |result: Result<Csc, MatrixError>| result.map(|_| ()).map_err(|error| error.to_string());
+    let symmetric = |entries: &[(usize, usize, f64)]| {
+        Symmetric::from_triplets(2, entries).map(|_| ()).map_err(|error| error.to_string())
+    };
+    let rows = |columns: usize, row: [(usize, f64); 1]| Csr::from_rows(columns, [row]);
+    let good = loading(vec![1.0, 1.0], vec![0.0]);
+    let ran =
+        |loading: &Loading, times: &[f64]| run(loading, times, |_| ()).map(|_| ()).map_err(|error| error.to_string());
+    let set = |change: &dyn Fn(&mut HistorySettings)| {
+        run(&good, &[1.0], change).map(|_| ()).map_err(|error| error.to_string())
+    };
+    let case = |force: Vec<f64>, history: Vec<[f64; 2]>| {
+        LoadCase::new(force, history).map(|_| ()).map_err(|error| error.to_string())
+    };
+    let (problem, state) = (problem(), State::zero(&problem()));
+    let judged = |force: &[f64], gap: &[f64], w_t_last: &[f64], state: &State| {
+        let increment = Increment { force, gap, w_t_last, w_o_last: &[0.0] };
+        let measured = KktErrors::measure(&problem, &increment, state, &KktScales::default()).map(|_| ());
+        assert_eq!(measured, statuses(&problem, &increment, state, &KktScales::default()).map(|_| ()));
+        let scales = KktScales::default();
+        let critical = critical_friction(&problem, &increment, state, &scales, Scaling::SI, &mut Direct::default());
+        assert_eq!(
+            critical.map(|_| ()).map_err(|error| error.to_string()),
+            measured.clone().map_err(|e| e.to_string())
+        );
+        measured.map_err(|error| error.to_string())
+    };
+    let longer = |change: &dyn Fn(&mut State)| {
+        let mut state = state.clone();
+        change(&mut state);
+        state
+    };
+    let motion = |nodes, gap: Vec<f64>, drift: Vec<[f64; 2]>, history: Vec<[f64; 2]>| {
+        Motion::new(nodes, gap, drift, history).map(|_| ()).map_err(|error| error.to_string())
+    };
+    let still = || vec![[0.0, 0.0], [1.0, 1.0]];
+    let cases: Vec<(Result<(), String>, &str)> = vec![
+        // Matrices (R2, N6).
+        (matrix(Csc::from_triplets(2, 2, &[(2, 0, 1.0)])), "row 2 of a matrix with 2 rows"),
+        (matrix(Csc::from_triplets(2, 2, &[(0, 3, 1.0)])), "column 3 of a matrix with 2 columns"),
+        (matrix(Csc::from_triplets(2, 2, &[(0, 1, NAN)])), "(0, 1) is NaN"),
+        (matrix(Csc::from_parts(2, &[0, 2, 1], &[0, 1], &[1.0, 1.0])), "start 2 is 1"),
+        (matrix(Csc::from_parts(2, &[1, 2], &[0, 1], &[1.0, 1.0])), "start 0 is 1"),
+        (matrix(Csc::from_parts(2, &[0, 1, 2], &[0, 2], &[1.0, 1.0])), "row 2"),
+        (matrix(Csc::from_parts(2, &[0, 1, 3], &[0, 1], &[1.0, 1.0])), "row indices: expected 3 entries, got 2"),
+        (matrix(Csc::from_parts(2, &[0, 1, 2], &[0, 1], &[1.0])), "values of the matrix: expected 2 entries, got 1"),
+        (symmetric(&[(0, 1, 1.0), (1, 0, 2.0)]), "not symmetric: (1, 0) is 2e0 and (0, 1) is 1e0"),
+        (symmetric(&[(0, 2, 1.0)]), "column 2"),
+        (rows(2, [(2, 1.0)]).map(|_| ()).map_err(|e| e.to_string()), "column 2 of a matrix with 2 columns"),
+        (rows(2, [(1, f64::INFINITY)]).map(|_| ()).map_err(|e| e.to_string()), "(0, 1) is inf"),
+        // Problems (N4, N5).
+        (made(&|p| p.c_n = Csr::from_rows(2, [ONE, ONE]).unwrap()), "c_t has 1 rows, but must have 2"),
+        (made(&|p| p.c_t = rows(3, ONE).unwrap()), "c_t has 3 columns, but must have 2"),
+        (made(&|p| p.c_o = Csr::empty(2, 2)), "c_o has 2 rows, but must have 1"),
+        (made(&|p| p.mu = vec![0.3; 2]), "mu has 2 entries, but must have 1"),
+        (made(&|p| p.mu = vec![-1.0]), "mu[0] is -1, but must be 0 or more"),
+        (made(&|p| p.mu = vec![NAN]), "mu[0] is NaN"),
+        (made(&|p| p.weight = Some(vec![])), "weight has 0 entries, but must have 1"),
+        (made(&|p| p.weight = Some(vec![NAN])), "weight[0] is NaN, but must be above 0"),
+        (made(&|p| p.weight = Some(vec![0.0])), "weight[0] is 0"),
+        (made(&|p| p.stiffness.scale(-1.0)), "stiffness is not positive semidefinite"),
+        (made(&|p| p.stiffness.scale(NAN)), "stiffness(0, 0) is NaN"),
+        (
+            made(&|p| p.stiffness = Symmetric::from_triplets(2, &[(0, 0, 1.0), (1, 0, 2.0), (1, 1, 1.0)]).unwrap()),
+            "(1, 0) = 2e0",
+        ),
+        (made(&|p| p.stiffness = Symmetric::from_triplets(0, &[]).unwrap()), "order 0"),
+        (made(&|p| p.free_motions = Some(vec![vec![1.0]])), "free_motions[0] has 1 entries, but must have 2"),
+        (made(&|p| p.free_motions = Some(vec![vec![NAN, 1.0]])), "free_motions[0][0] is NaN"),
+        (made(&|p| p.free_motions = Some(vec![vec![1.0, 0.0]])), "free_motions[0] is no free motion"),
+        (made(&|p| p.free_motions = Some(vec![vec![0.0, 0.0]])), "free_motions[0] is a combination"),
+        // Loads, times, settings (N3).
+        (case(vec![NAN], still()), "force[0] is NaN"),
+        (case(vec![1.0], vec![[1.0, 1.0], [0.0, 0.0]]), "history[1] goes from time 1 to 0"),
+        (case(vec![1.0], vec![[0.0, f64::INFINITY]]), "history[0][1] is inf"),
+        (Loading::new(Vec::new(), vec![NAN]).map(|_| ()).map_err(|e| e.to_string()), "gap[0] is NaN"),
+        (motion(0..2, vec![1.0], vec![[0.0; 2]; 2], still()), "gap has 1 entries, but must have 2"),
+        (motion(0..1, vec![1.0], Vec::new(), still()), "drift has 0 entries, but must have 1"),
+        (motion(0..1, vec![1.0], vec![[0.0, NAN]], still()), "drift[0][1] is NaN"),
+        (Bend::new(0..1, vec![0.0, 0.0], vec![vec![0.0]; 2]).map(|_| ()).map_err(|e| e.to_string()), "times[1]"),
+        (Bend::new(0..1, vec![0.0], vec![vec![]]).map(|_| ()).map_err(|e| e.to_string()), "gap[0] has 0 entries"),
+        (
+            good.clone()
+                .with_motions(vec![Motion::new(0..3, vec![0.0; 3], vec![[0.0; 2]; 3], still()).unwrap()], Vec::new())
+                .map(|_| ())
+                .map_err(|e| e.to_string()),
+            "nodes of a motion has 3 entries, but must have 1",
+        ),
+        (ran(&loading(vec![1.0], vec![0.0]), &[1.0]), "force of a load has 1 entries, but must have 2"),
+        (ran(&loading(vec![1.0, 1.0, 5.0], vec![0.0]), &[1.0]), "force of a load has 3 entries, but must have 2"),
+        (ran(&loading(vec![1.0, 1.0], vec![]), &[1.0]), "gap has 0 entries, but must have 1"),
+        (ran(&good, &[]), "times is empty"),
+        (ran(&good, &[NAN]), "times[0] is NaN"),
+        (ran(&good, &[1.0, 0.5]), "times[1] goes from time 1 to 0.5"),
+        (set(&|s| s.tolerance = 0.0), "tolerance is 0, but must be above 0"),
+        (set(&|s| s.max_iterations = 0), "max_iterations is 0"),
+        (set(&|s| s.conventions.r_n.clear()), "r_n has 0 entries, but must have 1"),
+        (set(&|s| s.contact_stiffness.push(1.0)), "contact_stiffness has 2 entries, but must have 1"),
+        // The judge.
+        (judged(&[1.0], &[0.0], &[0.0], &state), "force has 1 entries, but must have 2"),
+        (judged(&[1.0, NAN], &[0.0], &[0.0], &state), "force[1] is NaN"),
+        (judged(&[1.0; 2], &[], &[0.0], &state), "gap has 0 entries, but must have 1"),
+        (judged(&[1.0; 2], &[0.0], &[0.0; 2], &state), "w_t_last has 2 entries, but must have 1"),
+        (judged(&[1.0; 2], &[0.0], &[0.0], &longer(&|s| s.u.push(0.0))), "u has 3 entries, but must have 2"),
+        (judged(&[1.0; 2], &[0.0], &[0.0], &longer(&|s| s.p_n.clear())), "p_n has 0 entries, but must have 1"),
+        (judged(&[1.0; 2], &[0.0], &[0.0], &longer(&|s| s.u_rest.push(0.0))), "u_rest has 1 entries, but must have 2"),
+    ];
+    assert!(cases.len() >= 40);
+    for (result, expected) in cases {
+        let error = result.expect_err(expected);
+        assert!(error.contains(expected), "`{error}` does not say `{expected}`");
+    }
+}
+
+/// Patterns whose entries are outside never reach a direct solver, nor values of another number (R2).
+#[test]
+fn no_array_is_read_by_a_length_it_does_not_have() {
+    let outside = Symmetric::from_entries(50, |take| (0..50).for_each(|i| take(i + 60, i)));
+    assert!(matches!(outside, Err(MatrixError::Row { row: 60, rows: 50 })));
+    let calls = std::cell::Cell::new(0);
+    let unsteady = Pattern::from_entries(3, 3, |take| {
+        calls.set(calls.get() + 1);
+        (0..calls.get()).for_each(|i| take(i, 0));
+    });
+    assert_eq!(unsteady.unwrap_err(), MatrixError::Unsteady { column: 0 });
+    let pattern = std::sync::Arc::new(Pattern::from_entries(2, 2, |take| take(1, 0)).unwrap());
+    assert!(Csc::new(pattern.clone(), vec![1.0; 3]).is_err());
+    assert!(Symmetric::from_lower(Csc::zeros(pattern)).is_ok());
+    let above = Csc::from_triplets(2, 2, &[(0, 1, 1.0)]).unwrap();
+    assert_eq!(Symmetric::from_lower(above).unwrap_err(), MatrixError::AboveDiagonal { row: 0, column: 1 });
+    let mut k = Symmetric::from_triplets(2, &[(0, 0, 1.0)]).unwrap();
+    assert_eq!(k.add(1, 0, 1.0), Err(MatrixError::NotStored { row: 1, column: 0 }));
+    // Not positive definite, and said so.
+    assert!(matches!(
+        Cholesky::factor(&k, &[]),
+        Err(LinearError::Singular { .. }) | Err(LinearError::NotBuiltIn { .. })
+    ));
+}
+
+/// The constants of the paper are stresses: only they ask for the weights of the contact nodes.
+#[test]
+fn weights_are_asked_for_where_they_are_used() {
+    let problem = ContactProblem::new(Parts { weight: None, ..parts() }).unwrap();
+    let loading = loading(vec![0.1, 1.0], vec![0.0]);
+    for method in [Method::BN, Method::IP] {
+        let settings = HistorySettings::new(&problem, &loading, method).unwrap();
+        let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap();
+        assert_eq!(outcome.status, Status::Converged);
+    }
+    for method in [Method::PaperBn, Method::paper_ip(Start::Safe)] {
+        let refused = HistorySettings::new(&problem, &loading, method).unwrap_err();
+        assert!(refused.to_string().contains("weight"), "{refused}");
+    }
+}
+
+/// A loose node, found to be free by its stiffness, is pressed on a floor.
+#[test]
+fn free_motions_are_found_where_they_are_not_given() {
+    let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0)]).unwrap();
+    let problem = ContactProblem::new(Parts { stiffness, ..parts() }).unwrap();
+    assert_eq!(problem.free_motions(), [[0.0, 1.0]]);
+    let loading = loading(vec![0.1, 1.0], vec![0.0]);
+    let settings = HistorySettings::new(&problem, &loading, Method::BN).unwrap();
+    let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    assert!((outcome.state.p_n[0] - 1.0).abs() < 1e-12);
+}
+
+/// An observer sees the linear system of every step: the matrix, the right-hand side and the direction fit.
+#[test]
+fn an_observer_sees_the_linear_systems() {
+    #[derive(Default)]
+    struct Watch {
+        systems: usize,
+        iterations: usize,
+    }
+    impl Observer for Watch {
+        fn linear_system(&mut self, _index: usize, system: &LinearSystem<'_>) -> Flow {
+            self.systems += 1;
+            let product = system.matrix.times(system.solution).unwrap();
+            let largest = system.rhs.iter().fold(f64::MIN_POSITIVE, |m, b| m.max(b.abs()));
+            assert!(product.iter().zip(system.rhs).all(|(a, b)| (a - b).abs() <= 1e-9 * largest));
+            assert_eq!(system.layout.unknowns(), 4);
+            Flow::Continue
+        }
+
+        fn increment(&mut self, step: &Step<'_>) -> Flow {
+            self.iterations += step.record.iterations;
+            Flow::Continue
+        }
+    }
+    let loading = loading(vec![1.0, 1.0], vec![0.0]);
+    for method in [Method::BN, Method::PaperBn, Method::IP] {
+        let settings = HistorySettings::new(&problem(), &loading, method).unwrap();
+        let mut watch = Watch::default();
+        history::run(&problem(), &loading, &[0.5, 1.0], &settings, System::default(), &mut watch).unwrap();
+        assert!(watch.systems > 0 && watch.systems <= watch.iterations, "{method}");
+    }
+}
+
+/// A body without any stiffness, friction without end: whatever the verdict, it is one, and an honest one (R1).
+#[test]
+fn an_interior_point_method_that_fails_at_its_first_step() {
+    let loading = loading(vec![0.1, 1.0], vec![0.0]);
+    let none = Symmetric::from_entries(2, |take| (0..2).for_each(|i| take(i, i))).unwrap();
+    for parts in [Parts { stiffness: none, ..parts() }, Parts { mu: vec![1e160], ..parts() }] {
+        let problem = ContactProblem::new(parts).unwrap();
+        for method in [Method::BN, Method::IP, Method::PaperBn, Method::paper_ip(Start::Safe)] {
+            let settings = HistorySettings::new(&problem, &loading, method).unwrap();
+            let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap();
+            let kept = outcome.records.iter().all(|record| record.kkt.worst().1 <= settings.tolerance);
+            assert_eq!(outcome.status == Status::Converged, kept && !outcome.records.is_empty(), "{method}");
+        }
+    }
+}

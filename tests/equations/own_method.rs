@@ -1,0 +1,78 @@
+//! A method of one's own in the history loop, whole and condensed.
+#![allow(clippy::unwrap_used)]
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use crate::common;
+use stickslip::history::{
+    self, Algorithm, HistorySettings, IncrementSolver, LinearAlgebra, Method, Observe, Status, System, Task,
+};
+use stickslip::linear::{Direct, LinearError};
+use stickslip::loading::Loading;
+use stickslip::model::Model;
+use stickslip::nonlinear::Outcome;
+use stickslip::problem::{ContactProblem, State};
+use stickslip::sparse::Csc;
+
+/// BN, and a diary of the displacements that each increment has.
+struct Diary {
+    settings: HistorySettings,
+    pages: Rc<RefCell<Vec<usize>>>,
+}
+
+struct Kept<'a> {
+    inner: Box<dyn IncrementSolver + 'a>,
+    pages: Rc<RefCell<Vec<usize>>>,
+}
+
+impl Algorithm for Diary {
+    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
+        Box::new(Kept { inner: self.settings.start(problem, loading), pages: Rc::clone(&self.pages) })
+    }
+}
+
+impl IncrementSolver for Kept<'_> {
+    fn matrix(&self) -> &Csc {
+        self.inner.matrix()
+    }
+
+    fn linearize(&mut self) {
+        self.inner.linearize();
+    }
+
+    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.inner.hold_contacts()
+    }
+
+    fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError> {
+        self.pages.borrow_mut().push(task.increment.force.len());
+        self.inner.solve(task, linear, observe)
+    }
+
+    fn state(&self) -> State {
+        self.inner.state()
+    }
+
+    fn unknowns(&mut self) -> &mut Vec<f64> {
+        self.inner.unknowns()
+    }
+}
+
+#[test]
+fn a_method_of_ones_own() {
+    let scene = common::block(&["mesh.elements=[6,6]", "time.increments=4"]);
+    let model = Model::new(&scene).unwrap();
+    let (problem, loading, times) = (&model.problem, &model.loading, scene.time.all());
+    let settings = HistorySettings::new(problem, loading, Method::BN).unwrap();
+    let known = history::run(problem, loading, &times, &settings, System::default(), &mut ()).unwrap();
+    let border = problem.contact_displacements().len();
+    for (linear, n) in [(LinearAlgebra::default(), problem.displacements()), (LinearAlgebra::condensed(), border)] {
+        let diary = Diary { settings: settings.clone(), pages: Rc::default() };
+        let outcome = history::run_with(problem, loading, &times, &diary, &settings, linear.into(), &mut ()).unwrap();
+        assert_eq!(outcome.status, Status::Converged);
+        assert_eq!(*diary.pages.borrow(), vec![n; times.len()]);
+        let largest = known.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+        assert!(outcome.state.p_n.iter().zip(&known.state.p_n).all(|(a, b)| (a - b).abs() <= 1e-9 * largest));
+    }
+}
