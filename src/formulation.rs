@@ -16,12 +16,14 @@ mod interior;
 mod layout;
 mod mixed;
 mod natural;
+mod pairs;
 mod scaled;
 
 pub use assembled::Assembled;
 pub use bdiff::Bdiff;
 pub use cone::Cone;
-pub use constrained::{Constrained, Face, NewtonSystem, Partition, SlackLayout};
-pub use interior::{InteriorPoint, Pair, largest_step};
+pub use constrained::{Constrained, NewtonSystem, Partition, SlackLayout};
+pub use interior::InteriorPoint;
 pub use layout::Layout;
 pub use natural::{Conventions, Pressure};
+pub use pairs::{Face, Pair, largest_step};

@@ -29,6 +29,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod algorithm;
 mod bn;
 mod error;
 mod held;
@@ -49,9 +50,10 @@ mod whole;
 use std::time::Instant;
 
 pub use error::Error;
+pub use method::{Method, Start};
 pub use observer::{Observer, Step};
 pub use record::{ContactCounts, IncrementRecord, Seconds, Status};
-pub use settings::{HistorySettings, Method, Start};
+pub use settings::HistorySettings;
 pub use solver::Solver;
 pub use system::{LinearAlgebra, System, UnknownLinearAlgebra};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};

@@ -26,6 +26,7 @@ mod kernel;
 mod ordering;
 pub mod process;
 mod refine;
+mod supernodal;
 #[cfg(feature = "umfpack")]
 mod sys;
 #[cfg(feature = "umfpack")]

@@ -1,6 +1,6 @@
 //! How far a history is from its reference, and a mesh from the finest.
 
-use super::tractions::{Interior, Tractions};
+use super::tractions::{Interior, Tractions, relative};
 use crate::contact::ContactNode;
 use crate::model::Model;
 use crate::problem::State;
@@ -90,11 +90,6 @@ impl TimeErrors {
 /// `∫ σ² = Σ l (p/l)²`.
 fn square(p: &[f64], weight: &[f64]) -> f64 {
     p.iter().zip(weight).map(|(p, l)| p * p / l).sum()
-}
-
-/// `|value| / scale`; nothing is no error, whatever it is compared with.
-pub(super) fn relative(value: f64, scale: f64) -> f64 {
-    if value == 0.0 { 0.0 } else { value.abs() / scale.abs() }
 }
 
 impl MeshErrors {

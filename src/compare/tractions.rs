@@ -131,7 +131,7 @@ impl Tractions {
                 whole += l * dot(fine, fine);
             }
         }
-        super::errors::relative(difference.sqrt(), whole.sqrt())
+        relative(difference.sqrt(), whole.sqrt())
     }
 
     /// The traction at the point of the boundary nearest to `x`.
@@ -172,6 +172,11 @@ fn share(corners: &[[f64; 3]], x: [f64; 3]) -> (Vec<f64>, f64) {
     let near = |k: usize| corners.iter().zip(&shares).map(|(corner, share)| share * corner[k]).sum::<f64>();
     let distance = norm(minus(x, [0, 1, 2].map(near)));
     (shares, distance)
+}
+
+/// `|value| / scale`; nothing is no error, whatever it is compared with.
+pub(super) fn relative(value: f64, scale: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value.abs() / scale.abs() }
 }
 
 #[cfg(test)]

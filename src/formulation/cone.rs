@@ -17,11 +17,12 @@
 //!
 //! A node without friction or without tangential freedom has no `p_T`, `s` and `λ`.
 
-use super::interior::{InteriorPoint, Pair};
+use super::interior::InteriorPoint;
 use super::mixed::{MixedMatrix, TangentialRow};
 use super::natural::{NaturalRows, half_square};
+use super::pairs::{Face, Pair};
 use super::scaled::Scaled;
-use super::{Assembled, Conventions, Face, Layout};
+use super::{Assembled, Conventions, Layout};
 use crate::problem::{ContactProblem, Increment};
 use crate::sparse::Csc;
 use crate::units::Scaling;

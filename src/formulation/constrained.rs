@@ -21,15 +21,15 @@ mod face;
 mod layout;
 mod reduced;
 
-pub use face::Face;
 pub use layout::SlackLayout;
 
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::interior::{InteriorPoint, Pair, largest_step, least, reach};
+use super::interior::InteriorPoint;
 use super::natural::{NaturalRows, half_square};
+use super::pairs::{Face, Pair, largest_step, least, reach};
 use super::scaled::Scaled;
 use super::{Assembled, Conventions, Layout};
 use crate::problem::{ContactProblem, Increment};

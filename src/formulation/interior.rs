@@ -1,26 +1,10 @@
 //! What the predictor–corrector interior point method asks of its equations.
 
-use super::{Face, Layout};
+use super::Layout;
+use super::pairs::{Face, Pair};
 use crate::problem::Increment;
 use crate::sparse::Csc;
 use crate::units::Scaling;
-
-/// Two unknowns of which one vanishes in the solution.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Pair {
-    /// The place of `p_n` or `s`, a force.
-    pub force: usize,
-    /// The place of `v_n` or `λ`, a length, and of the product's row.
-    pub length: usize,
-}
-
-impl Pair {
-    /// The product at `z + t dz`.
-    pub fn product_ahead(&self, z: &[f64], dz: &[f64], t: f64) -> f64 {
-        let at = |k: usize| z[k] + t * dz[k];
-        at(self.force) * at(self.length)
-    }
-}
 
 /// Equations `H(z) = 0` on `z = (u, p_t, p_o, p_n, v_n, s, λ)`, of which the products of complementary
 /// pairs are a part.
@@ -87,19 +71,4 @@ pub trait InteriorPoint {
     fn is_affine(&self) -> bool {
         self.pairs().is_empty()
     }
-}
-
-/// The largest step for which all `pairs` of `z + t dz` are at least 0; infinite if there is no largest.
-pub fn largest_step(pairs: &[Pair], z: &[f64], dz: &[f64]) -> f64 {
-    least(pairs.iter().flat_map(|pair| [pair.force, pair.length]).map(|k| reach(z[k], dz[k])))
-}
-
-/// How far a positive `value` may go along its `change`.
-pub(super) fn reach(value: f64, change: f64) -> f64 {
-    if change < 0.0 { -value / change } else { f64::INFINITY }
-}
-
-/// The least of the `steps`; not by `f64::min`, which loses a NaN.
-pub(super) fn least(steps: impl Iterator<Item = f64>) -> f64 {
-    steps.fold(f64::INFINITY, |least, step| if step < least || step.is_nan() { step } else { least })
 }

@@ -1,6 +1,7 @@
 //! IP along a history: the paper's starting points.
 
-use super::settings::{HistorySettings, Start};
+use super::method::Start;
+use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
 use crate::formulation::{Constrained, InteriorPoint, NewtonSystem, Pair, Partition, SlackLayout};
 use crate::linear::{Direct, LinearError};

@@ -1,6 +1,7 @@
 //! What solves a history, as far as somebody chooses it.
 
-use super::{Error, HistorySettings, LinearAlgebra, Method};
+use super::settings::{self, HistorySettings};
+use super::{Error, LinearAlgebra, Method};
 use crate::loading::Loading;
 use crate::problem::ContactProblem;
 
@@ -18,8 +19,8 @@ pub struct Solver {
 }
 
 impl Solver {
-    /// Twice what the longest increments that were met and solved need.
-    pub const MAX_ITERATIONS: usize = 200;
+    /// The most iterations of an increment where nobody says otherwise.
+    pub const MAX_ITERATIONS: usize = settings::MAX_ITERATIONS;
 
     /// `method` with its default tolerance and limit, and the linear algebra of this build on the uncondensed system.
     pub fn new(method: Method) -> Self {

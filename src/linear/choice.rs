@@ -4,8 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Cholesky, LinearError, LinearSolver, built_in};
-use crate::sparse::Symmetric;
+use super::{LinearSolver, built_in};
 
 /// A sparse LU factorisation, for the uncondensed system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -65,24 +64,6 @@ impl SparseCholesky {
         match self {
             SparseCholesky::Cholmod => cfg!(feature = "umfpack"),
             SparseCholesky::Faer => cfg!(feature = "faer"),
-        }
-    }
-
-    /// [`Cholesky::factor`] by this one.
-    ///
-    /// # Errors
-    /// As [`Cholesky::factor`].
-    pub fn factor(self, k: &Symmetric, last: &[usize]) -> Result<Cholesky, LinearError> {
-        match self {
-            #[cfg(feature = "umfpack")]
-            SparseCholesky::Cholmod => Cholesky::cholmod(k, last),
-            #[cfg(feature = "faer")]
-            SparseCholesky::Faer => Cholesky::faer(k, last),
-            #[cfg(not(all(feature = "umfpack", feature = "faer")))]
-            absent => {
-                let _ = (k, last, absent);
-                Err(LinearError::NotBuiltIn { backend: "sparse Cholesky factorisation" })
-            }
         }
     }
 }

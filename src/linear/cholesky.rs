@@ -15,13 +15,12 @@
 #![cfg_attr(not(any(feature = "umfpack", feature = "faer")), allow(dead_code))]
 
 mod order;
-pub(super) mod supernodal;
 mod sweep;
 
 use super::error::expect_length;
+use super::supernodal::{Supernodal, Supernode};
 use super::{FactorInfo, LinearError, SparseCholesky};
 use crate::sparse::Symmetric;
-use supernodal::{Supernodal, Supernode};
 
 /// The Cholesky factors of a symmetric positive definite matrix.
 pub struct Cholesky {
@@ -40,6 +39,26 @@ pub struct Reduced {
     pub border: Vec<f64>,
     /// `L_rr⁻¹ b_r` in the order of the factors.
     interior: Vec<f64>,
+}
+
+impl SparseCholesky {
+    /// [`Cholesky::factor`] by this one.
+    ///
+    /// # Errors
+    /// As [`Cholesky::factor`].
+    pub fn factor(self, k: &Symmetric, last: &[usize]) -> Result<Cholesky, LinearError> {
+        match self {
+            #[cfg(feature = "umfpack")]
+            SparseCholesky::Cholmod => Cholesky::cholmod(k, last),
+            #[cfg(feature = "faer")]
+            SparseCholesky::Faer => Cholesky::faer(k, last),
+            #[cfg(not(all(feature = "umfpack", feature = "faer")))]
+            absent => {
+                let _ = (k, last, absent);
+                Err(LinearError::NotBuiltIn { backend: "sparse Cholesky factorisation" })
+            }
+        }
+    }
 }
 
 impl Cholesky {

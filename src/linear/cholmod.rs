@@ -6,7 +6,7 @@
 use std::ffi::{c_int, c_void};
 use std::ptr::{self, NonNull};
 
-use super::cholesky::supernodal::{Supernodal, Supernode};
+use super::supernodal::{Supernodal, Supernode};
 use super::{FactorInfo, LinearError, ordering, sys};
 use crate::sparse::{Csc, Pattern};
 

@@ -1,40 +1,60 @@
-//! Circles of files: within a folder the files use each other in one direction only, too.
+//! Circles of files: in a folder, too, the files use each other in one direction only.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::source::{Kind, Named, Sources, module, named};
+use crate::source::{Kind, Named, Sources, named};
 
-/// The files that use each other in a circle, one line for each circle.
+type Uses<'a> = BTreeMap<&'a str, BTreeSet<&'a str>>;
+
+/// The entries of one folder that use each other in a circle, one line for each circle. An entry is a file with the
+/// folder of its name. The file above a folder is no part of it: it may call the files and hold what they share.
 pub fn circles(sources: &Sources) -> Vec<String> {
-    let uses = uses(sources);
-    let reached: BTreeMap<&str, BTreeSet<&str>> = uses.keys().map(|file| (*file, reachable(&uses, file))).collect();
+    let mut folders: BTreeMap<&str, Uses> = BTreeMap::new();
+    for (user, used) in uses(sources) {
+        let Some((folder, user, used)) = entries(user, used) else { continue };
+        let uses = folders.entry(folder).or_default();
+        uses.entry(user).or_default().insert(used);
+    }
     let mut faults = BTreeSet::new();
-    for (file, reaches) in &reached {
-        let circle: Vec<&str> =
-            reaches.iter().copied().filter(|other| reached.get(other).is_some_and(|back| back.contains(file))).collect();
-        if !circle.is_empty() {
-            faults.insert(format!("in a circle: {}", circle.join(", ")));
+    for (folder, uses) in folders.iter().filter(|(folder, _)| !folder.is_empty()) {
+        let reached: Uses = uses.keys().map(|entry| (*entry, reachable(uses, entry))).collect();
+        for (entry, reaches) in &reached {
+            let back = |other: &&&str| reached.get(*other).is_some_and(|reaches| reaches.contains(entry));
+            let circle: Vec<&str> = reaches.iter().filter(back).copied().collect();
+            if !circle.is_empty() {
+                faults.insert(format!("{folder}: {} use each other in a circle", circle.join(", ")));
+            }
         }
     }
     faults.into_iter().collect()
 }
 
-/// The files of its own module that each file uses.
-fn uses(sources: &Sources) -> BTreeMap<&str, BTreeSet<&str>> {
+/// The innermost folder that holds both files, and the different entries of it that they belong to.
+fn entries<'a>(user: &'a str, used: &'a str) -> Option<(&'a str, &'a str, &'a str)> {
+    let [user, used] = [user, used].map(|file| file.trim_end_matches(".rs"));
+    let same = user.split('/').zip(used.split('/')).take_while(|(a, b)| a == b);
+    let length: usize = same.map(|(part, _)| part.len() + 1).sum();
+    // One of the two is above the folder of the other where nothing of its path is left.
+    let entry = |file: &'a str| file.get(length..)?.split('/').next();
+    Some((&user[..length.saturating_sub(1)], entry(user)?, entry(used)?))
+}
+
+/// Which file uses which.
+fn uses(sources: &Sources) -> Vec<(&str, &str)> {
     let tree = Tree::new(sources);
-    let mut uses: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    let mut uses = Vec::new();
     for (file, paths) in &tree.named {
         // What a file only passes on to others it does not use.
         let files = paths.iter().filter(|path| path.kind != Kind::Export).filter_map(|path| tree.file(file, path));
-        uses.entry(file).or_default().extend(files.filter(|other| other != file && module(other) == module(file)));
+        uses.extend(files.filter(|other| other != file).map(|other| (*file, other)));
     }
     uses
 }
 
-/// The files reached from `file` in one step or more.
-fn reachable<'a>(uses: &BTreeMap<&'a str, BTreeSet<&'a str>>, file: &str) -> BTreeSet<&'a str> {
+/// The entries reached from `entry` in one step or more.
+fn reachable<'a>(uses: &Uses<'a>, entry: &str) -> BTreeSet<&'a str> {
     let mut reached = BTreeSet::new();
-    let mut open: Vec<&str> = uses[file].iter().copied().collect();
+    let mut open: Vec<&str> = uses[entry].iter().copied().collect();
     while let Some(next) = open.pop() {
         if reached.insert(next) {
             open.extend(uses.get(next).into_iter().flatten());
@@ -90,7 +110,8 @@ impl<'a> Tree<'a> {
     fn passed_on(&self, at: &[String], name: &str, depth: usize) -> Option<&'a str> {
         // A circle of re-exports does not compile; the bound only ends the search of a text that is none.
         let exports = self.named.get(self.files.get(at)?)?.iter().filter(|_| depth < 8);
-        let export = exports.filter(|path| path.kind != Kind::Inline).find(|path| path.segments.last().unwrap() == name);
+        let export =
+            exports.filter(|path| path.kind != Kind::Inline).find(|path| path.segments.last().unwrap() == name);
         self.declared(at.to_vec(), &export?.segments, depth + 1)
     }
 }

@@ -32,7 +32,9 @@ pub fn foreign_impls(sources: &Sources) -> Vec<String> {
 
 /// The type that a line declares.
 fn declares(line: &str) -> Option<&str> {
-    let mut words = line.split_whitespace().skip_while(|word| word.starts_with("pub"));
+    // The visibility may be `pub(in crate::a)`.
+    let bare = if line.starts_with("pub(") { line.split_once(") ")?.1 } else { line.trim_start_matches("pub ") };
+    let mut words = bare.split_whitespace();
     let keyword = words.next()?;
     let name = words.next().filter(|_| ["struct", "enum", "union", "type", "trait"].contains(&keyword))?;
     name.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).next()

@@ -133,7 +133,7 @@ fn uses(sources: &Sources) -> (BTreeMap<(&str, &str), String>, Vec<String>) {
                 }
                 continue;
             }
-            let up = if file.contains('/') { "super::super" } else { "super::" };
+            let up = if file.contains('/') { "super::super::" } else { "super::" };
             if code.contains(up) {
                 faults.push(format!("{place}: name the module by `crate::`"));
             }

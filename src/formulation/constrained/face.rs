@@ -2,12 +2,7 @@
 //! linear, so on the right one a single Newton step ends the iteration.
 
 use super::Constrained;
-use crate::formulation::Pair;
-
-/// What every contact node does: for each pair, in their order, whether the force vanishes (else
-/// the length does).
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Face(Vec<bool>);
+use crate::formulation::{Face, Pair};
 
 impl Constrained {
     /// The face that a step from `before` to `z` has gone towards: of each pair that member vanishes
@@ -30,27 +25,6 @@ impl Constrained {
                 vanishes[minus] = !vanishes[plus];
             }
         }
-        Face(vanishes)
-    }
-}
-
-impl Face {
-    /// A point of length `unknowns` in the relative interior of the face, at which the products'
-    /// linearisation says which member of each of the `pairs` is to vanish.
-    pub fn point(&self, pairs: &[Pair], unknowns: usize) -> Vec<f64> {
-        let mut point = vec![0.0; unknowns];
-        for (pair, &force_vanishes) in pairs.iter().zip(&self.0) {
-            point[if force_vanishes { pair.length } else { pair.force }] = 1.0;
-        }
-        point
-    }
-
-    /// The right-hand side of the step from `z` (with residual `h`) to the face: `-h`, and in the
-    /// products the member that is to vanish.
-    pub fn towards(&self, pairs: &[Pair], z: &[f64], h: &[f64], b: &mut [f64]) {
-        b.iter_mut().zip(h).for_each(|(b, h)| *b = -h);
-        for (pair, &force_vanishes) in pairs.iter().zip(&self.0) {
-            b[pair.length] = -z[if force_vanishes { pair.force } else { pair.length }];
-        }
+        Face::new(vanishes)
     }
 }

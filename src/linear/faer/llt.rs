@@ -7,7 +7,7 @@ use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::simplicial::{
     prefactorize_symbolic_cholesky, prefactorize_symbolic_cholesky_scratch,
 };
-use faer::sparse::linalg::cholesky::supernodal::{
+use faer::sparse::linalg::supernodal::{
     SymbolicSupernodalCholesky, factorize_supernodal_numeric_llt, factorize_supernodal_numeric_llt_scratch,
     factorize_supernodal_symbolic_cholesky, factorize_supernodal_symbolic_cholesky_scratch,
 };
@@ -17,7 +17,7 @@ use faer::{Par, Side, Spec};
 
 use super::indices::Indices;
 use super::{memory, out_of_memory, permutation};
-use crate::linear::cholesky::supernodal::{Supernodal, Supernode};
+use crate::linear::supernodal::{Supernodal, Supernode};
 use crate::linear::{FactorInfo, LinearError};
 use crate::sparse::{Csc, Pattern};
 

@@ -1,5 +1,8 @@
 //! The factor `L` by supernodes: neighbouring columns that share their rows below the diagonal.
 
+// Without a backend nothing is factored.
+#![cfg_attr(not(any(feature = "umfpack", feature = "faer")), allow(dead_code))]
+
 use crate::linear::FactorInfo;
 
 /// What a backend hands over: `L` of `P K Pᵀ = L Lᵀ`, from its first column to its last.

@@ -1,0 +1,42 @@
+//! The methods by name: the one place that knows them all.
+
+use super::bn::BnMethod;
+use super::ip::IpMethod;
+use super::method::Method;
+use super::predictor_corrector::PredictorCorrectorMethod;
+use super::rescue::Rescued;
+use super::settings::HistorySettings;
+use super::task::{Algorithm, IncrementSolver};
+use crate::formulation::{Layout, NewtonSystem};
+use crate::loading::Loading;
+use crate::problem::ContactProblem;
+
+/// After so many iterations BN leaves an increment to the interior point method: more than any
+/// increment of the tests takes that it solves at all.
+const BN_PATIENCE: usize = 40;
+
+impl Algorithm for HistorySettings {
+    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
+        match self.method {
+            Method::Bn { rescue, .. } => {
+                let bn = BnMethod::measured(problem, loading, self, self.max_iterations.min(BN_PATIENCE));
+                if rescue { Box::new(Rescued::new(problem, bn, self)) } else { Box::new(bn) }
+            }
+            Method::PaperBn => Box::new(BnMethod::paper(problem, loading, self)),
+            Method::Ip { newton } => Box::new(PredictorCorrectorMethod::new(problem, self, newton)),
+            Method::PaperIp { start, partition, newton } => {
+                Box::new(IpMethod::new(problem, self, start, partition, newton))
+            }
+        }
+    }
+
+    /// The paper's interior point method, and the extended Newton system, have one tangent at every node.
+    fn knows(&self, layout: &Layout) -> bool {
+        !layout.has_second_tangent()
+            || match self.method {
+                Method::Bn { .. } | Method::PaperBn => true,
+                Method::Ip { newton } => newton == NewtonSystem::Reduced,
+                Method::PaperIp { .. } => false,
+            }
+    }
+}
