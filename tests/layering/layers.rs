@@ -23,9 +23,8 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("description", &["contact", "fault", "fem", "mesh", "timeline"]),
     ("formulation", &["contact", "null_space", "problem", "sparse", "units", "vector"]),
     ("linear", &["sets", "sparse", "vector"]),
-    ("nonlinear", &["formulation", "linear", "sparse"]),
+    ("nonlinear", &["formulation", "linear", "sparse", "units"]),
     ("condense", &["linear", "loading", "problem", "sparse"]),
-    ("uniqueness", &["contact", "formulation", "linear", "problem", "units"]),
     (
         "history",
         &[
@@ -42,6 +41,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "vector",
         ],
     ),
+    ("uniqueness", &["contact", "formulation", "history", "linear", "problem", "units"]),
     (
         "scene",
         &[
@@ -75,7 +75,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "vector",
         ],
     ),
-    ("auto", &["formulation", "linear", "problem", "scene"]),
+    ("auto", &["formulation", "history", "linear", "problem"]),
     (
         "report",
         &[
@@ -84,7 +84,6 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "fem",
             "formulation",
             "history",
-            "linear",
             "mesh",
             "model",
             "problem",
@@ -107,10 +106,12 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "report",
             "scene",
             "uniqueness",
-            "units",
         ],
     ),
-    ("compare", &["contact", "history", "mesh", "model", "nonlinear", "problem", "report", "run", "scene", "vector"]),
+    (
+        "compare",
+        &["contact", "history", "linear", "mesh", "model", "nonlinear", "problem", "report", "run", "scene", "vector"],
+    ),
 ];
 
 /// The names that follow each `crate::` in `line`; an empty one for a group or a glob.

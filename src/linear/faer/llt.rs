@@ -7,7 +7,7 @@ use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::simplicial::{
     prefactorize_symbolic_cholesky, prefactorize_symbolic_cholesky_scratch,
 };
-use faer::sparse::linalg::supernodal::{
+use faer::sparse::linalg::cholesky::supernodal::{
     SymbolicSupernodalCholesky, factorize_supernodal_numeric_llt, factorize_supernodal_numeric_llt_scratch,
     factorize_supernodal_symbolic_cholesky, factorize_supernodal_symbolic_cholesky_scratch,
 };
