@@ -25,9 +25,9 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("description", &["contact", "fault", "fem", "mesh", "timeline"]),
     ("formulation", &["contact", "null_space", "problem", "sparse", "units", "vector"]),
     ("linear", &["sets", "sparse", "vector"]),
-    ("nonlinear", &["formulation", "linear", "sparse"]),
+    ("nonlinear", &["formulation", "linear", "sparse", "units"]),
     ("condense", &["linear", "loading", "problem", "sparse"]),
-    ("uniqueness", &["contact", "formulation", "linear", "problem", "units"]),
+    ("uniqueness", &["contact", "formulation", "history", "linear", "problem", "units"]),
     (
         "history",
         &[
@@ -77,7 +77,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "vector",
         ],
     ),
-    ("auto", &["formulation", "linear", "problem", "scene"]),
+    ("auto", &["formulation", "history", "linear", "problem"]),
     (
         "report",
         &[
@@ -86,7 +86,6 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "fem",
             "formulation",
             "history",
-            "linear",
             "mesh",
             "model",
             "problem",
@@ -109,10 +108,9 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "report",
             "scene",
             "uniqueness",
-            "units",
         ],
     ),
-    ("compare", &["contact", "history", "mesh", "model", "nonlinear", "problem", "report", "run", "scene", "vector"]),
+    ("compare", &["contact", "history", "linear", "mesh", "model", "nonlinear", "problem", "report", "run", "scene", "vector"]),
 ];
 
 /// Where the program is, which uses the library as any other crate does.
