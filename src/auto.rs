@@ -151,10 +151,10 @@ impl Estimates {
         let factorizations = match method {
             // Without contact the problem is linear: one matrix.
             _ if layout.contacts() == 0 => 1.0,
-            method if method.is_interior() => match layout.has_second_tangent() {
-                true => IP_FACTORIZATIONS_IN_A_PLANE * increments as f64,
-                false => IP_FACTORIZATIONS * increments as f64,
-            },
+            method if method.is_interior() && layout.has_second_tangent() => {
+                IP_FACTORIZATIONS_IN_A_PLANE * increments as f64
+            }
+            method if method.is_interior() => IP_FACTORIZATIONS * increments as f64,
             _ if layout.has_second_tangent() => BN_FACTORIZATIONS_IN_A_PLANE * increments as f64,
             _ => BN_FACTORIZATIONS * (increments as f64).sqrt(),
         };

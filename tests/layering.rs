@@ -147,7 +147,7 @@ fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let mut in_tests = false;
     text.lines().enumerate().filter_map(move |(k, line)| {
         let was_in_tests = in_tests;
-        if line.starts_with("#[cfg(test)]") || line.starts_with("#[cfg(all(test,") {
+        if line.starts_with("#[cfg(test)]") {
             in_tests = true;
         } else if in_tests && line == "}" {
             in_tests = false;
