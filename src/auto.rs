@@ -62,8 +62,9 @@ pub struct Faster {
 /// Estimates are good to a factor of two or so: less than this between two of them is not worth a word.
 const MUCH: f64 = 3.0;
 
-/// An estimate takes about one ordering of the unknowns; a run that took so many of them can afford it afterwards.
-const ORDERINGS: f64 = 30.0;
+/// An estimate takes less than an ordering of the unknowns. A run that took so many of them can afford it, and a gain of
+/// fewer is none.
+const ORDERINGS: f64 = 10.0;
 
 impl Choice {
     /// The one that was asked for.
@@ -103,7 +104,8 @@ impl Choice {
         seconds: f64,
     ) -> Result<Option<Faster>, LinearError> {
         let unknowns = Layout::new(problem).unknowns();
-        if self.estimates.is_some() || seconds < ORDERINGS * cost::order(unknowns) {
+        let long = ORDERINGS * cost::order(unknowns);
+        if self.estimates.is_some() || seconds < long {
             return Ok(None);
         }
         let Estimates { sparse, condensed } = Estimates::new(problem, method, increments)?;
@@ -112,7 +114,8 @@ impl Choice {
             LinearAlgebra::Whole(_) => (sparse, condensed, LinearAlgebra::condensed()),
         };
         let faster = Faster { solver, seconds: other.seconds, here_seconds: here.seconds };
-        Ok((here.seconds > MUCH * other.seconds && solver.is_built_in()).then_some(faster))
+        let worth_a_word = here.seconds > MUCH * other.seconds && here.seconds > long;
+        Ok((worth_a_word && solver.is_built_in()).then_some(faster))
     }
 
     /// The choice and its reason in a line, if there was anything to choose.
@@ -148,10 +151,10 @@ impl Estimates {
         let factorizations = match method {
             // Without contact the problem is linear: one matrix.
             _ if layout.contacts() == 0 => 1.0,
-            method if method.is_interior() => match layout.has_second_tangent() {
-                true => IP_FACTORIZATIONS_IN_A_PLANE * increments as f64,
-                false => IP_FACTORIZATIONS * increments as f64,
-            },
+            method if method.is_interior() && layout.has_second_tangent() => {
+                IP_FACTORIZATIONS_IN_A_PLANE * increments as f64
+            }
+            method if method.is_interior() => IP_FACTORIZATIONS * increments as f64,
             _ if layout.has_second_tangent() => BN_FACTORIZATIONS_IN_A_PLANE * increments as f64,
             _ => BN_FACTORIZATIONS * (increments as f64).sqrt(),
         };

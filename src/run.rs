@@ -2,6 +2,8 @@
 //! written.
 //!
 //! ```
+//! use stickslip::history::{Method, Solver};
+//! use stickslip::model::Model;
 //! use stickslip::run::{Recording, Run};
 //! use stickslip::scene::Scene;
 //!
@@ -13,6 +15,11 @@
 //! let mut recording = Recording::all();
 //! Run::new(&scene)?.solve(&mut recording)?;
 //! assert_eq!(recording.increments.len(), report.increments.len());
+//!
+//! // A model made in Rust goes through the same door.
+//! let model = Model::build(&scene.description)?;
+//! let again = Run::of(&model, model.times().to_vec(), Solver::new(Method::PaperBn))?.solve(&mut ())?;
+//! assert_eq!(again.forces, report.forces);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

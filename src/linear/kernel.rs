@@ -127,7 +127,8 @@ fn product(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
-#[cfg(all(test, any(feature = "umfpack", feature = "faer")))]
+#[cfg(test)]
+#[cfg(any(feature = "umfpack", feature = "faer"))]
 mod tests {
     use super::*;
 

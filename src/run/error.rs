@@ -15,8 +15,8 @@ pub enum RunError {
     /// The machine has no room for the matrices.
     #[error(
         "the matrices of this mesh need {:.1} GB and the factors more, but {:.1} GB are free",
-        gigabytes(needed),
-        gigabytes(available)
+        gigabytes(*needed),
+        gigabytes(*available)
     )]
     #[diagnostic(help("use a coarser mesh or a machine with more memory"))]
     NoRoom {
@@ -51,8 +51,8 @@ impl From<SceneError> for RunError {
     }
 }
 
-fn gigabytes(bytes: &u64) -> f64 {
-    *bytes as f64 * 1e-9
+fn gigabytes(bytes: u64) -> f64 {
+    bytes as f64 * 1e-9
 }
 
 impl From<LinearError> for RunError {

@@ -181,7 +181,7 @@ fn a_slow_linear_algebra_is_told() {
     let whole = if cfg!(feature = "umfpack") { "umfpack" } else { "faer" };
     let (_folder, scene) = Folder::with_scene(&edit(&small(), "increments = 4", "increments = 40"));
     let run = |solver: &str, more: &[&str]| {
-        stickslip(&[&["run", &scene, "--set", "mesh.elements=[50,50]", "--solver", solver], more].concat())
+        stickslip(&[&["run", &scene, "--set", "mesh.elements=[60,60]", "--solver", solver], more].concat())
     };
     let slow = json(&run(whole, &["--json"]));
     let faster = &slow["faster_solver"];
@@ -193,7 +193,7 @@ fn a_slow_linear_algebra_is_told() {
     let text = run(whole, &[]);
     let line = stdout(&text).lines().find(|line| line.starts_with("faster       ")).unwrap();
     assert!(line.contains("with condensed") && line.contains("solver.linear = \"auto\""), "{line}");
-    // Seconds of it are not worth a question.
+    // A short run is not worth the question.
     assert!(report(&small(), 0).get("faster_solver").is_none());
 }
 

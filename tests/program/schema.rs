@@ -138,14 +138,13 @@ fn reports() -> Vec<Value> {
         let (_folder, scene) = Folder::with_scene(scene);
         json(&stickslip(&[&["run", &scene, "--json"], args].concat()))
     };
-    let slow = ["--set", "mesh.elements=[50,50]", "--set", "time.increments=40"];
+    let slow = ["--set", "mesh.elements=[60,60]", "--set", "time.increments=40"];
     vec![
         json_of(&small(), &["--uniqueness"]),
         json_of(&small(), &["--solver", "auto"]),
         json_of(&small(), &["--set", "contact.friction=0.0", "--uniqueness"]),
         json_of(&small(), &slow),
         json_of(&edit(&small(), "young = 210e9", "young = 210e5"), &["--setting", "default"]),
-        json_of(&small(), &["--set", "contact.obstacle={kind=\"cylinder\",radius=0.01,apex=[0.5,-1e-5]}"]),
         json_of(&cube, &["--method", "ip"]),
         report(&edit(&small(), "[solver]", "[solver]\nmax_iterations = 1"), 1),
         report(&without(&small(), "[[support]]", "[[load]]"), 1),
@@ -208,41 +207,47 @@ fn scenes_are_as_their_schema_says() {
     }
 }
 
+/// The words that an error of the reader lists.
+fn expected(error: &str) -> BTreeSet<&str> {
+    let list = error.split_once("expected ").unwrap_or_else(|| panic!("{error}")).1;
+    // The table it speaks of is no part of the list.
+    let list = list.split(" in `").next().unwrap();
+    list.split('`').skip(1).step_by(2).collect()
+}
+
 /// The schema knows the keys that the reader knows, table by table: what the reader says of a key that it does not.
 #[test]
 fn the_schema_of_scenes_has_the_keys_of_the_reader() {
     let schema = schema("scene");
     let motion = "contact.obstacle.motion={rotation={through=[0,0],history=[[0,0]]}}".parse().unwrap();
-    let group = "material.group=[{name=\"body\",young=1,poisson=0}]".parse().unwrap();
-    let base = Scene::parse("scene.toml", &small(), &[motion, group]).unwrap();
+    let base = Scene::parse("scene.toml", &small(), &[motion]).unwrap();
     for (path, place) in [
-        ("", ""),
-        ("mesh.", "mesh"),
-        ("material.", "material"),
-        ("material.group.", "material_group"),
-        ("support.", "support"),
-        ("contact.", "contact"),
-        ("contact.obstacle.", "obstacle"),
-        ("contact.obstacle.motion.", "motion"),
-        ("contact.obstacle.motion.rotation.", "rotation"),
-        ("load.", "load"),
-        ("time.", "time"),
-        ("solver.", "solver"),
-        ("output.", "output"),
+        ("{}", ""),
+        ("mesh.{}", "mesh"),
+        ("material.{}", "material"),
+        ("material.group=[{name=\"body\",young=1,poisson=0,{}}]", "material_group"),
+        ("support.{}", "support"),
+        ("contact.{}", "contact"),
+        ("contact.obstacle.{}", "obstacle"),
+        ("contact.obstacle.motion.{}", "motion"),
+        ("contact.obstacle.motion.rotation.{}", "rotation"),
+        ("load.{}", "load"),
+        ("time.{}", "time"),
+        ("solver.{}", "solver"),
+        ("output.{}", "output"),
     ] {
-        let error = base.with(&[format!("{path}nonsense=1").parse().unwrap()]).unwrap_err().to_string();
-        let expected = error.split_once("expected ").unwrap_or_else(|| panic!("{path}: {error}")).1;
-        let reader: BTreeSet<&str> = expected.split('`').skip(1).step_by(2).collect();
+        let refused = |key: &str| base.with(&[path.replace("{}", key).parse().unwrap()]).unwrap_err().to_string();
+        let error = refused("nonsense=1");
+        let reader = expected(&error);
         let table = if place.is_empty() { &schema } else { &schema["$defs"][place] };
         let known: BTreeSet<&str> = table["properties"].as_object().unwrap().keys().map(String::as_str).collect();
         assert_eq!(known, reader, "{path}");
         for (key, of) in table["properties"].as_object().unwrap() {
             let Some(words) = of.get("enum") else { continue };
-            let error = base.with(&[format!("{path}{key}=nonsense").parse().unwrap()]).unwrap_err().to_string();
-            let expected = error.split_once("expected ").unwrap_or_else(|| panic!("{path}{key}: {error}")).1;
-            let reader: BTreeSet<&str> = expected.split('`').skip(1).step_by(2).collect();
+            let error = refused(&format!("{key}=\"nonsense\""));
+            let reader = expected(&error);
             let known: BTreeSet<&str> = words.as_array().unwrap().iter().map(|word| word.as_str().unwrap()).collect();
-            assert_eq!(known, reader, "{path}{key}");
+            assert_eq!(known, reader, "{path}: {key}");
         }
     }
 }
