@@ -12,7 +12,7 @@ const SHIFT: f64 = 1e-12;
 /// With [`SHIFT`], as many steps leave nothing that can be told from rounding.
 const STEPS: usize = 4;
 
-/// A motion is free if the forces against it are this small beside the sizes of their terms: rounding leaves 1e-15.
+/// A motion is free if the forces against it are this small, relative to the diagonal: rounding leaves 1e-15.
 const FREE: f64 = 1e-13;
 
 /// A bodies' worth of motions and one to spare, which shows that there are no more.
@@ -79,19 +79,20 @@ fn free_in_block(
             let share = eigen.U()[(i, column)];
             x.iter_mut().zip(vector).for_each(|(x, v)| *x += share * v);
         }
-        let largest = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let largest = x.iter().fold(0.0_f64, |m, x| if x.abs() > m.abs() { *x } else { m });
         x.iter_mut().for_each(|x| *x /= largest);
         x
     });
-    Ok(ritz.filter(|x| is_free(k, x)).collect())
+    Ok(ritz.filter(|x| is_free(k, diagonal, x)).collect())
 }
 
-fn is_free(k: &Symmetric, x: &[f64]) -> bool {
-    let (mut force, mut sizes) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+/// Whether `K x` is rounding, in units in which the diagonal of `K` is 1.
+fn is_free(k: &Symmetric, diagonal: &[f64], x: &[f64]) -> bool {
+    let mut force = vec![0.0; x.len()];
     k.mul(x, &mut force);
-    k.add_sizes(x, &mut sizes);
-    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    largest(&force) <= FREE * largest(&sizes)
+    let force = force.iter().zip(diagonal).map(|(f, d)| f.abs() / d.sqrt()).fold(0.0, f64::max);
+    let moved = x.iter().zip(diagonal).map(|(x, d)| x.abs() * d.sqrt()).fold(0.0, f64::max);
+    force <= FREE * moved
 }
 
 /// A vector without symmetry, the same in every run.

@@ -319,9 +319,11 @@ fn jacobian_is_the_derivative() {
             let [r_n, r_t] = [conventions.r_n[i], conventions.r_t[i]].map(|r| r / scaling.stiffness());
             z[layout.p_n(i)] = p_n;
             layout.tangential(i).into_iter().zip(p).for_each(|(k, p)| z[k.unwrap()] = p);
-            gap[i] = (problem.c_n().times(&z).unwrap()[i] + gap_left / r_n) * scaling.length;
-            w_t_last[i] = (problem.c_t().times(&z).unwrap()[i] - slip[0] / r_t) * scaling.length;
-            w_o_last[i] = (problem.c_o().times(&z).unwrap()[i] - slip[1] / r_t) * scaling.length;
+            gap[i] = (problem.c_n().times(&z[..problem.displacements()]).unwrap()[i] + gap_left / r_n) * scaling.length;
+            w_t_last[i] =
+                (problem.c_t().times(&z[..problem.displacements()]).unwrap()[i] - slip[0] / r_t) * scaling.length;
+            w_o_last[i] =
+                (problem.c_o().times(&z[..problem.displacements()]).unwrap()[i] - slip[1] / r_t) * scaling.length;
         }
         let force = loading.cases()[0].force();
         formulation.begin(&Increment { force, gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last });

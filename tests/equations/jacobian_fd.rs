@@ -36,8 +36,8 @@ fn jacobian_is_the_derivative_of_the_residual() {
     for (i, (_, [p_n, gap_left, p_t, slip])) in CASES.into_iter().enumerate() {
         z[layout.p_n(i)] = p_n;
         z[layout.p_t(i).unwrap()] = p_t;
-        gap[i] = (problem.c_n().times(&z).unwrap()[i] + gap_left / r(i)) * scaling.length;
-        w_t_last[i] = (problem.c_t().times(&z).unwrap()[i] - slip / r(i)) * scaling.length;
+        gap[i] = (problem.c_n().times(&z[..problem.displacements()]).unwrap()[i] + gap_left / r(i)) * scaling.length;
+        w_t_last[i] = (problem.c_t().times(&z[..problem.displacements()]).unwrap()[i] - slip / r(i)) * scaling.length;
     }
     let force: Vec<f64> = (0..layout.displacements()).map(|k| (k as f64).cos() * scaling.force).collect();
     formulation.begin(&Increment {
