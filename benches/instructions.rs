@@ -39,7 +39,7 @@ fn main() {
     match kernel.as_str() {
         "assembly" => measured_kernel(&mut || drop(Model::new(&scene).unwrap())),
         "condensation" => measured_kernel(&mut || {
-            drop(Condensed::new(&model.problem, &model.loading, SparseCholesky::default()).unwrap())
+            drop(Condensed::new(&model.problem, &model.loading, SparseCholesky::default()).unwrap());
         }),
         "jacobian" => measured_kernel(&mut || assert!(formulation.linearize(&second))),
         "residual" => measured_kernel(&mut || formulation.residual(&second, &mut h)),

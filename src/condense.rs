@@ -117,11 +117,7 @@ fn schur_complement(
         Err(LinearError::Singular { .. }) if !border.is_empty() => {
             let (mut held, diagonal) = (stiffness.clone(), stiffness.diagonal());
             shift.extend(border.iter().map(|&dof| diagonal[dof]));
-            border
-                .iter()
-                .zip(&shift)
-                .filter(|entry| *entry.1 > 0.0)
-                .for_each(|(&dof, rho)| held.add(dof, dof, *rho).expect("a diagonal entry above 0"));
+            border.iter().zip(&shift).filter(|entry| *entry.1 > 0.0).for_each(|(&dof, rho)| held.raise(dof, dof, *rho));
             cholesky.factor(&held, border)?
         }
         factor => factor?,

@@ -188,25 +188,11 @@ pub fn run_with(
             }
             Err(error) => return Err(error.into()),
         };
-        let Walked { solved, attempt, kkt, status, parts, friction_work } = increment;
-        let statuses = statuses_of(problem, &path.data(), &attempt.state, &attempt.scales);
-        let seconds =
-            Seconds::between(&before, linear.statistics(), solved.assembly_seconds, start.elapsed().as_secs_f64());
-        let record = IncrementRecord {
-            index,
-            time,
-            status,
-            parts,
-            rescued: solved.rescued,
-            iterations: solved.iterations,
-            backtracks: solved.backtracks,
-            theta: solved.theta,
-            kkt,
-            backward_error: solved.backward_error,
-            contact: ContactCounts::of(&statuses),
-            friction_work,
-            seconds,
-        };
+        let statuses = statuses_of(problem, &path.data(), &increment.attempt.state, &increment.attempt.scales);
+        let (assembly, all) = (increment.solved.assembly_seconds, start.elapsed().as_secs_f64());
+        let seconds = Seconds::between(&before, linear.statistics(), assembly, all);
+        let record = record(index, time, &increment, ContactCounts::of(&statuses), seconds);
+        let Walked { solved, attempt, status, .. } = increment;
         let data = path.data();
         let flow =
             observer.increment(&Step { record: &record, increment: &data, state: &attempt.state, statuses: &statuses });
@@ -232,6 +218,26 @@ pub fn run_with(
         }
     }
     Ok(outcome)
+}
+
+/// What is recorded of an increment.
+fn record(index: usize, time: f64, walked: &Walked, contact: ContactCounts, seconds: Seconds) -> IncrementRecord {
+    let solved = &walked.solved;
+    IncrementRecord {
+        index,
+        time,
+        status: walked.status,
+        parts: walked.parts,
+        rescued: solved.rescued,
+        iterations: solved.iterations,
+        backtracks: solved.backtracks,
+        theta: solved.theta,
+        kkt: walked.kkt,
+        backward_error: solved.backward_error,
+        contact,
+        friction_work: walked.friction_work,
+        seconds,
+    }
 }
 
 /// The ends of increments: at least one, finite, increasing.

@@ -53,7 +53,7 @@ pub fn assemble(
                 if let (Some(row), Some(column)) = (*row, *column)
                     && row >= column
                 {
-                    k.add(row, column, *value).expect("an entry of an element, named above");
+                    k.raise(row, column, *value);
                 }
             }
         }

@@ -82,7 +82,7 @@ impl HistorySettings {
     /// The same with another limit of iterations and another tolerance.
     #[must_use]
     pub fn until(self, max_iterations: usize, tolerance: f64) -> Self {
-        HistorySettings { max_iterations, tolerance, ..self }
+        HistorySettings { tolerance, max_iterations, ..self }
     }
 
     /// Whether they fit `problem`.

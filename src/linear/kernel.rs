@@ -35,7 +35,7 @@ pub fn null_space_of(k: &Symmetric) -> Result<Vec<Vec<f64>>, LinearError> {
         (0..n).for_each(|i| take(i, i));
     });
     let terms = k.lower().entries().chain((0..n).map(|i| (i, i, SHIFT * diagonal[i])));
-    terms.for_each(|(i, j, value)| shifted.add(i, j, value).expect("an entry named above"));
+    terms.for_each(|(i, j, value)| shifted.raise(i, j, value));
     let factor = Cholesky::factor(&shifted, &[])?;
     let mut block = FIRST_BLOCK.min(n);
     loop {
@@ -77,10 +77,14 @@ fn free_in_block(
         let mut x = vec![0.0; n];
         for (i, vector) in vectors.iter().enumerate() {
             let share = eigen.U()[(i, column)];
-            x.iter_mut().zip(vector).for_each(|(x, v)| *x += share * v);
+            for (x, v) in x.iter_mut().zip(vector) {
+                *x += share * v;
+            }
         }
         let largest = x.iter().fold(0.0_f64, |m, x| if x.abs() > m.abs() { *x } else { m });
-        x.iter_mut().for_each(|x| *x /= largest);
+        for x in &mut x {
+            *x /= largest;
+        }
         x
     });
     Ok(ritz.filter(|x| is_free(k, diagonal, x)).collect())
@@ -114,10 +118,14 @@ fn orthonormalise(vectors: &mut Vec<Vec<f64>>, diagonal: &[f64]) {
         for _ in 0..2 {
             for other in &basis {
                 let along = inner(&x, other);
-                x.iter_mut().zip(other).for_each(|(x, y)| *x -= along * y);
+                for (x, y) in x.iter_mut().zip(other) {
+                    *x -= along * y;
+                }
             }
             let length = inner(&x, &x).sqrt();
-            x.iter_mut().for_each(|x| *x /= length);
+            for x in &mut x {
+                *x /= length;
+            }
         }
         basis.push(x);
     }

@@ -99,7 +99,9 @@ pub(super) fn free_motions(stiffness: &Symmetric, motions: &[Vec<f64>]) -> Resul
         if rest.is_nan() || rest <= INDEPENDENT * whole {
             return Err(ProblemError::Dependent { motion });
         }
-        left.iter_mut().for_each(|x| *x /= rest);
+        for x in &mut left {
+            *x /= rest;
+        }
         basis.push(left);
     }
     Ok(())

@@ -5,6 +5,7 @@ use faer::{Mat, Side};
 
 use super::ContactProblem;
 use crate::sparse::{Csr, Symmetric};
+use crate::vector::median;
 
 /// The displacements that share a stiffness entry with the normal motion of a contact node, ascending: with finite
 /// elements, those of the elements at the node.
@@ -38,6 +39,12 @@ impl ContactProblem {
             let usable = compliance.map(|c| 1.0 / c).filter(|k| k.is_finite() && *k > MERE_ROUNDING * own);
             stiffness.push(usable.unwrap_or(0.25 * own));
             last = Some((patch, factors));
+        }
+        // A particle without any stiffness of its own takes what the body has elsewhere; any scale will do.
+        if stiffness.contains(&0.0) {
+            let mut present: Vec<f64> = self.stiffness().diagonal().into_iter().filter(|k| *k > 0.0).collect();
+            let typical = median(&mut present).unwrap_or(1.0);
+            stiffness.iter_mut().filter(|k| **k == 0.0).for_each(|k| *k = typical);
         }
         stiffness
     }

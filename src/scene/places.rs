@@ -45,14 +45,14 @@ impl Places {
         for (name, item) in table.iter() {
             let key = if above.is_empty() { name.to_string() } else { format!("{above}.{name}") };
             let name = table.key(name).and_then(|name| Some((key.clone(), name.span()?)));
-            self.take(item, key);
+            self.take(item, &key);
             self.0.extend(name);
         }
     }
 
-    fn take(&mut self, item: &Item, key: String) {
+    fn take(&mut self, item: &Item, key: &str) {
         if let Some(span) = item.span() {
-            self.0.push((key.clone(), span));
+            self.0.push((key.to_string(), span));
         }
         match item {
             Item::ArrayOfTables(tables) => {

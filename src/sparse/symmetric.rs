@@ -113,6 +113,11 @@ impl Symmetric {
         Ok(())
     }
 
+    /// [`Symmetric::add`] to an entry that was named when the matrix was made, as this crate's own are.
+    pub(crate) fn raise(&mut self, row: usize, column: usize, value: f64) {
+        self.add(row, column, value).expect("an entry that was named");
+    }
+
     /// All entries of both triangles as `(row, column, value)`.
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         self.lower.entries().flat_map(|(row, column, value)| {

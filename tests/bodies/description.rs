@@ -127,6 +127,7 @@ fn refused(description: &Description, key: &str, says: &str) {
 }
 
 #[test]
+#[allow(clippy::too_many_lines)] // A list.
 fn nonsense_in_the_plane() {
     let with = |change: &dyn Fn(&mut Description)| {
         let mut description = paper_block();

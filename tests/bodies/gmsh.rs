@@ -261,8 +261,9 @@ fn a_group_with_the_least_number() {
 #[test]
 fn a_stack_of_nodes() {
     let n = 2000;
-    let numbers = |k: usize| (1..=k).map(|i| format!("{i}\n")).collect::<String>();
-    let elements: String = (0..n).map(|i| format!("{} {} {} {}\n", i + 1, 3 * i + 1, 3 * i + 2, 3 * i + 3)).collect();
+    let lines = |line: &dyn Fn(usize) -> String, k: usize| (0..k).map(line).collect::<Vec<_>>().concat();
+    let numbers = |k: usize| lines(&|i| format!("{}\n", i + 1), k);
+    let elements = lines(&|i| format!("{} {} {} {}\n", i + 1, 3 * i + 1, 3 * i + 2, 3 * i + 3), n);
     let text = format!(
         "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n1 0 0 0 1 1 1 0 0\n$EndEntities\n\
          $Nodes\n1 {k} 1 {k}\n2 1 0 {k}\n{}{}$EndNodes\n$Elements\n1 {n} 1 {n}\n2 1 2 {n}\n{elements}$EndElements\n",

@@ -43,7 +43,7 @@ fn rows(page: &str) -> Vec<(&str, Vec<String>)> {
     let section = section.split("\n## ").next().unwrap();
     let rows = section.lines().filter_map(|line| line.strip_prefix("| ")?.strip_suffix(" |")?.split_once(" | "));
     let files = |place: &str| {
-        let quoted = place.split('`').skip(1).step_by(2).filter(|name| name.ends_with(".rs"));
+        let quoted = place.split('`').skip(1).step_by(2).filter(|name| name.split('.').next_back() == Some("rs"));
         quoted.map(|name| format!("src/{name}")).collect()
     };
     rows.map(|(what, place)| (what, files(place))).filter(|(_, files): &(_, Vec<_>)| !files.is_empty()).collect()
