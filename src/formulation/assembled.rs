@@ -36,3 +36,23 @@ impl Assembled {
         self.matrix.matrix().pattern()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formulation::{Bdiff, Constrained, Conventions, InteriorPoint, Partition};
+    use crate::problem::Parts;
+    use crate::sparse::{Csr, Symmetric};
+
+    #[test]
+    fn all_formulations_have_one_pattern() {
+        let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 0, 1.0), (1, 1, 2.0)]).unwrap();
+        let [c_n, c_t] = [1, 0].map(|dof| Csr::of_rows(2, [[(dof, 1.0)]]));
+        let problem = ContactProblem::new(Parts { c_t, mu: vec![0.3], ..Parts::new(stiffness, c_n) }).unwrap();
+        let conventions = Conventions::natural(&problem);
+        let bn = Bdiff::new(&problem, Scaling::SI, &conventions);
+        let ip = Constrained::on(bn.assembled(), &conventions, Partition::Products);
+        assert!(Arc::ptr_eq(bn.jacobian().pattern(), ip.matrix().pattern()));
+        assert!(Arc::ptr_eq(bn.jacobian().pattern(), bn.assembled().pattern()));
+    }
+}
