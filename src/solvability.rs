@@ -62,7 +62,9 @@ pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<(), 
     let free = Free::new(problem);
     let (mut load, mut size) = (Vec::new(), Vec::new());
     for (motion, largest) in problem.free_motions().iter().zip(&free.largest) {
-        let work = motion.iter().zip(force).map(|(u, f)| u * f);
+        // What rounding has left of a motion in directions that it does not have is zero: beside it stand whole forces.
+        let felt = |u: &f64| if u.abs() <= NEGLIGIBLE * largest { 0.0 } else { *u };
+        let work = motion.iter().zip(force).map(|(u, f)| felt(u) * f);
         size.push(work.clone().map(f64::abs).sum::<f64>() / largest);
         load.push(work.sum::<f64>() / largest);
     }

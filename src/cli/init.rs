@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use stickslip::report::write_file;
 
 use super::run::write_failure;
 use super::{Failure, output};
@@ -64,9 +65,13 @@ fn write(folder: &Path, files: &[(&str, &str)]) -> Result<(), Failure> {
     }
     let written = |result: std::io::Result<()>| result.map_err(|error| write_failure(folder, &error));
     written(fs::create_dir_all(folder))?;
-    for (path, (_, text)) in paths().zip(files) {
-        written(fs::write(&path, text))?;
-        say!("{}", path.display());
+    for (k, (name, text)) in files.iter().enumerate() {
+        if let Err(error) = write_file(folder, name, text) {
+            // All of them or none: what is there would be refused as somebody's when the disk has room again.
+            paths().take(k).for_each(|path| drop(fs::remove_file(path)));
+            return written(Err(error));
+        }
     }
+    paths().for_each(|path| say!("{}", path.display()));
     Ok(())
 }

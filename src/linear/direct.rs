@@ -37,6 +37,8 @@ pub struct Direct {
     pattern: Option<Arc<Pattern>>,
     work: Workspace,
     statistics: Statistics,
+    /// Factorisations begun, those that failed included: as long as it is the same, so are the factors.
+    generation: usize,
 }
 
 impl Default for Direct {
@@ -49,12 +51,17 @@ impl Default for Direct {
 impl Direct {
     /// Wraps `backend`.
     pub fn new(backend: Box<dyn LinearSolver>) -> Self {
-        Direct { backend, pattern: None, work: Workspace::default(), statistics: Statistics::default() }
+        Direct { backend, pattern: None, work: Workspace::default(), statistics: Statistics::default(), generation: 0 }
     }
 
     /// The name of the solver in reports.
     pub fn name(&self) -> &'static str {
         self.backend.name()
+    }
+
+    /// A number that changes whenever the factors do, be it that a factorisation fails and leaves none.
+    pub fn generation(&self) -> usize {
+        self.generation
     }
 
     /// What was done so far.
@@ -68,6 +75,7 @@ impl Direct {
     /// As [`LinearSolver::analyze`].
     pub fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
         let start = Instant::now();
+        self.generation += 1;
         self.backend.analyze(pattern)?;
         self.pattern = Some(Arc::clone(pattern));
         self.statistics.analyses += 1;
@@ -82,6 +90,7 @@ impl Direct {
     pub fn factorize(&mut self, a: &Csc) -> Result<FactorInfo, LinearError> {
         self.expect_analysed(a)?;
         let start = Instant::now();
+        self.generation += 1;
         let info = self.backend.factorize(a.values())?;
         self.statistics.factorizations += 1;
         self.statistics.factor_seconds += start.elapsed().as_secs_f64();

@@ -18,7 +18,7 @@ pub struct Bn {
     rhs: Vec<f64>,
     /// What rounding leaves off `z`, where that matters.
     rest: Vec<f64>,
-    /// The number of factorisations that `linear` had made after this solver's last one: if it is
+    /// The generation of the factors that `linear` had after this solver's last factorisation: if it is
     /// still the same, its factors are those of the last linearisation.
     factored: Option<usize>,
 }
@@ -66,7 +66,7 @@ impl Bn {
             // Step 2: the direction, H(z) + H̃'(z; dz) = 0 (22), which stands for (11). The matrix is factored
             // unless it is that of the last direction.
             let changed = clock.time(|| formulation.linearize(z));
-            let factored = changed || self.factored != Some(linear.statistics().factorizations);
+            let factored = changed || self.factored != Some(linear.generation());
             cycle.visit(formulation.cases());
             let mut backward_error = match self.direction(formulation, linear, factored)? {
                 Ok(error) => error,
@@ -132,7 +132,7 @@ impl Bn {
             if let Err(error) = linear.factorize(formulation.jacobian()) {
                 return Stop::at(error).map(Err);
             }
-            self.factored = Some(linear.statistics().factorizations);
+            self.factored = Some(linear.generation());
         }
         self.rhs.copy_from_slice(&self.h);
         formulation.right_hand_side(&mut self.rhs);

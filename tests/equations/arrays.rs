@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use stickslip::contact::{KktErrors, KktScales, statuses};
-use stickslip::history::{self, HistorySettings, Method, Observer, Start, Status, Step, System};
+use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Start, Status, Step, System};
 use stickslip::linear::{Cholesky, Direct, LinearError};
 use stickslip::loading::{Bend, LoadCase, Loading, Motion};
 use stickslip::nonlinear::{Flow, LinearSystem};
@@ -245,6 +245,19 @@ fn an_observer_sees_the_linear_systems() {
         let mut watch = Watch::default();
         history::run(&problem(), &loading, &[0.5, 1.0], &settings, System::default(), &mut watch).unwrap();
         assert!(watch.systems > 0 && watch.systems <= watch.iterations, "{method}");
+    }
+}
+
+/// The least load that there is: whatever fails on the way, no solver is asked for factors that it does not have.
+#[test]
+fn a_load_below_all_that_is_normal() {
+    let loading = loading(vec![5e-324, 5e-324], vec![0.0]);
+    for method in [Method::BN, Method::IP, Method::PaperBn] {
+        let settings = HistorySettings::new(&problem(), &loading, method).unwrap();
+        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+            let outcome = history::run(&problem(), &loading, &[0.5, 1.0], &settings, linear.into(), &mut ());
+            assert!(outcome.is_ok(), "{method} {linear}: {outcome:?}");
+        }
     }
 }
 

@@ -104,6 +104,19 @@ fn rows_of_a_corner_depend_if_it_is_held_in_one_direction() {
     assert_eq!(violations(&on_the_floor(0.0, &[SLANTED], SLIDE)).1, [[0.0; 2]; 2]);
 }
 
+/// A pull along the guide does no work on lifting off: what rounding leaves of the motion along the guide is none.
+#[test]
+fn a_pull_along_a_guide_lifts_nothing() {
+    let guided = "support = [{ boundary = \"left\", fix = [\"x\"] }]";
+    for elements in ["[1,1]", "[2,2]", "[4,4]", "[8,4]", "[10,10]", "[20,10]"] {
+        let scene = on_the_floor(0.0, NOTHING, guided);
+        let pull = ["load[0].traction=[0,0]".to_string(), "load[1].traction=[1e4,0]".to_string()];
+        let overrides = pull.into_iter().chain([format!("mesh.elements={elements}")]);
+        let overrides: Vec<_> = overrides.map(|text| text.parse().unwrap()).collect();
+        assert_eq!(driven(&scene.with(&overrides).unwrap()), None, "{elements}");
+    }
+}
+
 #[test]
 fn friction_resists_up_to_its_limit() {
     // 5 MN/m² on 2 m press; the push is in MN/m² on 1 m.
