@@ -110,8 +110,8 @@ fn a_pull_along_a_guide_lifts_nothing() {
     let guided = "support = [{ boundary = \"left\", fix = [\"x\"] }]";
     for elements in ["[1,1]", "[2,2]", "[4,4]", "[8,4]", "[10,10]", "[20,10]"] {
         let scene = on_the_floor(0.0, NOTHING, guided);
-        let pull = ["load[0].traction=[0,0]".to_string(), "load[1].traction=[1e4,0]".to_string()];
-        let overrides = pull.into_iter().chain([format!("mesh.elements={elements}")]);
+        let pull = ["load[0].traction=[0,0]", "load[1].boundary=\"right\"", "load[1].traction=[1e4,0]"];
+        let overrides = pull.into_iter().map(str::to_string).chain([format!("mesh.elements={elements}")]);
         let overrides: Vec<_> = overrides.map(|text| text.parse().unwrap()).collect();
         assert_eq!(driven(&scene.with(&overrides).unwrap()), None, "{elements}");
     }
