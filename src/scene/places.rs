@@ -73,7 +73,7 @@ impl Places {
             }
             _ => {
                 if let Some(table) = item.as_table_like() {
-                    self.take_table(table, &key);
+                    self.take_table(table, key);
                 }
             }
         }
