@@ -17,8 +17,11 @@ SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
 
+# Unit tests take seconds however they are compiled. Tests run side by side, so that each has one thread.
 test: deps
-	cargo test --workspace
+	CARGO_PROFILE_TEST_OPT_LEVEL=0 cargo test --lib
+	OPENBLAS_NUM_THREADS=1 cargo test --workspace --bins --example outside --test '*'
+	cargo test --doc
 
 bench: deps
 	cargo bench --bench factor

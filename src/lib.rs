@@ -36,6 +36,7 @@ pub mod fem;
 pub mod formula;
 pub mod formulation;
 pub mod history;
+mod input;
 pub mod linear;
 pub mod loading;
 pub mod mesh;

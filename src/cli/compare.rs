@@ -66,6 +66,9 @@ fn method(name: &str, setting: &str) -> Method {
 pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let scene = Scene::read(&args.scene, &args.overrides)?;
     let plan = plan(args, &scene);
+    if let Some(file) = args.out.as_ref().filter(|out| out.exists() && !out.is_dir()) {
+        return Err(write_failure(file, &std::io::ErrorKind::NotADirectory.into()));
+    }
     linear::process::keep_freed_memory();
     let bar = bar(plan.histories(), "histories");
     let mut started = false;

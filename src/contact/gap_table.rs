@@ -67,7 +67,7 @@ impl GapTable {
     /// When it cannot be read, or is not every point of a line or grid once.
     pub fn read(path: &Path) -> Result<Self, TableError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| TableError::Io { file: file.clone(), error })?;
+        let text = crate::input::text(path).map_err(|error| TableError::Io { file: file.clone(), error })?;
         Self::parse(&file, &text)
     }
 

@@ -122,7 +122,7 @@ impl fmt::Display for ElementKind {
 /// quadrilaterals, tetrahedra and hexahedra, or is not a sound mesh; with line, or element numbers.
 pub fn gmsh(path: &Path, scale: f64) -> Result<Mesh, MeshFileError> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| MeshFileError::Io { path: name.clone(), error })?;
+    let bytes = crate::input::bytes(path).map_err(|error| MeshFileError::Io { path: name.clone(), error })?;
     from_gmsh(&name, &bytes, scale)
 }
 

@@ -33,12 +33,16 @@ impl ResultFolder {
     /// When the folder cannot be made or written, or holds files of these names that no run wrote.
     pub fn create(path: &Path, model: &Model) -> io::Result<Self> {
         fs::create_dir_all(path)?;
-        let earlier: Vec<_> = fs::read_dir(path)?
+        let mut earlier: Vec<_> = fs::read_dir(path)?
             .filter_map(Result::ok)
             .filter(|entry| entry.file_name().to_str().is_some_and(is_ours))
             .map(|entry| entry.path())
-            .filter(|path| path.is_file())
             .collect();
+        if let Some(folder) = earlier.iter().find(|path| path.is_dir()) {
+            let message = format!("{} is a folder, where a file of results goes", folder.display());
+            return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
+        }
+        earlier.retain(|path| path.is_file());
         let mut found = vec![0; increments::FIRST_COLUMNS.len()];
         let read = File::open(path.join("increments.csv")).and_then(|mut file| file.read_exact(&mut found));
         let ours = read.is_ok() && found == increments::FIRST_COLUMNS.as_bytes();

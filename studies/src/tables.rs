@@ -298,25 +298,3 @@ impl Agreement {
         agreement
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_published_tables_are_complete() {
-        let (punch, block) = (PaperTable::Punch.cases(), PaperTable::Block.cases());
-        assert_eq!((punch.len(), block.len()), (21, 75));
-        let last = block[74];
-        assert_eq!((last.contact_nodes, last.mu, last.increments), (100, 0.8, 50));
-        assert_eq!(last.bn, Counts { nle: 2.7, nls: Some(18.5) });
-        assert_eq!((last.ip_safe.nle, last.ip_prev), (14.1, Counts { nle: 20.7, nls: Some(2.8) }));
-        assert_eq!((punch[20].mu, punch[20].increments, punch[20].bn.nls), (0.8, 100, Some(23.3)));
-    }
-
-    #[test]
-    fn agreement_counts_rounding_as_equal() {
-        let agreement = Agreement::of([Some(0.05), Some(-0.04), None, Some(0.2)].into_iter());
-        assert_eq!((agreement.equal, agreement.cells, agreement.failed, agreement.largest), (2, 3, 1, 0.2));
-    }
-}

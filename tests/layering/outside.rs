@@ -43,7 +43,7 @@ pub const LIBRARY: &[Places] = &[
     ("toml", &["scene/"]),
     ("toml_edit", &["compare/cases.rs", "scene/"]),
     ("std::env", &["cli.rs", "cli/"]),
-    ("std::fs", &["cli/", "contact/gap_table.rs", "mesh/gmsh.rs", "report/folder.rs", "report/usage.rs", "scene.rs"]),
+    ("std::fs", &["cli/", "input.rs", "report/folder.rs", "report/usage.rs"]),
     ("std::net", &[NOWHERE]),
     ("std::panic", &["cli/bug.rs"]),
     ("std::process", &["main.rs", "cli.rs", "cli/"]),

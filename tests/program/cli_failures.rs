@@ -99,7 +99,15 @@ fn bad_input_is_status_2_and_nothing_is_written() {
         assert!(stderr(&output).contains("help"), "no remedy: {}", stderr(&output));
         assert_eq!(folder.names(""), ["scene.toml"], "{args:?}");
     }
-    for args in [&["run", "no such scene.toml"][..], &["check", "no such scene.toml"], &["run"], &["walk"], &[]] {
+    for args in [
+        &["run", "/dev/zero"][..],
+        &["run", "."],
+        &["run", "no such scene.toml"],
+        &["check", "no such scene.toml"],
+        &["run"],
+        &["walk"],
+        &[],
+    ] {
         assert_exit(&stickslip(args), 2);
     }
 }
@@ -270,4 +278,26 @@ fn a_failure_names_the_law_and_the_place() {
     for words in [worst["law"].as_str().unwrap(), "is violated by", "at the node (", "try"] {
         assert!(reason.contains(words), "`{words}` is not in: {reason}");
     }
+}
+
+/// Minutes of work are not begun for results that have no place.
+#[test]
+fn where_results_cannot_go_is_told_before_the_work() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    fs::create_dir_all(folder.join("out/run.json")).unwrap();
+    let output = stickslip(&["run", &scene, "--out", &out]);
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("run.json is a folder"), "{}", stderr(&output));
+    assert_eq!(folder.names("out"), ["run.json"]);
+    let output = stickslip(&["compare", &scene, "--out", &scene]);
+    assert_exit(&output, 2);
+    assert!(stdout(&output).is_empty() && stderr(&output).contains("--out"), "{}", stderr(&output));
+}
+
+/// Some editors write a mark before the text.
+#[test]
+fn a_byte_order_mark_is_no_text() {
+    let (_folder, scene) = Folder::with_scene(&format!("\u{feff}{}", small()));
+    assert_exit(&stickslip(&["check", &scene]), 0);
 }

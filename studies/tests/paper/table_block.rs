@@ -1,7 +1,7 @@
 //! The paper's block: Table II as far as it is quick, and the check values of the reconstruction.
 
 use stickslip::history::{LinearAlgebra, Status};
-use stickslip_studies::tables::{Agreement, Case, Cell, PaperMethod, PaperTable};
+use stickslip_studies::tables::{Agreement, Case, Cell, Counts, PaperMethod, PaperTable};
 
 use super::bn;
 
@@ -101,11 +101,28 @@ fn the_default_setting_needs_fewer_iterations() {
         let cases: Vec<_> = table.cases().into_iter().filter(|case| case.contact_nodes <= largest).collect();
         let (mut here, mut paper) = (0.0, 0.0);
         for case in &cases {
-            let cell = table.cell(case, PaperMethod::BnDefault, LinearAlgebra::default()).unwrap();
+            let cell = table.cell(case, PaperMethod::BnDefault, LinearAlgebra::condensed()).unwrap();
             assert_eq!(cell.status, Status::Converged, "{case:?}");
             here += cell.here.nle;
             paper += case.bn.nle;
         }
         assert!(here <= share * paper, "{table:?}: {here} {paper}");
     }
+}
+
+#[test]
+fn the_published_tables_are_complete() {
+    let (punch, block) = (PaperTable::Punch.cases(), PaperTable::Block.cases());
+    assert_eq!((punch.len(), block.len()), (21, 75));
+    let last = block[74];
+    assert_eq!((last.contact_nodes, last.mu, last.increments), (100, 0.8, 50));
+    assert_eq!(last.bn, Counts { nle: 2.7, nls: Some(18.5) });
+    assert_eq!((last.ip_safe.nle, last.ip_prev), (14.1, Counts { nle: 20.7, nls: Some(2.8) }));
+    assert_eq!((punch[20].mu, punch[20].increments, punch[20].bn.nls), (0.8, 100, Some(23.3)));
+}
+
+#[test]
+fn agreement_counts_rounding_as_equal() {
+    let agreement = Agreement::of([Some(0.05), Some(-0.04), None, Some(0.2)].into_iter());
+    assert_eq!((agreement.equal, agreement.cells, agreement.failed, agreement.largest), (2, 3, 1, 0.2));
 }
