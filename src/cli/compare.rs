@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use clap::Args;
 use stickslip::compare::{self, CompareError, Comparison, End, MeshResult, Phases, Plan, SolverPath, Trial};
 use stickslip::history::{LinearAlgebra, Method, Start, Status};
-use stickslip::linear;
+use stickslip::linear::{self, SparseLu};
 use stickslip::report::{Table, csv_table, write_file};
 use stickslip::scene::{Override, Scene};
 
@@ -29,8 +29,8 @@ pub(super) struct CompareArgs {
     /// Their settings
     #[arg(long, value_delimiter = ',', value_parser = ["default", "paper"], default_value = "default")]
     settings: Vec<String>,
-    /// The linear algebra
-    #[arg(long, value_delimiter = ',', default_value = "umfpack,condensed,faer")]
+    /// The linear algebra; umfpack, condensed and faer, as far as they are built in, unless given
+    #[arg(long, value_delimiter = ',')]
     solvers: Vec<LinearAlgebra>,
     /// The first number of elements of each mesh, the others in the proportions of the scene; an eighth, a
     /// quarter and half of the scene's unless given; not for a mesh from a file
@@ -65,7 +65,8 @@ fn method(name: &str, setting: &str) -> Method {
 /// fail; the table tells.
 pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let scene = Scene::read(&args.scene, &args.overrides)?;
-    let plan = plan(args, &scene);
+    let solvers = solvers(&args.solvers)?;
+    let plan = plan(args, &solvers, &scene);
     if let Some(file) = args.out.as_ref().filter(|out| out.exists() && !out.is_dir()) {
         return Err(write_failure(file, &std::io::ErrorKind::NotADirectory.into()));
     }
@@ -101,9 +102,22 @@ pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     Ok(if sound { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-fn plan(args: &CompareArgs, scene: &Scene) -> Plan {
+/// The linear algebras that are compared.
+fn solvers(given: &[LinearAlgebra]) -> Result<Vec<LinearAlgebra>, Failure> {
+    if let Some(absent) = given.iter().find(|linear| !linear.is_built_in()) {
+        let help = format!("leave it out, or use \"{}\" or \"condensed\"", LinearAlgebra::default());
+        return Err(Failure::Input(miette::miette!(help = help, "--solvers: {absent} is not in this build")));
+    }
+    if !given.is_empty() {
+        return Ok(given.to_vec());
+    }
+    let [umfpack, faer] = [SparseLu::Umfpack, SparseLu::Faer].map(LinearAlgebra::Whole);
+    Ok([umfpack, LinearAlgebra::condensed(), faer].into_iter().filter(|linear| linear.is_built_in()).collect())
+}
+
+fn plan(args: &CompareArgs, solvers: &[LinearAlgebra], scene: &Scene) -> Plan {
     let mut paths = Vec::new();
-    for &linear in &args.solvers {
+    for &linear in solvers {
         for name in &args.methods {
             paths.extend(args.settings.iter().map(|setting| SolverPath { method: method(name, setting), linear }));
         }

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use miette::Diagnostic;
 use serde::Serialize;
+use stickslip::scene::SceneError;
 
 use super::Failure;
 
@@ -20,13 +21,19 @@ pub(super) fn line(line: Arguments<'_>) {
     if failed() {
         return;
     }
-    match writeln!(stdout(), "{line}") {
+    match writeln!(stdout(), "{}", plain(&line.to_string())) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             FAILED.store(true, Ordering::Relaxed);
             note(&format!("standard output cannot be written: {error}"));
         }
         _ => {}
     }
+}
+
+/// The text without what would steer a terminal: names and titles come from files.
+fn plain(text: &str) -> String {
+    let steers = |c: char| c.is_control() && c != '\n' && c != '\t';
+    text.chars().map(|c| if steers(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
 /// Prints a line on standard error. There is nobody to tell if that fails.
@@ -77,13 +84,21 @@ pub(super) fn failure(failure: &Failure, json: bool) -> ExitCode {
             schema_version: stickslip::report::SCHEMA_VERSION,
             status,
             message: &message,
-            file: place.as_ref().and_then(|(file, _)| file.clone()),
+            file: place.as_ref().and_then(|(file, _)| file.clone()).or_else(|| unread(report)),
             line: place.map(|(_, line)| line),
             help: report.help().map(|help| help.to_string()),
         }
         .print();
     }
     ExitCode::from(code)
+}
+
+/// The scene file that could not be read.
+fn unread(report: &miette::Report) -> Option<String> {
+    match report.downcast_ref::<SceneError>()? {
+        SceneError::Io { path, .. } => Some(path.clone()),
+        _ => None,
+    }
 }
 
 /// The same on standard output alone, for what has no place in a file.

@@ -32,6 +32,9 @@ impl ResultFolder {
     /// # Errors
     /// When the folder cannot be made or written, or holds files of these names that no run wrote.
     pub fn create(path: &Path, model: &Model) -> io::Result<Self> {
+        if path.exists() && !path.is_dir() {
+            return Err(io::ErrorKind::NotADirectory.into());
+        }
         fs::create_dir_all(path)?;
         let mut earlier: Vec<_> = fs::read_dir(path)?
             .filter_map(Result::ok)

@@ -290,6 +290,9 @@ fn where_results_cannot_go_is_told_before_the_work() {
     assert_exit(&output, 2);
     assert!(stderr(&output).contains("run.json is a folder"), "{}", stderr(&output));
     assert_eq!(folder.names("out"), ["run.json"]);
+    let output = stickslip(&["run", &scene, "--out", &scene]);
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("results cannot be written: not a"), "{}", stderr(&output));
     let output = stickslip(&["compare", &scene, "--out", &scene]);
     assert_exit(&output, 2);
     assert!(stdout(&output).is_empty() && stderr(&output).contains("--out"), "{}", stderr(&output));
@@ -300,4 +303,34 @@ fn where_results_cannot_go_is_told_before_the_work() {
 fn a_byte_order_mark_is_no_text() {
     let (_folder, scene) = Folder::with_scene(&format!("\u{feff}{}", small()));
     assert_exit(&stickslip(&["check", &scene]), 0);
+}
+
+/// Titles and names come from files, and a terminal obeys control characters.
+#[test]
+fn what_a_scene_says_does_not_steer_the_terminal() {
+    let (_folder, scene) = Folder::with_scene(&small());
+    let output = stickslip(&["check", &scene, "--set", r#"title="a\u001b[31mb\u0007""#]);
+    assert_exit(&output, 0);
+    assert!(stdout(&output).contains("a\u{fffd}[31mb\u{fffd}"), "{}", stdout(&output));
+}
+
+/// The scene that is not there is named where a program looks for it.
+#[test]
+fn the_file_that_cannot_be_read_is_named_in_json() {
+    assert_eq!(json(&stickslip(&["run", "no such scene.toml", "--json"]))["file"], "no such scene.toml");
+}
+
+/// What is compared unless it is named is what this build has.
+#[test]
+fn compare_takes_what_is_built_in() {
+    let (_folder, scene) = Folder::with_scene(&small());
+    let compare = ["compare", &scene, "--meshes", "2", "--increments", "2", "--reference", "2", "--methods", "bn"];
+    let output = stickslip(&compare);
+    assert_exit(&output, 0);
+    assert_eq!(stdout(&output).contains("umfpack"), cfg!(feature = "umfpack"), "{}", stdout(&output));
+    if cfg!(not(feature = "umfpack")) {
+        let output = stickslip(&[&compare[..], &["--solvers", "umfpack"]].concat());
+        assert_exit(&output, 2);
+        assert!(stderr(&output).contains("--solvers") && stderr(&output).contains("help"), "{}", stderr(&output));
+    }
 }
