@@ -279,7 +279,7 @@ impl Loading {
         for motion in &self.motions {
             let distance = motion.at(t);
             let nodes = drift[motion.nodes.clone()].iter_mut();
-            nodes.zip(&motion.drift).for_each(|(d, rate)| *d += distance * rate[k]);
+            nodes.zip(&motion.drift).for_each(|(d, rate)| *d += distance * rate.get(k).unwrap_or(&0.0));
         }
         drift
     }

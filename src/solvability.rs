@@ -17,7 +17,8 @@ mod cone;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::null_space::{NEGLIGIBLE, null_space};
-use crate::problem::ContactProblem;
+use crate::problem::error::{expect_finite, expect_length};
+use crate::problem::{ContactProblem, ProblemError};
 use crate::sets::Sets;
 use cone::{Cone, norm};
 
@@ -54,11 +55,20 @@ impl Conditions {
 /// whole cone is left to resist the residual. If neither comes about nothing is claimed, as for a load that a
 /// balance can just carry.
 ///
+/// Gives the weights of the problem's `free_motions` in a motion on which the load does work, while no admissible contact
+/// force does negative work. By Farkas' lemma there is either such a motion or a balance; and it excludes a balance, as
+/// the work of all forces would have to vanish.
+///
 /// # Errors
-/// The weights of the problem's `free_motions` in a motion on which the load does work, while no
-/// admissible contact force does negative work. By Farkas' lemma there is either such a motion or a
-/// balance; and it excludes a balance, as the work of all forces would have to vanish.
-pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<(), Vec<f64>> {
+/// When `force` has not one finite entry for each displacement.
+pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<Option<Vec<f64>>, ProblemError> {
+    expect_length("force", problem.displacements(), force.len(), "one for each displacement")?;
+    expect_finite("force", force)?;
+    Ok(driven_motion(problem, force))
+}
+
+/// [`rigid_equilibrium`] of a load that fits.
+pub(crate) fn driven_motion(problem: &ContactProblem, force: &[f64]) -> Option<Vec<f64>> {
     let free = Free::new(problem);
     let (mut load, mut size) = (Vec::new(), Vec::new());
     for (motion, largest) in problem.free_motions().iter().zip(&free.largest) {
@@ -80,10 +90,10 @@ pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<(), 
         match further {
             Some((_, edge)) => generators.push(edge),
             None if has_rim && norm(&y) <= TELLABLE * norm(&load) => break,
-            None => return Err(free.weights(&y)),
+            None => return Some(free.weights(&y)),
         }
     }
-    Ok(())
+    None
 }
 
 /// A new edge halves the angle between its neighbours on a rim and leaves a quarter of the gap there: far more rounds than a

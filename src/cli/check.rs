@@ -294,7 +294,7 @@ fn equilibrium(scene: &Scene, model: &Model) {
     }
     let failed = scene.time.all().into_iter().find_map(|time| {
         let force = model.loading.force_at(time, model.problem.displacements());
-        Some((time, rigid_equilibrium(&model.problem, &force).err()?))
+        Some((time, rigid_equilibrium(&model.problem, &force).ok()??))
     });
     if let Some((time, weights)) = failed
         && let Some(motion) = named(model, &weights)

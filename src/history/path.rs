@@ -15,7 +15,7 @@ use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Outcome, Stop};
 use crate::problem::{ContactProblem, Increment, State};
-use crate::solvability::rigid_equilibrium;
+use crate::solvability::driven_motion;
 
 /// The way through a history as far as it has converged, and the data of the part tried last.
 pub(super) struct Path<'a> {
@@ -133,7 +133,9 @@ impl<'a> Path<'a> {
                 }
             } else {
                 let half = 0.5 * (end - from);
-                if half < smallest || !self.smaller_may_do(&attempt) {
+                // Between neighbouring numbers there is no time.
+                let no_time = from + half <= from || from + half >= end;
+                if half < smallest || no_time || !self.smaller_may_do(&attempt) {
                     let (kkt, status) = (attempt.kkt, attempt.status);
                     return Ok(Walked { solved: so_far, attempt, kkt, status, parts, friction_work });
                 }
@@ -173,9 +175,9 @@ impl<'a> Path<'a> {
             scales: &before,
             tolerance: settings.tolerance,
         };
-        let mut outcome = match rigid_equilibrium(problem, &self.force) {
-            Ok(()) => self.method.solve(&task, linear, observe)?,
-            Err(motion) => Outcome { stop: Stop::NoEquilibrium(motion), ..Outcome::new(f64::NAN) },
+        let mut outcome = match driven_motion(problem, &self.force) {
+            None => self.method.solve(&task, linear, observe)?,
+            Some(motion) => Outcome { stop: Stop::NoEquilibrium(motion), ..Outcome::new(f64::NAN) },
         };
         let state = match condensed {
             None => self.method.state(),

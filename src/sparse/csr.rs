@@ -31,7 +31,12 @@ impl Csr {
                     return Err(MatrixError::NotFinite { row, column, value });
                 }
                 match matrix.entries[first..].iter_mut().find(|entry| entry.0 == column) {
-                    Some((_, sum)) => *sum += value,
+                    Some((_, sum)) => {
+                        *sum += value;
+                        if !sum.is_finite() {
+                            return Err(MatrixError::NotFinite { row, column, value: *sum });
+                        }
+                    }
                     None if value != 0.0 => matrix.entries.push((column, value)),
                     None => {}
                 }

@@ -7,6 +7,7 @@ use stickslip::linear::{Cholesky, Direct, LinearError};
 use stickslip::loading::{Bend, LoadCase, Loading, Motion};
 use stickslip::nonlinear::{Flow, LinearSystem};
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
+use stickslip::solvability::rigid_equilibrium;
 use stickslip::sparse::{Csc, Csr, MatrixError, Pattern, Symmetric};
 use stickslip::uniqueness::critical_friction;
 use stickslip::units::Scaling;
@@ -271,5 +272,44 @@ fn an_interior_point_method_that_fails_at_its_first_step() {
             let kept = outcome.records.iter().all(|record| record.kkt.worst().1 <= settings.tolerance);
             assert_eq!(outcome.status == Status::Converged, kept && !outcome.records.is_empty(), "{method}");
         }
+    }
+}
+
+/// Two entries in one place are added, and the sum is an entry, too.
+#[test]
+fn sums_of_entries_are_finite() {
+    let twice = |value: f64| Csr::from_rows(2, [[(1, value), (1, value)]]);
+    assert_eq!(twice(1e308).unwrap_err(), MatrixError::NotFinite { row: 0, column: 1, value: f64::INFINITY });
+    assert_eq!(twice(0.5).unwrap().row(0), [(1, 1.0)]);
+}
+
+/// A body that slides freely along x: what fits is judged, and nothing else.
+#[test]
+fn a_load_that_does_not_fit_is_in_no_balance() {
+    let stiffness = Symmetric::from_triplets(2, &[(1, 1, 1.0)]).unwrap();
+    let problem = ContactProblem::new(Parts::new(stiffness, Csr::from_rows(2, [[(1, 1.0)]]).unwrap())).unwrap();
+    assert_eq!(rigid_equilibrium(&problem, &[0.0, 1.0]), Ok(None));
+    assert!(rigid_equilibrium(&problem, &[1.0, 0.0]).unwrap().is_some());
+    for force in [&[][..], &[0.0], &[0.0; 9], &[f64::NAN, 0.0], &[f64::INFINITY, 0.0]] {
+        let error = rigid_equilibrium(&problem, force).unwrap_err().to_string();
+        assert!(error.contains("force"), "{error}");
+    }
+}
+
+/// Between neighbouring numbers there is no time in which a failed increment could be halved.
+#[test]
+fn increments_without_a_middle_end() {
+    let stiffness = Symmetric::from_triplets(2, &[(1, 1, 1.0)]).unwrap();
+    let c_n = Csr::from_rows(2, [[(1, -1.0)]]).unwrap();
+    let c_t = Csr::from_rows(2, [[(0, 1.0)]]).unwrap();
+    let problem = ContactProblem::new(Parts { c_t, mu: vec![0.3], ..Parts::new(stiffness, c_n) }).unwrap();
+    for next in [1.0_f64.next_up(), 1.0 + 1e-15] {
+        let press = LoadCase::new(vec![0.0, -1.0], vec![[0.0, 1.0], [1.0, 1.0]]).unwrap();
+        let push = LoadCase::new(vec![1.0, 0.0], vec![[1.0, 0.0], [next, 1.0]]).unwrap();
+        let loading = Loading::new(vec![press, push], vec![0.0]).unwrap();
+        let settings = HistorySettings::new(&problem, &loading, Method::BN).unwrap();
+        let times = [1.0, next];
+        let outcome = history::run(&problem, &loading, &times, &settings, System::default(), &mut ()).unwrap();
+        assert_ne!(outcome.status, Status::Converged);
     }
 }

@@ -65,7 +65,7 @@ fn violations(scene: &Scene) -> (Option<String>, Vec<[f64; 2]>) {
 fn driven(scene: &Scene) -> Option<String> {
     let model = Model::new(scene).unwrap();
     let force = model.loading.force_at(1.0, model.problem.displacements());
-    let weights = rigid_equilibrium(&model.problem, &force).err()?;
+    let weights = rigid_equilibrium(&model.problem, &force).unwrap()?;
     let motion = RigidMotion::combination(&model.rigid_motions, &weights).unwrap();
     let u = motion.displacements(&model.mesh, &model.dofs);
     // The load works, and no edge of a friction cone can work against it.
