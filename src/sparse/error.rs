@@ -52,6 +52,14 @@ pub enum MatrixError {
         /// The entry.
         value: f64,
     },
+    /// There is no memory for so many columns, or no index for so many rows.
+    #[error("a matrix of {rows} × {columns} has no room in memory")]
+    TooLarge {
+        /// The rows asked for.
+        rows: usize,
+        /// The columns asked for.
+        columns: usize,
+    },
     /// A matrix that must be square is not.
     #[error("the matrix is {rows} × {columns}, but must be square")]
     NotSquare {

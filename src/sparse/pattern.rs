@@ -20,14 +20,19 @@ impl Pattern {
     /// `(row, column)` both times.
     ///
     /// # Errors
-    /// When an entry is outside the matrix, or the second call names others than the first.
+    /// When the matrix is too large for the memory, an entry is outside of it, or the second call names others than the first.
     pub fn from_entries(
         rows: usize,
         columns: usize,
         visit: impl Fn(&mut dyn FnMut(usize, usize)),
     ) -> Result<Self, MatrixError> {
         let mut fault = None;
-        let mut starts = vec![0_usize; columns + 1];
+        let mut starts = Vec::new();
+        // Rows are kept as the i64 that SuiteSparse takes; usize::MAX is more than any memory has.
+        if i64::try_from(rows).is_err() || starts.try_reserve_exact(columns.saturating_add(1)).is_err() {
+            return Err(MatrixError::TooLarge { rows, columns });
+        }
+        starts.resize(columns + 1, 0_usize);
         visit(&mut |row, column| {
             if row >= rows {
                 fault.get_or_insert(MatrixError::Row { row, rows });

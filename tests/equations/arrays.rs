@@ -283,6 +283,16 @@ fn sums_of_entries_are_finite() {
     assert_eq!(twice(0.5).unwrap().row(0), [(1, 1.0)]);
 }
 
+/// What is too large is refused before memory is taken, whoever announced it.
+#[test]
+fn matrices_without_room() {
+    for columns in [usize::MAX, 1 << 60] {
+        assert_eq!(Csc::from_triplets(2, columns, &[]).unwrap_err(), MatrixError::TooLarge { rows: 2, columns });
+    }
+    assert!(matches!(Csc::from_triplets(usize::MAX, 2, &[]), Err(MatrixError::TooLarge { .. })));
+    assert!(matches!(Symmetric::from_triplets(usize::MAX, &[]), Err(MatrixError::TooLarge { .. })));
+}
+
 /// A body that slides freely along x: what fits is judged, and nothing else.
 #[test]
 fn a_load_that_does_not_fit_is_in_no_balance() {
