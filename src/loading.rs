@@ -182,7 +182,7 @@ impl Loading {
     /// The same with obstacles that move. The motions add up, and so does what goes beyond their rates.
     ///
     /// # Errors
-    /// When one names a contact node that there is not.
+    /// When one names a contact node that there is not, or they move too far for a number.
     pub fn with_motions(self, motions: Vec<Motion>, bends: Vec<Bend>) -> Result<Self, ProblemError> {
         let n_c = self.gap.len();
         let ends = motions
@@ -190,12 +190,25 @@ impl Loading {
             .map(|motion| ("motion", &motion.nodes))
             .chain(bends.iter().map(|bend| ("bend", &bend.nodes)));
         for (what, nodes) in ends {
+            if nodes.start > nodes.end {
+                let (array, value) = (format!("nodes of a {what}"), nodes.start as f64);
+                return Err(ProblemError::Value { array, value, must: "a range that does not end before it begins" });
+            }
             if nodes.end > n_c {
                 return expect_length(format!("nodes of a {what}"), n_c, nodes.end, "at most one for each gap")
                     .map(|()| self);
             }
         }
-        Ok(Loading { motions, bends, ..self })
+        let loading = Loading { motions, bends, ..self };
+        let mut gap = vec![0.0; n_c];
+        for t in loading.bends_in_time() {
+            loading.gap_at(t, &mut gap);
+            expect_finite("gap", &gap)?;
+            for k in 0..2 {
+                expect_finite("drift", &loading.drift_at(t, k))?;
+            }
+        }
+        Ok(loading)
     }
 
     /// The loads.
@@ -284,17 +297,21 @@ impl Loading {
         drift
     }
 
-    /// The largest interference over all time, m: how deep an obstacle goes into the undeformed body.
-    pub fn largest_interference(&self) -> f64 {
-        // Gaps are linear between all these together.
+    /// The times between which gaps are linear.
+    fn bends_in_time(&self) -> Vec<f64> {
         let mut times = vec![0.0];
         times.extend(self.bends.iter().flat_map(|bend| bend.times.iter().copied()));
         times.extend(self.motions.iter().flat_map(|motion| motion.history.iter().map(|point| point[0])));
         times.sort_by(f64::total_cmp);
         times.dedup();
+        times
+    }
+
+    /// The largest interference over all time, m: how deep an obstacle goes into the undeformed body.
+    pub fn largest_interference(&self) -> f64 {
         let mut gap = vec![0.0; self.gap.len()];
         let mut deepest = 0.0_f64;
-        for t in times {
+        for t in self.bends_in_time() {
             self.gap_at(t, &mut gap);
             deepest = gap.iter().fold(deepest, |m, g| m.max(-g));
         }

@@ -293,6 +293,22 @@ fn matrices_without_room() {
     assert!(matches!(Symmetric::from_triplets(usize::MAX, &[]), Err(MatrixError::TooLarge { .. })));
 }
 
+/// Finite rates and finite distances may be too much together, and a range may be none.
+#[test]
+fn obstacles_stay_where_numbers_reach() {
+    let moved = |nodes: std::ops::Range<usize>, distance: f64| {
+        let each = nodes.len();
+        let history = vec![[0.0, 0.0], [1.0, distance]];
+        let motion = Motion::new(nodes, vec![1e300; each], vec![[0.0, 0.0]; each], history).unwrap();
+        loading(vec![1.0, 1.0], vec![0.0]).with_motions(vec![motion], Vec::new()).map(|_| ()).map_err(|e| e.to_string())
+    };
+    assert_eq!(moved(0..1, 1.0), Ok(()));
+    assert!(moved(0..1, 1e300).unwrap_err().contains("gap[0]"));
+    #[allow(clippy::reversed_empty_ranges)]
+    let reversed = moved(1..0, 1.0);
+    assert!(reversed.unwrap_err().contains("nodes of a motion"));
+}
+
 /// A body that slides freely along x: what fits is judged, and nothing else.
 #[test]
 fn a_load_that_does_not_fit_is_in_no_balance() {
