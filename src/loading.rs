@@ -201,7 +201,7 @@ impl Loading {
         }
         let loading = Loading { motions, bends, ..self };
         let mut gap = vec![0.0; n_c];
-        for t in loading.bends_in_time() {
+        for t in loading.corner_times() {
             loading.gap_at(t, &mut gap);
             expect_finite("gap", &gap)?;
             for k in 0..2 {
@@ -298,7 +298,7 @@ impl Loading {
     }
 
     /// The times between which gaps are linear.
-    fn bends_in_time(&self) -> Vec<f64> {
+    fn corner_times(&self) -> Vec<f64> {
         let mut times = vec![0.0];
         times.extend(self.bends.iter().flat_map(|bend| bend.times.iter().copied()));
         times.extend(self.motions.iter().flat_map(|motion| motion.history.iter().map(|point| point[0])));
@@ -311,7 +311,7 @@ impl Loading {
     pub fn largest_interference(&self) -> f64 {
         let mut gap = vec![0.0; self.gap.len()];
         let mut deepest = 0.0_f64;
-        for t in self.bends_in_time() {
+        for t in self.corner_times() {
             self.gap_at(t, &mut gap);
             deepest = gap.iter().fold(deepest, |m, g| m.max(-g));
         }

@@ -20,7 +20,8 @@ impl Pattern {
     /// `(row, column)` both times.
     ///
     /// # Errors
-    /// When the matrix is too large for the memory, an entry is outside of it, or the second call names others than the first.
+    /// When the matrix is too large for the memory, an entry is outside of it, or the second call names others than the
+    /// first.
     pub fn from_entries(
         rows: usize,
         columns: usize,

@@ -47,7 +47,7 @@ fn random_histories() {
         let [mut default, mut paper] = [Count::default(), Count::default()];
         for seed in 0..40 {
             let mut random = Random(seed * 7919 + 3);
-            let contacts = 1 + (20.0 * random.next()) as usize;
+            let contacts = 1 + (30.0 * random.next()) as usize;
             let (problem, loading) = random::problem(&mut random, contacts, mu, 0.0);
             let settings = settings(&problem, &loading);
             let outcome = run(&problem, &loading, &settings);

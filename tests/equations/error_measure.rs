@@ -12,10 +12,8 @@ use stickslip::sparse::{Csr, Symmetric};
 /// Every component at most 1e-10 in every increment.
 #[test]
 fn every_law_holds_on_the_block() {
-    for (n, frictions) in
-        [(5, &[0.0, 0.1, 0.4, 0.8][..]), (10, &[0.0, 0.1, 0.4, 0.8]), (50, &[0.0, 0.8]), (100, &[0.4])]
-    {
-        for mu in frictions {
+    for n in [5, 10, 20, 50, 100] {
+        for mu in [0.0, 0.1, 0.4, 0.8] {
             let scene = common::block(&[
                 &format!("mesh.elements=[{n},{n}]"),
                 &format!("contact.friction={mu}"),

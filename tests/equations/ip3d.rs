@@ -81,7 +81,7 @@ impl std::fmt::Display for Count {
 fn random_histories() {
     for mu in [0.1, 0.4, 0.8, 2.0] {
         let mut count = Count::default();
-        for seed in 0..20 {
+        for seed in 0..40 {
             let mut random = Random(seed * 7919 + 3);
             let contacts = 1 + (30.0 * random.next()) as usize;
             let (problem, loading) = random::problem(&mut random, contacts, mu, 0.0);
@@ -273,7 +273,11 @@ fn two_dimensions() {
     let [mut flat, mut cone] = [Count::default(), Count::default()];
     for mu in ["0.1", "0.4", "0.8"] {
         let friction = format!("contact.friction={mu}");
-        for scene in [common::block(&["mesh.elements=[12,12]", &friction]), punch(&[&friction])] {
+        for scene in [
+            common::block(&["mesh.elements=[10,10]", &friction]),
+            common::block(&["mesh.elements=[20,20]", &friction]),
+            punch(&[&friction]),
+        ] {
             let model = Model::new(&scene).unwrap();
             let times = scene.time.all();
             let (thick, loading) = thickened(&model.problem, &model.loading);

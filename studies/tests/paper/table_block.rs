@@ -101,7 +101,7 @@ fn the_default_setting_needs_fewer_iterations() {
         let cases: Vec<_> = table.cases().into_iter().filter(|case| case.contact_nodes <= largest).collect();
         let (mut here, mut paper) = (0.0, 0.0);
         for case in &cases {
-            let cell = table.cell(case, PaperMethod::BnDefault, LinearAlgebra::condensed()).unwrap();
+            let cell = table.cell(case, PaperMethod::BnDefault, LinearAlgebra::default()).unwrap();
             assert_eq!(cell.status, Status::Converged, "{case:?}");
             here += cell.here.nle;
             paper += case.bn.nle;
