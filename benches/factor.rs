@@ -63,7 +63,7 @@ fn measure(n: usize, who: Who) -> [f64; 6] {
     let problem = &model.problem;
     let scaling = if who == Who::Ours { model.scaling() } else { Scaling::SI };
     let mut formulation = Bdiff::new(problem, scaling, &Conventions::paper(problem.weight().unwrap()));
-    let force = model.loading.force_at(1.0, problem.displacements());
+    let force = model.loading.force_at(1.0, problem).unwrap();
     let w_t_last = vec![0.0; problem.contacts()];
     formulation.begin(&Increment { force: &force, gap: model.loading.gap(), w_t_last: &w_t_last, w_o_last: &w_t_last });
     let mut direct = Direct::new(Box::new(Umfpack::default()));
@@ -92,7 +92,7 @@ fn measure(n: usize, who: Who) -> [f64; 6] {
             info = umfpack.factorize(&values).unwrap();
             umfpack.solve(&h, &mut dz).unwrap();
             seconds.push(start.elapsed().as_secs_f64());
-            worst = worst.max(backward_error(&Csc::new(pattern, values).unwrap(), &h, &dz));
+            worst = worst.max(backward_error(&Csc::new(pattern, values).unwrap(), &h, &dz).unwrap());
         }
     }
     seconds.sort_by(f64::total_cmp);

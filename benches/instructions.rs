@@ -27,7 +27,7 @@ fn main() {
     let small = &condensed.problem;
     let scaling = model.scaling();
     let mut formulation = Bdiff::new(small, scaling, &Conventions::paper(small.weight().unwrap()));
-    let force = condensed.loading.force_at(1.0, small.displacements());
+    let force = condensed.loading.force_at(1.0, small).unwrap();
     let w_t_last = vec![0.0; small.contacts()];
     formulation.begin(&Increment { force: &force, gap: model.loading.gap(), w_t_last: &w_t_last, w_o_last: &w_t_last });
     let [first, second] = [0, 1].map(|shift| formulation.layout().pack(&mixed(small, &model, shift), &scaling));
@@ -47,7 +47,7 @@ fn main() {
             direct.factorize(formulation.jacobian()).unwrap();
         }),
         "substitution" => {
-            let whole = model.loading.force_at(1.0, model.problem.displacements());
+            let whole = model.loading.force_at(1.0, &model.problem).unwrap();
             let border = vec![0.0; small.displacements()];
             measured_kernel(&mut || {
                 let reduced = condensed.reduce(&whole).unwrap();

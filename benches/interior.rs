@@ -72,7 +72,7 @@ struct Form {
 fn measure(n: usize) -> [Form; 2] {
     let (_, model) = block(n, 2);
     let problem = &model.problem;
-    let force = model.loading.force_at(1.0, problem.displacements());
+    let force = model.loading.force_at(1.0, problem).unwrap();
     let w_t_last = vec![0.0; problem.contacts()];
     let increment = Increment { force: &force, gap: model.loading.gap(), w_t_last: &w_t_last, w_o_last: &w_t_last };
     let conventions = Conventions::paper(problem.weight().unwrap());
@@ -118,7 +118,7 @@ fn measure(n: usize) -> [Form; 2] {
 
             bare.factorize(formulation.matrix().values()).unwrap();
             bare.solve(&rhs, &mut dz[..m]).unwrap();
-            form.backward[0] = form.backward[0].max(backward_error(formulation.matrix(), &rhs, &dz[..m]));
+            form.backward[0] = form.backward[0].max(backward_error(formulation.matrix(), &rhs, &dz[..m]).unwrap());
             formulation.recover(&z, &b, &mut dz);
             form.forward[0] = form.forward[0].max(forward_error(formulation, &dz, &exact));
 

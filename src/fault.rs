@@ -54,6 +54,16 @@ pub fn finite(key: &str, value: f64) -> Result<(), Fault> {
     not_huge(key, [value])
 }
 
+/// Fails unless the `value` of `key` is above 0, and neither so large nor so small that what is computed from it is lost.
+///
+/// # Errors
+/// [`Fault`] of `key`.
+pub fn positive(key: &str, value: f64, help: &str) -> Result<(), Fault> {
+    finite(key, value)?;
+    demand(value > 0.0, key, &value, "positive", help)?;
+    demand(value >= 1.0 / LARGEST, key, &value, "1e-50 or more, so that products of it are not lost", help)
+}
+
 /// Fails if one of the `numbers` at `key` is so large that what is computed from it overflows.
 ///
 /// # Errors

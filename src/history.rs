@@ -63,7 +63,7 @@ use crate::formulation::Layout;
 use crate::linear::{LinearError, Statistics};
 use crate::loading::Loading;
 use crate::nonlinear::{Flow, Stop};
-use crate::problem::error::{expect_finite, expect_increasing};
+use crate::problem::error::{expect_each, expect_finite, expect_increasing};
 use crate::problem::{ContactProblem, ProblemError, State};
 use held::HeldBody;
 use path::{Path, Walked};
@@ -240,11 +240,12 @@ fn record(index: usize, time: f64, walked: &Walked, contact: ContactCounts, seco
     }
 }
 
-/// The ends of increments: at least one, finite, increasing.
-fn check_times(times: &[f64]) -> Result<(), ProblemError> {
+/// The ends of increments: at least one, finite, increasing from 0 or later: there the body is undeformed.
+pub(crate) fn check_times(times: &[f64]) -> Result<(), ProblemError> {
     if times.is_empty() {
         return Err(ProblemError::Nothing { array: "times".to_string() });
     }
     expect_finite("times", times)?;
+    expect_each("times", times, "0 or more: a history begins at 0", |time| time >= 0.0)?;
     expect_increasing("times", times.iter().copied())
 }

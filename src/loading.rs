@@ -39,7 +39,7 @@ pub struct Bend {
 /// // 2 N on the first of two displacements, raised over a second; one node, 1 mm from its obstacle.
 /// let load = LoadCase::new(vec![2.0, 0.0], vec![[0.0, 0.0], [1.0, 1.0]])?;
 /// let loading = Loading::new(vec![load], vec![1e-3])?;
-/// assert_eq!(loading.force_at(0.5, 2), [1.0, 0.0]);
+/// assert_eq!((loading.cases()[0].factor(0.5), loading.gaps_at(0.5)), (0.5, vec![1e-3]));
 /// # Ok::<(), stickslip::problem::ProblemError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -247,11 +247,15 @@ impl Loading {
         expect_length("gap", problem.contacts(), self.gap.len(), "one for each contact node")
     }
 
-    /// The external forces (n_u, N) at time `t` on so many displacements; 0 where there is no load.
-    pub fn force_at(&self, t: f64, displacements: usize) -> Vec<f64> {
-        let mut force = vec![0.0; displacements];
+    /// The external forces (n_u, N) on `problem` at time `t`.
+    ///
+    /// # Errors
+    /// As [`Loading::check`].
+    pub fn force_at(&self, t: f64, problem: &ContactProblem) -> Result<Vec<f64>, ProblemError> {
+        self.check(problem)?;
+        let mut force = vec![0.0; problem.displacements()];
         self.force(t, &mut force);
-        force
+        Ok(force)
     }
 
     /// The external forces (n_u, N) at time `t`.

@@ -74,7 +74,7 @@ impl<'a> Run<'a> {
     /// The run of a `model` made in Rust, over increments that end at `times` (s).
     ///
     /// # Errors
-    /// When memory is short for the choice of the linear algebra.
+    /// When the times do not increase from 0 or later, and when memory is short for the choice of the linear algebra.
     pub fn of(model: &'a Model, times: Vec<f64>, solver: Solver) -> Result<Self, RunError> {
         Run::start(None, Cow::Borrowed(model), times, solver, Instant::now())
     }
@@ -86,6 +86,7 @@ impl<'a> Run<'a> {
         solver: Solver,
         start: Instant,
     ) -> Result<Self, RunError> {
+        history::check_times(&times).map_err(history::Error::from)?;
         let choice = match solver.linear {
             Some(linear) => Choice::named(linear),
             None => Choice::cheapest(&model.problem, solver.method, times.len(), available_bytes())?,

@@ -8,10 +8,12 @@ use clap::Args;
 use stickslip::contact::{GapDirection, Obstacle, PlacedObstacle, Rotation, Shape};
 use stickslip::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::formulation::Layout;
+use stickslip::history;
 use stickslip::mesh::{CellKind, HalfPlane, MeshSource, Segment};
 use stickslip::model::Model;
+use stickslip::problem::ProblemError;
 use stickslip::report::Warning;
-use stickslip::run::discretise;
+use stickslip::run::{RunError, discretise};
 use stickslip::scene::Scene;
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 use stickslip::vector::Vector;
@@ -56,7 +58,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     }
     if !model.contacts.is_empty() {
         theorem(&model);
-        equilibrium(&scene, &model);
+        equilibrium(&scene, &model).map_err(history::Error::from).map_err(RunError::from)?;
     }
     Ok(())
 }
@@ -288,22 +290,22 @@ fn theorem(model: &Model) {
 }
 
 /// Tells the first increment that no contact force can bring into balance.
-fn equilibrium(scene: &Scene, model: &Model) {
+fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
     if model.rigid_motions.is_empty() {
-        return;
+        return Ok(());
     }
-    let failed = scene.time.all().into_iter().find_map(|time| {
-        let force = model.loading.force_at(time, model.problem.displacements());
-        Some((time, rigid_equilibrium(&model.problem, &force).ok()??))
-    });
-    if let Some((time, weights)) = failed
-        && let Some(motion) = named(model, &weights)
-    {
-        say!(
-            "NO BALANCE   first at t = {time} s: the loads drive {motion}, which no contact force within its friction \
-             resists; change the loads or add a support"
-        );
+    for time in scene.time.all() {
+        let force = model.loading.force_at(time, &model.problem)?;
+        let driven = rigid_equilibrium(&model.problem, &force)?;
+        if let Some(motion) = driven.and_then(|weights| named(model, &weights)) {
+            say!(
+                "NO BALANCE   first at t = {time} s: the loads drive {motion}, which no contact force within its \
+                 friction resists; change the loads or add a support"
+            );
+            break;
+        }
     }
+    Ok(())
 }
 
 fn named(model: &Model, weights: &[f64]) -> Option<RigidMotion> {

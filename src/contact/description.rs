@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fault::{Fault, demand, finite, not_huge};
+use crate::fault::{Fault, demand, finite, not_huge, positive};
 use crate::formula::Formula;
 use crate::timeline::check_points;
 use crate::vector::{Vector, dot, norm, unit};
@@ -228,8 +228,7 @@ impl Rotation {
 }
 
 fn check_radius(radius: f64) -> Result<(), Fault> {
-    finite("radius", radius)?;
-    demand(radius > 0.0, "radius", &radius, "positive", "give the radius in m")
+    positive("radius", radius, "give the radius in m")
 }
 
 fn point(key: &str, value: Vector) -> Result<(), Fault> {

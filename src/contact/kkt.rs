@@ -8,6 +8,7 @@
 use serde::Serialize;
 
 use super::coulomb::{direction, length, positive, project};
+use crate::problem::error::{expect_finite, expect_value};
 use crate::problem::{ContactProblem, Increment, ProblemError, State};
 
 /// What forces and displacements are compared with.
@@ -52,6 +53,14 @@ impl KktScales {
                 .fold(self.force.max(largest(&state.p_n)), |m, (t, o)| m.max(length([*t, *o]))),
             length: self.length.max(largest(&state.u)),
         }
+    }
+
+    /// Whether something can be compared with them.
+    fn check(&self) -> Result<(), ProblemError> {
+        for (array, value) in [("scales.force", self.force), ("scales.length", self.length)] {
+            expect_value(array, value, "finite, and 0 or more", |scale| scale >= 0.0 && scale.is_finite())?;
+        }
+        Ok(())
     }
 
     /// `|value|` relative to the force scale; an error without any force is infinite.
@@ -213,7 +222,8 @@ impl KktErrors {
     /// Measures `state` against the law of one increment, relative to `scales`: whoever has found it.
     ///
     /// # Errors
-    /// When an array of `increment` or `state` has another length than `problem` asks for.
+    /// When an array of `increment` or `state` has another length than `problem` asks for, or nothing can be compared with
+    /// `scales`.
     pub fn measure(
         problem: &ContactProblem,
         increment: &Increment<'_>,
@@ -222,6 +232,7 @@ impl KktErrors {
     ) -> Result<Self, ProblemError> {
         increment.check(problem)?;
         state.check(problem)?;
+        scales.check()?;
         Ok(Self::of_state(problem, increment, state, scales))
     }
 
@@ -308,7 +319,8 @@ pub enum ContactStatus {
 /// and distance; friction reserve and slip) the relatively larger one decides.
 ///
 /// # Errors
-/// When an array of `increment` or `state` has another length than `problem` asks for.
+/// When an array of `increment` or `state` has another length than `problem` asks for, a number of `state` is not finite,
+/// or nothing can be compared with `scales`.
 pub fn statuses(
     problem: &ContactProblem,
     increment: &Increment<'_>,
@@ -317,6 +329,10 @@ pub fn statuses(
 ) -> Result<Vec<ContactStatus>, ProblemError> {
     increment.check(problem)?;
     state.check(problem)?;
+    for (array, values) in [("u", &state.u), ("p_t", &state.p_t), ("p_o", &state.p_o), ("p_n", &state.p_n)] {
+        expect_finite(array, values)?;
+    }
+    scales.check()?;
     Ok(statuses_of(problem, increment, state, scales))
 }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::elastic::Elasticity;
-use crate::fault::{Fault, demand, finite};
+use crate::fault::{Fault, demand, finite, positive};
 use crate::mesh::Mesh;
 
 /// The isotropic linear elastic materials of a body; in two dimensions it is of unit thickness.
@@ -55,31 +55,19 @@ pub enum Plane {
     Stress,
 }
 
-/// What a constant of a material must be.
-struct Limit {
-    holds: fn(f64) -> bool,
-    must: &'static str,
-    help: &'static str,
-}
+/// What a constant of a material called by a name must be.
+type Limit = fn(&str, f64) -> Result<(), Fault>;
 
-const THICKNESS: Limit = Limit { holds: |t| t > 0.0, must: "positive", help: "give the thickness of the layer in m" };
+const THICKNESS: Limit = |name, value| positive(name, value, "give the thickness of the layer in m");
 
-const YOUNG: Limit = Limit { holds: |young| young > 0.0, must: "positive", help: "give Young's modulus in Pa" };
+const YOUNG: Limit = |name, value| positive(name, value, "give Young's modulus in Pa");
 
-const POISSON: Limit = Limit {
-    holds: |poisson| poisson > -1.0 && poisson < 0.5,
-    must: "above -1 and below 0.5",
-    help: "thermodynamics sets the lower limit; an incompressible material is beyond displacements alone, \
-           use e.g. 0.49, or 0.4999 with mesh.element = \"b-bar\"",
+const POISSON: Limit = |name, value| {
+    let help = "thermodynamics sets the lower limit; an incompressible material is beyond displacements alone, \
+                use e.g. 0.49, or 0.4999 with mesh.element = \"b-bar\"";
+    finite(name, value)?;
+    demand(value > -1.0 && value < 0.5, name, &value, "above -1 and below 0.5", help)
 };
-
-impl Limit {
-    /// Checks the `value` called `name`.
-    fn check(&self, name: &str, value: f64) -> Result<(), Fault> {
-        finite(name, value)?;
-        demand((self.holds)(value), name, &value, self.must, self.help)
-    }
-}
 
 impl Material {
     /// One material for the whole body, in two dimensions in plane strain: Young's modulus in Pa, Poisson's ratio.
@@ -98,16 +86,16 @@ impl Material {
     /// # Errors
     /// [`Fault`] of the key that is wrong, such as `material.young`.
     pub fn check(&self) -> Result<(), Fault> {
-        YOUNG.check("material.young", self.young)?;
-        POISSON.check("material.poisson", self.poisson)?;
+        YOUNG("material.young", self.young)?;
+        POISSON("material.poisson", self.poisson)?;
         for (k, &Layer { thickness, young, poisson }) in self.layers.iter().enumerate() {
             let key = format!("material.layers[{k}]");
-            let of_layer = |what: &str, value: f64, limit: &Limit| {
-                limit.check(&format!("{what} in {key}"), value).map_err(|fault| Fault { key: key.clone(), ..fault })
+            let of_layer = |what: &str, value: f64, limit: Limit| {
+                limit(&format!("{what} in {key}"), value).map_err(|fault| Fault { key: key.clone(), ..fault })
             };
-            of_layer("the thickness", thickness, &THICKNESS)?;
-            of_layer("Young's modulus", young, &YOUNG)?;
-            of_layer("Poisson's ratio", poisson, &POISSON)?;
+            of_layer("the thickness", thickness, THICKNESS)?;
+            of_layer("Young's modulus", young, YOUNG)?;
+            of_layer("Poisson's ratio", poisson, POISSON)?;
         }
         for (k, MaterialGroup { name, young, poisson }) in self.groups.iter().enumerate() {
             let key = |what: &str| format!("material.group[{k}].{what}");
@@ -115,11 +103,11 @@ impl Material {
                 let message = format!("the group `{name}` has a [[material.group]] already");
                 return Err(Fault::new(key("name"), message, "keep one [[material.group]] for each group"));
             }
-            let of_group = |what: &str, key: String, value: f64, limit: &Limit| {
-                limit.check(&format!("{what} of the group `{name}`"), value).map_err(|fault| Fault { key, ..fault })
+            let of_group = |what: &str, key: String, value: f64, limit: Limit| {
+                limit(&format!("{what} of the group `{name}`"), value).map_err(|fault| Fault { key, ..fault })
             };
-            of_group("Young's modulus", key("young"), *young, &YOUNG)?;
-            of_group("Poisson's ratio", key("poisson"), *poisson, &POISSON)?;
+            of_group("Young's modulus", key("young"), *young, YOUNG)?;
+            of_group("Poisson's ratio", key("poisson"), *poisson, POISSON)?;
         }
         if !self.layers.is_empty() && !self.groups.is_empty() {
             let message = "the material has layers and groups, which both say what an element is made of";

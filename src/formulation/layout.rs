@@ -52,22 +52,22 @@ impl Layout {
 
     /// The place of `p_t` of contact node `i`, if it has one.
     pub fn p_t(&self, i: usize) -> Option<usize> {
-        self.tangential[i][0]
+        self.tangential(i)[0]
     }
 
     /// The place of `p_o` of contact node `i`, if it has one.
     pub fn p_o(&self, i: usize) -> Option<usize> {
-        self.tangential[i][1]
+        self.tangential(i)[1]
     }
 
-    /// The places of `(p_t, p_o)` of contact node `i`.
+    /// The places of `(p_t, p_o)` of contact node `i`; there are none beyond the last.
     pub fn tangential(&self, i: usize) -> [Option<usize>; 2] {
-        self.tangential[i]
+        self.tangential.get(i).copied().unwrap_or_default()
     }
 
     /// Whether contact node `i` has a tangential unknown.
     pub fn has_friction(&self, i: usize) -> bool {
-        self.tangential[i] != [None; 2]
+        self.tangential(i) != [None; 2]
     }
 
     /// Whether any contact node has a `p_o`, so that friction may turn.
@@ -77,7 +77,7 @@ impl Layout {
 
     /// Whether contact node `i` can slide in more than one direction.
     pub fn slides_in_a_plane(&self, i: usize) -> bool {
-        self.tangential[i].iter().all(Option::is_some)
+        self.tangential(i).iter().all(Option::is_some)
     }
 
     /// The place of `p_n` of contact node `i`.
@@ -85,7 +85,10 @@ impl Layout {
         self.first_normal + i
     }
 
-    /// `z` of a state, in the units of `scaling`.
+    /// `z` of a state of the same problem, in the units of `scaling`.
+    ///
+    /// # Panics
+    /// When an array of `state` is too short: [`State::check`] tells.
     pub fn pack(&self, state: &State, scaling: &Scaling) -> Vec<f64> {
         let mut z = vec![0.0; self.unknowns()];
         for (to, from) in z.iter_mut().zip(&state.u) {
@@ -103,6 +106,9 @@ impl Layout {
     }
 
     /// The state of `z + rest`, where `rest` is below the rounding of `z`, or 0 throughout.
+    ///
+    /// # Panics
+    /// When `z` or `rest` is too short.
     pub fn unpack_with(&self, z: &[f64], rest: &[f64], scaling: &Scaling) -> State {
         let mut state = self.unpack(z, scaling);
         if rest.iter().any(|rest| *rest != 0.0) {
@@ -112,6 +118,9 @@ impl Layout {
     }
 
     /// The state of a `z` that begins with this layout; the inverse of [`Layout::pack`].
+    ///
+    /// # Panics
+    /// When `z` has fewer than [`Layout::unknowns`] entries.
     pub fn unpack(&self, z: &[f64], scaling: &Scaling) -> State {
         let tangential = |direction: usize| {
             let places = self.tangential.iter().map(|places| places[direction]);

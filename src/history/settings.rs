@@ -1,10 +1,11 @@
 //! How a history is solved.
 
 use super::error::Error;
-use super::method::Method;
+use super::method::{Method, Start};
 use crate::formulation::Conventions;
 use crate::loading::Loading;
-use crate::problem::{ContactProblem, ProblemError};
+use crate::problem::ContactProblem;
+use crate::problem::error::{expect_each, expect_length, expect_value};
 use crate::units::Scaling;
 
 /// How a history is solved: what the problem and its loading tell of it, and the choice of a method.
@@ -22,7 +23,7 @@ pub struct HistorySettings {
     pub tolerance: f64,
     /// The limit of iterations in an increment, 1 or more.
     pub max_iterations: usize,
-    /// How many times an increment that fails may be halved. The parts are increments of their own.
+    /// How many times an increment that fails may be halved, at most 52. The parts are increments of their own.
     pub halvings: u32,
 }
 
@@ -91,17 +92,28 @@ impl HistorySettings {
         let Conventions { r_n, r_t, row_unit, .. } = &self.conventions;
         let arrays =
             [("r_n", r_n), ("r_t", r_t), ("row_unit", row_unit), ("contact_stiffness", &self.contact_stiffness)];
+        let (must, sound) = ("finite and above 0", |x: f64| x > 0.0 && x.is_finite());
         for (array, values) in arrays {
-            crate::problem::error::expect_length(array, n_c, values.len(), "one for each contact node")?;
+            expect_length(array, n_c, values.len(), "one for each contact node")?;
+            expect_each(array, values, must, sound)?;
         }
-        let value =
-            |array: &str, value, must| Err(ProblemError::Value { array: array.to_string(), value, must }.into());
-        if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
-            return value("tolerance", self.tolerance, "above 0 and below 1");
+        for (name, unit) in [("scaling.force", self.scaling.force), ("scaling.length", self.scaling.length)] {
+            expect_value(name, unit, must, sound)?;
         }
-        if self.max_iterations == 0 {
-            return value("max_iterations", 0.0, "1 or more");
+        if self.method.is_of_paper() && problem.weight().is_none() {
+            return Err(Error::NoWeight { method: self.method });
         }
+        if let Method::PaperIp { start: Start::Prev { shortest_step, far, patience }, .. } = self.method {
+            let share = |x| x > 0.0 && x <= 1.0;
+            expect_value("start.shortest_step", shortest_step, "above 0, and at most 1", share)?;
+            expect_value("start.far", far, "above 0, and at most 1", share)?;
+            expect_value("start.patience", patience as f64, "1 or more", |patience| patience >= 1.0)?;
+        }
+        let tolerance = |x| x > 0.0 && x < 1.0;
+        expect_value("tolerance", self.tolerance, "above 0 and below 1", tolerance)?;
+        expect_value("max_iterations", self.max_iterations as f64, "1 or more", |most| most >= 1.0)?;
+        // Beyond that there is no time left between two numbers.
+        expect_value("halvings", f64::from(self.halvings), "at most 52", |most| most <= 52.0)?;
         Ok(())
     }
 }

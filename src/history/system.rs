@@ -11,6 +11,10 @@ use crate::loading::Loading;
 use crate::problem::ContactProblem;
 
 /// How the linear systems of a run are set up, and what factors them.
+///
+/// All give the same answer. Condensed is faster by far where few displacements are in contact and an increment takes
+/// several iterations; it needs memory for the square of their number, and for as many solves with `K` beforehand. The whole
+/// system has no such limit. Where nobody knows, [`crate::auto`] counts both and takes the cheaper one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum LinearAlgebra {
     /// The uncondensed system on all displacements and contact forces.

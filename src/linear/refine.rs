@@ -1,5 +1,6 @@
 //! Iterative refinement and the backward error, the same for every backend.
 
+use super::error::expect_length;
 use super::{LinearError, LinearSolver};
 use crate::sparse::Csc;
 
@@ -73,11 +74,16 @@ fn measure(a: &Csc, largest: f64, b: &[f64], x: &[f64], work: &mut Workspace) ->
 ///
 /// A row whose scale is itself at rounding level is judged against `‖A_i‖_∞ ‖x‖_1` instead, as
 /// Arioli, Demmel and Duff (1989) do; otherwise a row such as `du_n = 0` would count noise as 100 %.
-pub fn backward_error(a: &Csc, b: &[f64], x: &[f64]) -> f64 {
+///
+/// # Errors
+/// [`LinearError`] when `b` or `x` does not fit `a`.
+pub fn backward_error(a: &Csc, b: &[f64], x: &[f64]) -> Result<f64, LinearError> {
+    expect_length("right-hand side", a.pattern().rows(), b.len())?;
+    expect_length("solution", a.pattern().columns(), x.len())?;
     let mut r = vec![0.0; b.len()];
     let mut s = vec![0.0; b.len()];
     a.residual(x, b, &mut r, &mut s);
-    from_residual(a, largest_entry(a), x, &r, &s)
+    Ok(from_residual(a, largest_entry(a), x, &r, &s))
 }
 
 fn largest_entry(a: &Csc) -> f64 {
@@ -140,8 +146,8 @@ mod tests {
         let pattern = Arc::new(Pattern::from_entries(2, 2, |take| (0..2).for_each(|i| take(i, i))).unwrap());
         let a = Csc::new(pattern, vec![1.0, 4.0]).unwrap();
         // The second row misses by 1 against |4 · 1| + |5|.
-        assert_eq!(backward_error(&a, &[1.0, 5.0], &[1.0, 1.0]), 1.0 / 9.0);
-        assert!(backward_error(&a, &[1.0, 5.0], &[f64::NAN, 1.0]).is_nan());
+        assert_eq!(backward_error(&a, &[1.0, 5.0], &[1.0, 1.0]).unwrap(), 1.0 / 9.0);
+        assert!(backward_error(&a, &[1.0, 5.0], &[f64::NAN, 1.0]).unwrap().is_nan());
     }
 
     #[test]
@@ -164,6 +170,6 @@ mod tests {
         let mut x = vec![0.0; n];
         let info = direct.solve(&a, &b, &mut x).unwrap();
         assert!(info.backward_error <= 1e-15, "{info:?}");
-        assert_eq!(info.backward_error, backward_error(&a, &b, &x));
+        assert_eq!(info.backward_error, backward_error(&a, &b, &x).unwrap());
     }
 }

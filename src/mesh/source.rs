@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::block::{graded_block, progression};
 use super::half_plane::half_plane;
 use super::{CellKind, Mesh, MeshFileError, gmsh};
-use crate::fault::{Fault, demand, finite, not_huge};
+use crate::fault::{Fault, demand, finite, positive};
 
 /// How the mesh of a body is made. Lengths are in m.
 #[derive(Debug, Clone, PartialEq)]
@@ -203,7 +203,7 @@ fn check_size(size: &[Vec<f64>]) -> Result<(), Fault> {
     }
     let sound = size.iter().all(|axis| !axis.is_empty() && axis.iter().all(|&x| x > 0.0 && x.is_finite()));
     demand(sound, "mesh.size", &Axes(size.to_vec()), "positive finite lengths", LENGTHS)?;
-    not_huge("mesh.size", size.iter().flatten().copied())
+    size.iter().flatten().try_for_each(|&length| positive("mesh.size", length, LENGTHS))
 }
 
 /// The fault of a block with too few axes, or too many.

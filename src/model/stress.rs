@@ -2,11 +2,22 @@
 
 use super::Model;
 use crate::fem::centre_stress;
+use crate::problem::ProblemError;
+use crate::problem::error::expect_length;
 
 impl Model {
     /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of every cell, for the displacements
     /// of all nodes (m); with `σ_zz` of plane strain, and 0 in plane stress.
-    pub fn centre_stresses(&self, displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
+    ///
+    /// # Errors
+    /// When there is not one displacement for each node of the mesh.
+    pub fn centre_stresses(&self, displacements: &[[f64; 3]]) -> Result<Vec<[f64; 6]>, ProblemError> {
+        expect_length("displacements", self.mesh.nodes.len(), displacements.len(), "one for each node of the mesh")?;
+        Ok(self.stresses(displacements))
+    }
+
+    /// [`Model::centre_stresses`] of displacements that fit.
+    pub(crate) fn stresses(&self, displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
         let cells = self.mesh.cells.iter().zip(&self.materials);
         cells
             .map(|(cell, material)| {

@@ -115,6 +115,16 @@ pub(crate) fn expect_each(
     }
 }
 
+/// An error unless the `value` called `name` is `sound`.
+pub(crate) fn expect_value(
+    name: &str,
+    value: f64,
+    must: &'static str,
+    sound: impl Fn(f64) -> bool,
+) -> Result<(), ProblemError> {
+    if sound(value) { Ok(()) } else { Err(ProblemError::Value { array: name.to_string(), value, must }) }
+}
+
 /// An error at the first of `values` that is NaN or infinite.
 pub(crate) fn expect_finite(array: &str, values: &[f64]) -> Result<(), ProblemError> {
     expect_each(array, values, "finite", f64::is_finite)

@@ -22,7 +22,7 @@ pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     if !model.contacts.is_empty() {
         point_fields.extend(contact_fields(model, step));
     }
-    let stresses = model.centre_stresses(&displacements);
+    let stresses = model.stresses(&displacements);
     let tensors = stresses.iter().flat_map(|&[xx, yy, zz, xy, yz, zx]| [xx, xy, zx, xy, yy, yz, zx, yz, zz]);
     let cell_fields = vec![
         real("stress", 9, tensors.collect()),

@@ -45,7 +45,11 @@ impl FromStr for Override {
         let (key, value) = text.split_once('=').ok_or_else(syntax)?;
         let path = key.trim().split('.').map(Segment::parse).collect::<Option<Vec<_>>>().ok_or_else(syntax)?;
         let value = value.trim();
-        let value = value.parse().unwrap_or_else(|_| Value::from(value));
+        // TOML knows no number like .5, and no integer beyond 64 bits.
+        let number =
+            || value.parse().ok().filter(|_| !value.contains(char::is_alphabetic) || value.contains(['e', 'E']));
+        let word = || number().map_or_else(|| Value::from(value), |number: f64| Value::from(number));
+        let value = value.parse().unwrap_or_else(|_| word());
         Ok(Override { text: text.to_string(), path, value })
     }
 }
@@ -75,6 +79,7 @@ impl Override {
                     *old = self.value.clone();
                     *old.decor_mut() = decor;
                 }
+                Some(list @ Item::ArrayOfTables(_)) if self.value.is_array() => *list = Item::Value(self.value.clone()),
                 Some(_) => return Err(self.error(format!("`{name}` is a table"), "set one of its keys")),
                 None => drop(table.insert(name, Item::Value(self.value.clone()))),
             }

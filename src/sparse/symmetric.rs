@@ -105,17 +105,25 @@ impl Symmetric {
     /// Adds `value` at `(row, column)`, and so at `(column, row)`.
     ///
     /// # Errors
-    /// When the entry was not named when the matrix was made.
+    /// When the entry was not named when the matrix was made, or would not be finite.
     pub fn add(&mut self, row: usize, column: usize, value: f64) -> Result<(), MatrixError> {
-        let slot = self.lower.pattern().slot(row.max(column), row.min(column));
-        let slot = slot.ok_or(MatrixError::NotStored { row, column })?;
-        self.lower.values_mut()[slot] += value;
+        let slot = self.slot(row, column).ok_or(MatrixError::NotStored { row, column })?;
+        let sum = &mut self.lower.values_mut()[slot];
+        if !(*sum + value).is_finite() {
+            return Err(MatrixError::NotFinite { row, column, value: *sum + value });
+        }
+        *sum += value;
         Ok(())
     }
 
     /// [`Symmetric::add`] to an entry that was named when the matrix was made, as this crate's own are.
     pub(crate) fn raise(&mut self, row: usize, column: usize, value: f64) {
-        self.add(row, column, value).expect("an entry that was named");
+        let slot = self.slot(row, column).expect("an entry that was named");
+        self.lower.values_mut()[slot] += value;
+    }
+
+    fn slot(&self, row: usize, column: usize) -> Option<usize> {
+        self.lower.pattern().slot(row.max(column), row.min(column))
     }
 
     /// All entries of both triangles as `(row, column, value)`.
@@ -128,8 +136,7 @@ impl Symmetric {
 
     /// The entry at `(row, column)`; one that is not stored is 0.
     pub fn get(&self, row: usize, column: usize) -> f64 {
-        let slot = self.lower.pattern().slot(row.max(column), row.min(column));
-        slot.map_or(0.0, |slot| self.lower.values()[slot])
+        self.slot(row, column).map_or(0.0, |slot| self.lower.values()[slot])
     }
 
     /// The diagonal.

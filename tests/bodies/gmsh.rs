@@ -216,6 +216,15 @@ fn a_clockwise_mesh_is_turned_over() {
     assert_eq!(area(&mesh, "top"), [0.0, 40.0, 0.0]);
 }
 
+/// A name that ends nowhere is none.
+#[test]
+fn names_stand_in_quotes() {
+    for name in ["\"top", "top\"", "top", "\""] {
+        let (said, _) = refused(&QUADS.replace("\"top\"", name));
+        assert!(said.contains("a name in quotes"), "{name}: {said}");
+    }
+}
+
 /// Groups without names are called by their numbers.
 #[test]
 fn groups_without_names() {

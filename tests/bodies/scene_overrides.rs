@@ -43,6 +43,19 @@ fn gap(obstacle: &Obstacle) -> f64 {
     gap
 }
 
+/// A list of tables may be given whole, and a number that TOML does not know is one all the same.
+#[test]
+fn lists_and_numbers() {
+    let whole = "contact=[{boundary=\"top\", friction=0.25, obstacle={kind=\"plane\", gap=0}}]";
+    let contact = &scene(&[whole]).description.contacts[0];
+    assert_eq!((contact.boundary.as_str(), contact.friction), ("top", 0.25));
+    assert_eq!(scene(&["contact.friction=.5"]).description.contacts[0].friction, 0.5);
+    for (set, says) in [("material.young=1e400", "young"), ("time.increments=99999999999999999999", "increments")] {
+        let error = parse(BLOCK, &[set]).unwrap_err().to_string();
+        assert!(error.contains(says) && !error.contains("string"), "{error}");
+    }
+}
+
 #[test]
 fn what_is_not_key_equals_value_is_refused() {
     let faulty = [

@@ -79,6 +79,8 @@ const VALUES: &[Fault] = &[
     // Squares and products of these overflow, and a sum of infinities is no verdict.
     ("friction = 0.4", "friction = 1e160", "friction =", &["friction has the number 1e160", "overflow"], "SI units"),
     ("gap = 1e-5", "gap = -1e308", "gap =", &["gap has the number -1e308", "overflow"], "SI units"),
+    ("210e9", "1e-320", "young =", &["material.young is 1e-320", "1e-50 or more"], "Young's modulus in Pa"),
+    ("size = [1.0, 1.0]", "size = [1e-300, 1.0]", "size =", &["mesh.size is 1e-300", "1e-50 or more"], "in m"),
     ("210e9", "1e300", "young =", &["material.young has the number 1e300", "overflow"], "SI units"),
     ("[0.0, -10e6]", "[0.0, -1e308]", "[0.0, -1e308]", &["traction has the number -1e308", "overflow"], "SI units"),
     ("[1, 1], [2, 0]]", "[1, 1e308], [2, 0]]", "1e308", &["history has the number 1e308", "overflow"], "SI units"),

@@ -3,7 +3,7 @@
 
 use stickslip::contact::{KktErrors, KktScales, statuses};
 use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Start, Status, Step, System};
-use stickslip::linear::{Cholesky, Direct, LinearError};
+use stickslip::linear::{Cholesky, Direct, LinearError, backward_error};
 use stickslip::loading::{Bend, LoadCase, Loading, Motion};
 use stickslip::nonlinear::{Flow, LinearSystem};
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
@@ -78,6 +78,9 @@ fn every_error_names_its_array() {
     let motion = |nodes, gap: Vec<f64>, drift: Vec<[f64; 2]>, history: Vec<[f64; 2]>| {
         Motion::new(nodes, gap, drift, history).map(|_| ()).map_err(|error| error.to_string())
     };
+    let previous = |far: f64| Method::paper_ip(Start::Prev { shortest_step: 0.01, far, patience: 30 });
+    let spring = Symmetric::from_triplets(1, &[(0, 0, 2.0)]).unwrap();
+    let other = ContactProblem::new(Parts::new(spring, Csr::from_rows(1, [[(0, 1.0)]]).unwrap())).unwrap();
     let still = || vec![[0.0, 0.0], [1.0, 1.0]];
     let cases: Vec<(Result<(), String>, &str)> = vec![
         // Matrices (R2, N6).
@@ -139,6 +142,16 @@ fn every_error_names_its_array() {
         (ran(&good, &[1.0, 0.5]), "times[1] goes from time 1 to 0.5"),
         (set(&|s| s.tolerance = 0.0), "tolerance is 0, but must be above 0"),
         (set(&|s| s.max_iterations = 0), "max_iterations is 0"),
+        (ran(&good, &[-1.0, 1.0]), "times[0] is -1, but must be 0 or more"),
+        (set(&|s| s.halvings = 53), "halvings is 53, but must be at most 52"),
+        (set(&|s| s.conventions.r_n[0] = NAN), "r_n[0] is NaN, but must be finite and above 0"),
+        (set(&|s| s.conventions.r_t[0] = -1.0), "r_t[0] is -1"),
+        (set(&|s| s.conventions.row_unit[0] = 0.0), "row_unit[0] is 0"),
+        (set(&|s| s.contact_stiffness[0] = f64::INFINITY), "contact_stiffness[0] is inf"),
+        (set(&|s| s.scaling.force = 0.0), "scaling.force is 0"),
+        (set(&|s| s.scaling.length = NAN), "scaling.length is NaN"),
+        (set(&|s| s.method = previous(NAN)), "start.far is NaN"),
+        (good.force_at(1.0, &other).map(|_| ()).map_err(|e| e.to_string()), "force of a load has 2 entries"),
         (set(&|s| s.conventions.r_n.clear()), "r_n has 0 entries, but must have 1"),
         (set(&|s| s.contact_stiffness.push(1.0)), "contact_stiffness has 2 entries, but must have 1"),
         // The judge.
@@ -273,6 +286,51 @@ fn an_interior_point_method_that_fails_at_its_first_step() {
             assert_eq!(outcome.status == Status::Converged, kept && !outcome.records.is_empty(), "{method}");
         }
     }
+}
+
+/// What an error is compared with is a size, and a state has a status where it is one of numbers.
+#[test]
+fn nothing_is_judged_against_no_size() {
+    let (problem, state) = (problem(), State::zero(&problem()));
+    let increment = Increment { force: &[1.0; 2], gap: &[0.0], w_t_last: &[0.0], w_o_last: &[0.0] };
+    for (force, length, array) in
+        [(f64::INFINITY, 1.0, "scales.force"), (1.0, -1.0, "scales.length"), (f64::NAN, 1.0, "scales.force")]
+    {
+        let scales = KktScales { force, length };
+        let measured = KktErrors::measure(&problem, &increment, &state, &scales).unwrap_err().to_string();
+        assert!(measured.contains(array), "{measured}");
+        assert_eq!(statuses(&problem, &increment, &state, &scales).unwrap_err().to_string(), measured);
+    }
+    let scales = KktScales { force: 1.0, length: 1.0 };
+    let lost = State { u: vec![f64::NAN; 2], ..state };
+    assert!(KktErrors::measure(&problem, &increment, &lost, &scales).unwrap().worst().1.is_nan());
+    assert!(statuses(&problem, &increment, &lost, &scales).unwrap_err().to_string().contains("u[0] is NaN"));
+}
+
+/// The constants of the paper ask for weights, however they got into the settings.
+#[test]
+fn a_method_changed_afterwards_is_checked() {
+    let problem = ContactProblem::new(Parts { weight: None, ..parts() }).unwrap();
+    let loading = loading(vec![0.1, 1.0], vec![0.0]);
+    let settings =
+        HistorySettings { method: Method::PaperBn, ..HistorySettings::new(&problem, &loading, Method::BN).unwrap() };
+    let error = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap_err();
+    assert!(error.to_string().contains("weight"), "{error}");
+}
+
+/// Vectors of other lengths have no backward error, and sums of entries are entries.
+#[test]
+fn products_fit() {
+    let a = Csc::from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 4.0)]).unwrap();
+    assert_eq!(backward_error(&a, &[1.0, 4.0], &[1.0, 1.0]).unwrap(), 0.0);
+    for (b, x) in [(&[1.0][..], &[1.0, 1.0][..]), (&[1.0, 4.0], &[1.0])] {
+        assert!(matches!(backward_error(&a, b, x), Err(LinearError::Shape { .. })));
+    }
+    let mut k = Symmetric::from_triplets(1, &[(0, 0, 1e308)]).unwrap();
+    for value in [f64::NAN, f64::INFINITY, 1e308] {
+        assert!(matches!(k.add(0, 0, value), Err(MatrixError::NotFinite { .. })));
+    }
+    assert_eq!(k.get(0, 0), 1e308);
 }
 
 /// Two entries in one place are added, and the sum is an entry, too.

@@ -44,8 +44,8 @@ fn the_way_back_keeps_equilibrium() {
         let contact =
             State { u: some(border.len(), 1e-5), u_rest: Vec::new(), p_t, p_o: vec![0.0; n_c], p_n: some(n_c, 1e6) };
         let time = 0.7;
-        let force = model.loading.force_at(time, model.problem.displacements());
-        let small_force = condensed.loading.force_at(time, condensed.problem.displacements());
+        let force = model.loading.force_at(time, &model.problem).unwrap();
+        let small_force = condensed.loading.force_at(time, &condensed.problem).unwrap();
         let state = condensed.state(time, &contact).unwrap();
         let imbalance = model.problem.equilibrium(&force, &state).unwrap();
         let expected = condensed.problem.equilibrium(&small_force, &contact).unwrap();

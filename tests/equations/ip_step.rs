@@ -28,7 +28,7 @@ fn formulation(model: &Model, partition: Partition, newton: NewtonSystem) -> Con
     let problem = &model.problem;
     let conventions = Conventions::paper(problem.weight().unwrap());
     let mut formulation = Constrained::new(problem, model.scaling(), &conventions, partition, newton);
-    let force = model.loading.force_at(0.7, problem.displacements());
+    let force = model.loading.force_at(0.7, problem).unwrap();
     let w_t_last: Vec<f64> = (0..problem.contacts()).map(|i| 1e-6 * (i as f64).cos()).collect();
     formulation.begin(&Increment {
         force: &force,

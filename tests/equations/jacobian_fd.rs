@@ -103,7 +103,7 @@ fn merit_along_a_direction_is_the_merit() {
     let problem = &model.problem;
     let scaling = model.scaling();
     let mut formulation = Bdiff::new(problem, scaling, &Conventions::paper(problem.weight().unwrap()));
-    let force = model.loading.force_at(1.0, problem.displacements());
+    let force = model.loading.force_at(1.0, problem).unwrap();
     let w_t_last = vec![0.0; problem.contacts()];
     formulation.begin(&Increment {
         force: &force,

@@ -64,7 +64,7 @@ fn violations(scene: &Scene) -> (Option<String>, Vec<[f64; 2]>) {
 /// The motion that the load at the end drives, in words.
 fn driven(scene: &Scene) -> Option<String> {
     let model = Model::new(scene).unwrap();
-    let force = model.loading.force_at(1.0, model.problem.displacements());
+    let force = model.loading.force_at(1.0, &model.problem).unwrap();
     let weights = rigid_equilibrium(&model.problem, &force).unwrap()?;
     let motion = RigidMotion::combination(&model.rigid_motions, &weights).unwrap();
     let u = motion.displacements(&model.mesh, &model.dofs);

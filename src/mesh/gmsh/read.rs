@@ -115,11 +115,12 @@ fn physical_names(lines: &mut Lines<'_>) -> Result<HashMap<Entity, String>, Gmsh
         let mut words = line.splitn(3, char::is_whitespace);
         let dimension = words.next().and_then(|word| word.parse().ok());
         let number = words.next().and_then(|word| word.parse().ok());
-        let name = words.next().map(|word| word.trim().trim_matches('"'));
+        let quoted = |word: &'_ str| word.trim().strip_prefix('"')?.strip_suffix('"').map(str::to_string);
+        let name = words.next().and_then(quoted);
         let (Some(dimension), Some(number), Some(name)) = (dimension, number, name) else {
             return Err(lines.malformed(section, "a dimension, a number and a name in quotes"));
         };
-        names.insert((dimension, number), name.to_string());
+        names.insert((dimension, number), name);
     }
     Ok(names)
 }
