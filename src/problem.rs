@@ -17,7 +17,7 @@ use std::collections::BTreeSet;
 pub use error::ProblemError;
 use serde::Serialize;
 
-use crate::linear::null_space_of;
+use crate::linear::{LinearError, null_space_of};
 use crate::sparse::{Csr, Symmetric, Twofold};
 use crate::units::Scaling;
 use crate::vector::median;
@@ -120,7 +120,11 @@ impl ContactProblem {
                 check::free_motions(&parts.stiffness, motions)?;
                 motions.clone()
             }
-            None => null_space_of(&parts.stiffness)?,
+            None => null_space_of(&parts.stiffness).map_err(|error| match error {
+                // Cholesky's factorisation of a semidefinite matrix, made a little stiffer, ends.
+                LinearError::Singular { .. } => ProblemError::NotSemidefinite,
+                error => ProblemError::Linear(error),
+            })?,
         };
         Ok(Self::of(Parts { free_motions: Some(free_motions), ..parts }))
     }

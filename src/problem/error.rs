@@ -50,6 +50,11 @@ pub enum ProblemError {
         /// `K_jj`.
         second: f64,
     },
+    /// The same, where no two displacements alone show it.
+    #[error(
+        "stiffness is not positive semidefinite: some displacement takes energy out of it; look for a wrong sign in what it was assembled from"
+    )]
+    NotSemidefinite,
     /// What is called a free motion meets resistance.
     #[error(
         "free_motions[{motion}] is no free motion: the stiffness answers it with a force in row {row}, {share:.1e} of the sizes of its terms"

@@ -78,6 +78,10 @@ fn every_error_names_its_array() {
     let motion = |nodes, gap: Vec<f64>, drift: Vec<[f64; 2]>, history: Vec<[f64; 2]>| {
         Motion::new(nodes, gap, drift, history).map(|_| ()).map_err(|error| error.to_string())
     };
+    // Each block of two is definite.
+    let three = [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0), (1, 0, 0.9), (2, 0, -0.9), (2, 1, 0.9)];
+    let stiffness = Symmetric::from_triplets(3, &three).unwrap();
+    let indefinite = Parts::new(stiffness, Csr::from_rows(3, [ONE]).unwrap());
     let previous = |far: f64| Method::paper_ip(Start::Prev { shortest_step: 0.01, far, patience: 30 });
     let spring = Symmetric::from_triplets(1, &[(0, 0, 2.0)]).unwrap();
     let other = ContactProblem::new(Parts::new(spring, Csr::from_rows(1, [[(0, 1.0)]]).unwrap())).unwrap();
@@ -112,6 +116,7 @@ fn every_error_names_its_array() {
             made(&|p| p.stiffness = Symmetric::from_triplets(2, &[(0, 0, 1.0), (1, 0, 2.0), (1, 1, 1.0)]).unwrap()),
             "(1, 0) = 2e0",
         ),
+        (made(&|p| *p = indefinite.clone()), "takes energy out of it"),
         (made(&|p| p.stiffness = Symmetric::from_triplets(0, &[]).unwrap()), "order 0"),
         (made(&|p| p.free_motions = Some(vec![vec![1.0]])), "free_motions[0] has 1 entries, but must have 2"),
         (made(&|p| p.free_motions = Some(vec![vec![NAN, 1.0]])), "free_motions[0][0] is NaN"),
