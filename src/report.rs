@@ -1,5 +1,6 @@
 //! Results for people and for scripts: contact lines, records, tables, JSON, plots.
 
+mod balance;
 mod chart;
 mod contact_line;
 mod contact_surface;
@@ -24,6 +25,7 @@ mod validity;
 mod vtu;
 mod warnings;
 
+pub use balance::{Acting, BalanceRecord};
 pub use chart::{Axis, Chart, Curve, Panel, Scale};
 pub use contact_line::{ContactLine, ContactPoint};
 pub use contact_surface::{ContactSurface, SurfaceNode};

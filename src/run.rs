@@ -144,7 +144,7 @@ impl<'a> Run<'a> {
         let (linear, condensed) = (system.name(), system.condenses());
         let mut watch = Watch::new(&self.model, self.uniqueness, observer);
         let outcome = self.history_with(system, &mut watch)?;
-        let Watch { validity, forces, last, .. } = watch;
+        let Watch { validity, forces, reactions, last, .. } = watch;
         let critical_friction = match last {
             Some(last) => self.critical_friction(&last, &outcome)?,
             None => None,
@@ -166,6 +166,7 @@ impl<'a> Run<'a> {
             outcome: &outcome,
             validity: &validity,
             forces,
+            reactions,
             critical_friction,
             measured,
         }))

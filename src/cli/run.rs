@@ -11,8 +11,8 @@ use stickslip::linear;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IterationRecord};
 use stickslip::report::{
-    ComponentSums, ContactLine, ContactSurface, ForceRecord, LeftOut, ResultFolder, Resultant, RunReport, Unknowns,
-    Warning, fields,
+    Acting, BalanceRecord, ComponentSums, ContactLine, ContactSurface, ForceRecord, LeftOut, ResultFolder, Resultant,
+    RunReport, Unknowns, Warning, fields,
 };
 use stickslip::run::Run;
 use stickslip::scene::Scene;
@@ -118,8 +118,8 @@ impl Observer for Watcher<'_> {
     fn increment(&mut self, step: &Step<'_>) -> Flow {
         self.progress.increment(step.record);
         let Some(folder) = &mut self.folder else { return Flow::Continue };
-        let forces = ForceRecord::all(self.model, step);
-        let mut written = folder.add_increment(step.record).and_then(|()| folder.add_forces(&forces));
+        let (forces, balance) = (ForceRecord::all(self.model, step), BalanceRecord::new(self.model, step));
+        let mut written = folder.add_increment(step.record).and_then(|()| folder.add_forces(&forces, &balance));
         // What a failed increment reached is worth a look, too.
         if self.wanted.contains(&step.record.index) || step.record.status != Status::Converged {
             for line in ContactLine::all(self.model, step) {
@@ -217,6 +217,15 @@ fn print_verdict(report: &RunReport, increments: usize) {
         say!("contact      {boundary}: sum p_n = {sum_p_n:.6e} N, sum p_t = {sum_p_t:.6e} N{other}");
         let force: Vec<_> = force.iter().map(|f| format!("{f:.6e}")).collect();
         say!("             force on the obstacle ({}) N", force.join(", "));
+    }
+    if let Some(BalanceRecord { supports, springs, balance, .. }) = report.reactions.last() {
+        for (kind, Acting { at, force, .. }) in
+            supports.iter().map(|support| ("reaction", support)).chain(springs.iter().map(|spring| ("spring", spring)))
+        {
+            let force: Vec<_> = force.iter().map(|f| format!("{f:.6e}")).collect();
+            say!("{kind:<12} {at}: ({}) N on the body", force.join(", "));
+        }
+        say!("balance      all forces on the body leave {balance:.1e} of their sizes");
     }
     if let Some(largest) = &report.largest_displacement {
         say!("displaced    by {:.3e} m at most", largest.length);

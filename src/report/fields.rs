@@ -17,12 +17,12 @@ use crate::model::Model;
 /// from 0 for each group of the mesh and each law in it, in the order of the elements.
 pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     let mesh = &model.mesh;
-    let displacements = model.dofs.displacements(&step.state.u);
+    let displacements = model.displacements(step.record.time, &step.state.u);
     let mut point_fields = vec![real("displacement", 3, displacements.iter().flatten().copied().collect())];
     if !model.contacts.is_empty() {
         point_fields.extend(contact_fields(model, step));
     }
-    let stresses = model.stresses(&displacements);
+    let stresses = model.stresses(step.record.time, &displacements);
     let tensors = stresses.iter().flat_map(|&[xx, yy, zz, xy, yz, zx]| [xx, xy, zx, xy, yy, yz, zx, yz, zz]);
     let cell_fields = vec![
         real("stress", 9, tensors.collect()),

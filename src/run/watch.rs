@@ -4,7 +4,7 @@ use super::recording::RecordedIncrement;
 use crate::history::{Observer, Status, Step};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
-use crate::report::{ForceRecord, Validity};
+use crate::report::{BalanceRecord, ForceRecord, Validity};
 
 /// Stands before the observer of a run.
 pub(super) struct Watch<'a> {
@@ -13,6 +13,8 @@ pub(super) struct Watch<'a> {
     pub validity: Validity,
     /// The resultants of each increment so far.
     pub forces: Vec<ForceRecord>,
+    /// What else acted on the body.
+    pub reactions: Vec<BalanceRecord>,
     keeps_last: bool,
     /// The last converged increment, where it is to be kept.
     pub last: Option<RecordedIncrement>,
@@ -20,7 +22,15 @@ pub(super) struct Watch<'a> {
 
 impl<'a> Watch<'a> {
     pub(super) fn new(model: &'a Model, keeps_last: bool, observer: &'a mut dyn Observer) -> Self {
-        Watch { model, observer, validity: Validity::new(model), forces: Vec::new(), keeps_last, last: None }
+        Watch {
+            model,
+            observer,
+            validity: Validity::new(model),
+            forces: Vec::new(),
+            reactions: Vec::new(),
+            keeps_last,
+            last: None,
+        }
     }
 }
 
@@ -40,6 +50,7 @@ impl Observer for Watch<'_> {
     fn increment(&mut self, step: &Step<'_>) -> Flow {
         self.validity.see(self.model, step);
         self.forces.extend(ForceRecord::all(self.model, step));
+        self.reactions.push(BalanceRecord::new(self.model, step));
         if self.keeps_last && step.record.status == Status::Converged {
             self.last = Some(RecordedIncrement::new(step));
         }
