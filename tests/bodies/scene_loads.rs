@@ -14,7 +14,7 @@ const FACES: &str = "boundary = \"top\"\ntraction = [0.0, -10e6]";
 /// Refused as the scene is read.
 const READ: &[Fault] = &[
     (FIX, "fix = []", "fix =", &["fix is empty"], "[\"x\", \"y\"]"),
-    (FIX, "fix = [\"n\"]", "fix =", &["unknown variant `n`"], "normal"),
+    (FIX, "fix = [\"n\"]", "fix =", &["unknown variant `n`"], "one of the values"),
     (FIX, "fix = [\"x\"]\ndirection = [1, 1]", "direction", &["both fix and direction"], "keep one"),
     (FIX, "direction = [0, 0]", "direction", &["a vector with a direction"], "give e.g."),
     (FIX, "direction = [nan, 1]", "direction", &["finite"], "not nan"),
@@ -37,12 +37,12 @@ const READ: &[Fault] = &[
         &["single point"],
         "direction",
     ),
-    (TRACTION, "", "boundary = \"top\"", &["a load does nothing"], "add one of traction"),
+    (TRACTION, "", "# Q2", &["a load does nothing"], "add one of traction"),
     (TRACTION, "traction = [0, \"2 x\"]", "traction", &["the formula", "operator is missing"], "a formula of x"),
     (TRACTION, "traction = [0, 1, 2, 3]", "traction", &["two or three"], "each axis"),
     (TRACTION, "pressure = 1\nforce = [0, 1]", "force", &["both pressure and force"], "two loads"),
     (TRACTION, "pressure = nan", "pressure", &["finite"], "other than nan"),
-    (TRACTION, "pressure = true", "pressure", &["a number or a formula"], "number"),
+    (TRACTION, "pressure = true", "pressure", &["a number or a formula"], "shows the form"),
     (TRACTION, "force = [0, nan]", "force", &["finite"], "not nan"),
     (
         TRACTION,
