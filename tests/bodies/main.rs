@@ -17,6 +17,7 @@ mod moving_obstacles;
 mod obstacles;
 mod patch_hex8;
 mod patch_quad4;
+mod published;
 mod scene_against_mesh;
 mod scene_errors;
 mod scene_loads;

@@ -6,6 +6,7 @@ pub mod hertz;
 #[cfg(feature = "cli")]
 pub mod program;
 pub mod random;
+pub mod rings;
 
 use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver};
 use stickslip::linear::Direct;
