@@ -7,17 +7,18 @@ mod stress;
 
 use std::sync::Arc;
 
-use crate::contact::{ContactBoundary, ContactNode, Facing, ObstacleMotion, PlacedObstacle, Row, share_edges};
+use crate::contact::{ContactBoundary, ContactNode, ObstacleMotion, PlacedObstacle, Row, share_edges};
 use crate::description::Description;
 use crate::fault::Fault;
 use crate::fem::{Dofs, Elasticity, Element, InvertedElement, Plane, RigidMotion, assemble, facet_load, rigid_motions};
-use crate::loading::{Bend, LoadCase, Loading, Motion};
+use crate::loading::{LoadCase, Loading};
 use crate::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::problem::{ContactProblem, Parts, ProblemError};
 use crate::scene::{Scene, SceneError};
 use crate::sparse::Csr;
 use crate::timeline::within;
 use crate::units::Scaling;
+use contact::Contacts;
 
 /// A body, discretised.
 #[derive(Debug, Clone)]
@@ -34,7 +35,7 @@ pub struct Model {
     pub contacts: Vec<ContactNode>,
     /// The boundaries they stand on.
     pub contact_boundaries: Vec<ContactBoundary>,
-    /// The obstacle in front of each of these boundaries, and how it moves.
+    /// The obstacles in front of these boundaries, and how they move.
     pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
     /// The algebraic problem.
     pub problem: ContactProblem,
@@ -102,33 +103,10 @@ impl Model {
         let materials = description.material.laws(&mesh)?;
         let stiffness = assemble(&mesh, &dofs, element, |e| materials[e])?;
 
-        let (mut contacts, mut mu) = (Vec::<ContactNode>::new(), Vec::new());
-        let (mut contact_boundaries, mut obstacles) = (Vec::new(), Vec::new());
-        for (k, contact) in description.contacts.iter().enumerate() {
-            let first = contacts.len();
-            let (obstacle, motion, nodes) = contact::boundary(description, &mesh, &dofs, k)?;
-            contact::no_contradiction(description, k, &contacts, &nodes)?;
-            contacts.extend(nodes);
-            mu.resize(contacts.len(), contact.friction);
-            let nodes = first..contacts.len();
-            contact_boundaries.push(ContactBoundary { name: contact.boundary.clone(), nodes });
-            obstacles.push((obstacle, motion));
-        }
+        let Contacts { nodes: mut contacts, mu, boundaries: contact_boundaries, obstacles, .. } =
+            Contacts::new(description, &mesh, &dofs)?;
         share_edges(&mut contacts, &mu, &dofs);
-        let (mut motions, mut bends) = (Vec::new(), Vec::new());
-        let times: Vec<f64> = [0.0].into_iter().chain(description.times.iter().copied()).collect();
-        for (ContactBoundary { nodes, .. }, (obstacle, motion)) in contact_boundaries.iter().zip(&obstacles) {
-            let contacts = &contacts[nodes.clone()];
-            let positions: Vec<[f64; 3]> = contacts.iter().map(|contact| contact.position).collect();
-            let facings: Vec<Facing> = contacts.iter().map(|contact| contact.facing).collect();
-            for (rates, history) in motion.rates(&positions, &facings) {
-                let (gap, drift) = rates.iter().map(|rates| (rates.gap, rates.drift)).unzip();
-                motions.push(Motion::new(nodes.clone(), gap, drift, history)?);
-            }
-            if let Some(gap) = motion.bends(obstacle, &positions, &facings, &times) {
-                bends.push(Bend::new(nodes.clone(), times.clone(), gap)?);
-            }
-        }
+        let (motions, bends) = contact::motions(&contacts, &obstacles, &description.times)?;
         let map = |row: fn(&ContactNode) -> &Row| {
             Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))
         };

@@ -90,10 +90,43 @@ impl ObstacleMotion {
 
     /// The smallest gap (m) of a node at the points of all histories and at `times` (s).
     pub fn smallest_gap(&self, obstacle: &PlacedObstacle, x: [f64; 3], facing: &Facing, times: &[f64]) -> f64 {
+        let gap = |t: f64| self.gap(t, x, facing) + self.bend(obstacle, t, x, facing);
+        self.moments(times).map(gap).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The smallest distance (m) of a node at `x` (m) from the moved obstacle, at the same times; infinite if the obstacle is
+    /// never in front of the node.
+    pub(super) fn nearest_approach(
+        &self,
+        obstacle: &PlacedObstacle,
+        x: [f64; 3],
+        facing: &Facing,
+        times: &[f64],
+    ) -> f64 {
+        self.moments(times).map(|t| self.distance(obstacle, t, x, facing)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the obstacle is not in front of a node at `x` (m) at one of the same times.
+    pub(super) fn loses(&self, obstacle: &PlacedObstacle, x: [f64; 3], facing: &Facing, times: &[f64]) -> bool {
+        self.moves() && self.moments(times).any(|t| self.distance(obstacle, t, x, facing).is_nan())
+    }
+
+    /// 0, the points of all histories, and `times` (s).
+    fn moments(&self, times: &[f64]) -> impl Iterator<Item = f64> {
         let histories = self.translations.iter().map(|(_, history)| history);
         let histories = histories.chain(self.rotation.iter().map(|rotation| &rotation.history));
-        let times = histories.flatten().map(|point| point[0]).chain([0.0]).chain(times.iter().copied());
-        times.map(|t| self.gap(t, x, facing) + self.bend(obstacle, t, x, facing)).fold(f64::INFINITY, f64::min)
+        histories.flatten().map(|point| point[0]).chain([0.0]).chain(times.iter().copied())
+    }
+
+    fn moves(&self) -> bool {
+        self.rotation.is_some() || !self.translations.is_empty()
+    }
+
+    /// The exact distance (m) at time `t` (s) of a node at `x` (m) from the moved obstacle along the node's normal; NaN if it is
+    /// not in front of the node.
+    fn distance(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
+        let (back, n) = self.back(t, x, facing.normal);
+        obstacle.distance(back, n, x)
     }
 
     /// What [`ObstacleMotion::gap`] leaves out (m) at time `t`: the exact distance of a node at `x` (m) from the moved obstacle, along
@@ -103,8 +136,7 @@ impl ObstacleMotion {
         if self.keeps_shape(obstacle, facing.normal) {
             return 0.0;
         }
-        let (back, n) = self.back(t, x, facing.normal);
-        let exact = obstacle.distance(back, n, x);
+        let exact = self.distance(obstacle, t, x, facing);
         let exact = if exact.is_nan() { obstacle.extent() } else { exact };
         let bend = exact - self.gap(t, x, facing);
         // What is below is rounding, as where a plane turns about its normal.

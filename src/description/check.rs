@@ -1,7 +1,8 @@
 //! Are the values of a description possible, each by itself and beside each other?
 
 use super::{Contact, Description, Load, Support};
-use crate::fault::{Fault, demand, finite, not_huge};
+use crate::contact::Obstacle;
+use crate::fault::{Fault, demand, not_huge};
 use crate::fem::{Element, Plane};
 use crate::timeline::{check_points, check_times};
 
@@ -49,10 +50,19 @@ impl Contact {
             let message = format!("the boundary `{}` has a [[contact]] already", self.boundary);
             return Err(Fault::new("boundary", message, "keep one [[contact]] for each boundary"));
         }
-        finite("friction", self.friction)?;
-        let help = "give Coulomb's coefficient, 0 for a frictionless contact";
-        demand(self.friction >= 0.0, "friction", &self.friction, "0 or more", help)?;
-        self.obstacle.check().map_err(|fault| fault.under("obstacle"))
+        self.friction.check()?;
+        let whole = match &self.obstacles[..] {
+            [] => {
+                let message = format!("there is no obstacle in front of `{}`", self.boundary);
+                return Err(Fault::new("obstacle", message, "give an obstacle, or remove the contact"));
+            }
+            [obstacle] => return obstacle.check().map_err(|fault| fault.under("obstacle")),
+            all => all,
+        };
+        let each = |(j, obstacle): (usize, &Obstacle)| {
+            obstacle.check().map_err(|fault| fault.under(&format!("obstacle[{j}]")))
+        };
+        whole.iter().enumerate().try_for_each(each)
     }
 }
 

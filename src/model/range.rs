@@ -10,9 +10,9 @@ impl Model {
     pub fn range_left(&self, t: f64, u: &[f64], gap: &[f64], statuses: &[ContactStatus]) -> Option<RangeLeft> {
         let displacements = self.dofs.displacements(u);
         let interference = self.loading.largest_interference();
-        let boundaries = self.contact_boundaries.iter().zip(&self.obstacles);
-        let worst = boundaries.filter_map(|(boundary, (obstacle, motion))| {
-            let deformed = boundary.nodes.clone().map(|i| DeformedNode {
+        let worst = self.obstacles.iter().enumerate().filter_map(|(k, (obstacle, motion))| {
+            let met = (0..self.contacts.len()).filter(|&i| self.contacts[i].obstacle == k);
+            let deformed = met.map(|i| DeformedNode {
                 node: self.contacts[i].node,
                 position: self.contacts[i].position,
                 displacement: displacements[self.contacts[i].node],

@@ -142,7 +142,7 @@ fn nonsense_in_the_plane() {
     let axes = |axes: Vec<Vec<Segment>>| mesh(MeshSource::Block { axes, cells: CellKind::Quadrilateral });
     let material = |material: Material| with(&|d| d.material = material.clone());
     let steel = || Material::new(210e9, 0.3);
-    let contact = |obstacle: Obstacle| with(&|d| d.contacts[0].obstacle = obstacle.clone());
+    let contact = |obstacle: Obstacle| with(&|d| d.contacts[0].obstacles = vec![obstacle.clone()]);
     let round = |radius: f64| Shape::Cylinder { radius, apex: [0.5, -1.0].into(), axis: None };
     let plane = || Obstacle::plane(1e-5);
     let layer = Layer { thickness: 0.5, young: 1e9, poisson: 0.3 };

@@ -94,7 +94,7 @@ fn obstacles_that_do_not_suit_the_dimension_are_refused() {
     let at_rest = Obstacle::at_rest;
     let cylinder = |axis| at_rest(Shape::Cylinder { radius: 1.0, apex: [0.0, 1.0, 0.0].into(), axis });
     let sphere = at_rest(Shape::Sphere { radius: 1.0, apex: [0.0, 1.0, 0.0].into() });
-    assert!(matches!(refused(&plane, &sphere), ObstacleError::SphereInPlane));
+    assert!(matches!(refused(&plane, &sphere), ObstacleError::OnlyInSpace("sphere")));
     assert!(matches!(refused(&cube, &cylinder(None)), ObstacleError::NoAxis));
     assert!(matches!(refused(&cube, &cylinder(Some(Z.into()))), ObstacleError::SkewAxis));
     assert!(matches!(refused(&plane, &cylinder(Some([1.0, 0.0, 0.0].into()))), ObstacleError::OutOfPlane("the axis")));
