@@ -49,7 +49,11 @@ impl Contacts {
         let met = met(contact, description, mesh, dofs, boundary, &obstacles, k)?;
         let nodes = contact_nodes(mesh, dofs, boundary, &met);
         if nodes.is_empty() {
-            let message = format!("supports hold every node of the contact boundary `{}`", contact.boundary);
+            let message = if met.len() < boundary.nodes().len() {
+                format!("supports hold every node of `{}` that an obstacle reaches", contact.boundary)
+            } else {
+                format!("supports hold every node of the contact boundary `{}`", contact.boundary)
+            };
             return Err(Fault::new(format!("contact[{k}].boundary"), message, "remove the contact or the support"));
         }
         let first = self.obstacles.len();
