@@ -1,7 +1,6 @@
 //! A circular cone.
 
-use super::surface::{across, plus};
-use crate::vector::{cross, dot, minus, norm};
+use crate::vector::{across, cross, dot, minus, norm, plus};
 
 /// The points `x` with `r ≤ z tan α`, where `z` is how far `x` lies behind the tip along the axis and `r` how far from it.
 #[derive(Debug, Clone, PartialEq)]

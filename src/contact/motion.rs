@@ -2,10 +2,9 @@
 
 use super::description::Obstacle;
 use super::obstacle::{Facing, PlacedObstacle};
-use super::surface::{across, plus};
 use crate::loading::piecewise_linear;
 use crate::timeline::within;
-use crate::vector::{axis, cross, dot, minus, unit};
+use crate::vector::{across, axis, cross, dot, minus, plus, unit};
 
 /// How an obstacle moves: a sum of motions in one direction each, times a factor that changes in time.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use super::cone::Cone;
 use super::description::{GapDirection, Obstacle, Rotation, SKEW, Shape};
 use super::gap_table::{GapTable, TableError};
-use super::surface::{Beyond, Surface, across};
+use super::surface::{Beyond, Surface};
 use super::triangles::{SurfaceError, Triangles};
 use crate::mesh::{Boundary, Mesh};
-use crate::vector::{Vector, axis_across, cross, dot, norm, unit};
+use crate::vector::{Vector, across, axis_across, cross, dot, norm, unit};
 
 /// An obstacle in front of a part of the boundary. Small displacements: gaps are measured once, in
 /// the undeformed state.

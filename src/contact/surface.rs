@@ -6,7 +6,7 @@ use super::cone::Cone;
 use super::gap_table::GapTable;
 use super::triangles::Triangles;
 use crate::formula::Formula;
-use crate::vector::{cross, dot, minus, norm, unit};
+use crate::vector::{across, cross, dot, minus, norm, plus, unit};
 
 /// The surface of an obstacle at rest. `facing` is the unit vector out of the body towards the obstacle,
 /// `N` below.
@@ -39,16 +39,6 @@ pub(super) enum Beyond {
     Obstacle,
     /// Nobody knows.
     Unknown,
-}
-
-/// `a + s b`.
-pub(super) fn plus(a: [f64; 3], s: f64, b: [f64; 3]) -> [f64; 3] {
-    [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
-}
-
-/// `a` without its part along the unit vector `axis`.
-pub(super) fn across(a: [f64; 3], axis: [f64; 3]) -> [f64; 3] {
-    plus(a, -dot(a, axis), axis)
 }
 
 impl Surface {

@@ -11,8 +11,7 @@ use std::path::Path;
 
 pub use read::SurfaceError;
 
-use super::surface::plus;
-use crate::vector::{cross, dot, minus, norm, unit};
+use crate::vector::{cross, dot, minus, norm, plus, unit};
 use tree::{Bounds, Tree};
 
 /// A surface of triangles.

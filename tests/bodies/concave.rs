@@ -5,9 +5,10 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::common;
 use crate::common::Keep;
-use stickslip::contact::{GapDirection, Obstacle, Rotation, Shape};
+use stickslip::contact::{
+    DeformedNode, GapDirection, Obstacle, ObstacleMotion, PlacedObstacle, Rotation, Shape, range_left,
+};
 use stickslip::description::{Axis, Description};
 use stickslip::fem::Material;
 use stickslip::history::{Method, Solver, Status};
@@ -32,7 +33,7 @@ fn rounded(dimension: usize, elements: usize) -> Mesh {
     for x in &mut mesh.nodes {
         let (largest, length) = (x.iter().fold(0.0_f64, |m, c| m.max(*c)), norm(*x));
         if length > 0.0 {
-            x.iter_mut().for_each(|c| *c *= largest / length);
+            *x = x.map(|c| c * largest / length);
         }
     }
     mesh
@@ -88,7 +89,9 @@ fn what_is_too_large_for_its_bore_is_squeezed() {
         for facet in &facets {
             if facet.len() == 2 {
                 let half = mesh.area_vector(facet).map(|c| 0.5 * pressure * c);
-                facet.iter().for_each(|&node| (0..3).for_each(|c| expected[node][c] += half[c]));
+                for &node in facet {
+                    (0..3).for_each(|c| expected[node][c] += half[c]);
+                }
             }
         }
         for (i, contact) in model.contacts.iter().enumerate().filter(|_| dimension == 2) {
@@ -112,12 +115,14 @@ fn back(x: [f64; 3], by: [f64; 3], (axis, through, angle): ([f64; 3], [f64; 3], 
     [0, 1, 2].map(|c| through[c] + axis[c] * along + (r[c] - axis[c] * along) * angle.cos() - aside[c] * angle.sin())
 }
 
+/// How far a place, from the apex, is inside an obstacle about an axis.
+type Depth = fn([f64; 3], [f64; 3]) -> f64;
+
 /// However far a bore, a socket or a cone has moved and turned, the gap of each node ends on it.
 #[test]
 fn gaps_end_on_the_surface_wherever_it_has_gone() {
     let (apex, axis) = ([0.1, -0.2, 1.5], [0.6, 0.8, 0.0]);
     let cone_axis = unit([0.1, -0.1, 1.0]);
-    type Depth = fn([f64; 3], [f64; 3]) -> f64;
     let cases: [(Shape, Depth); 3] = [
         (Shape::Bore { radius: 4.0, apex: apex.into(), axis: Some(axis.into()) }, |r, axis| {
             // The centre is 4 m below the apex.
@@ -173,7 +178,7 @@ fn gaps_end_on_the_surface_wherever_it_has_gone() {
 fn gaps_in_a_bore() {
     let mesh = block(&[1.0, 1.0], &[2, 2]);
     let top = mesh.boundary("top").unwrap();
-    let see = |given: &Obstacle, x: [f64; 3]| stickslip::contact::PlacedObstacle::new(&mesh, top, given).unwrap().at(x);
+    let see = |given: &Obstacle, x: [f64; 3]| PlacedObstacle::new(&mesh, top, given).unwrap().at(x);
     // About (0, 0.6), with 3-4-5 at (0.3, 1.0).
     let bore = Obstacle::at_rest(Shape::Bore { radius: 0.5, apex: [0.0, 1.1].into(), axis: None });
     let near = Obstacle { direction: GapDirection::Nearest, ..bore.clone() };
@@ -194,6 +199,39 @@ fn gaps_in_a_bore() {
     assert!(norm(minus(inward, [0.75, 1.0, 0.0])) < 1e-14, "{inward:?}");
 }
 
+/// A body that moves in a bore, on a cone or under a sphere leaves the range of its linearised gaps by what a pencil gives.
+#[test]
+fn the_range_of_round_and_pointed_obstacles() {
+    let cube = block(&[1.0; 3], &[1; 3]);
+    let square = block(&[1.0; 2], &[1; 2]);
+    // About (0, 0.6): from (0.3, 1.0) the node goes to (0, 1), where its old normal (0.6, 0.8) meets the circle after
+    // g² + 2 g 0.32 = 0.09.
+    let bore = nearest(Shape::Bore { radius: 0.5, apex: [0.0, 1.1].into(), axis: None }, &[0.0, 1.0]);
+    let along_the_bore = -0.32 + (0.32_f64 * 0.32 + 0.09).sqrt();
+    // From (0.3, 0, 1) on a cone of 45 degrees to the other side of its tip.
+    let cone = Obstacle::at_rest(Shape::Cone { apex: [0.0, 0.0, 0.7].into(), half_angle: 0.25 * PI, axis: None });
+    for (mesh, given, from, to, linearised, exact) in [
+        (&square, &bore, [0.3, 1.0, 0.0], [0.0, 1.0, 0.0], 0.18, along_the_bore),
+        (&cube, &cone, [0.3, 0.0, 1.0], [-0.1, 0.0, 1.0], 0.0, -0.2),
+    ] {
+        let obstacle = PlacedObstacle::new(mesh, mesh.boundary("top").unwrap(), given).unwrap();
+        let motion = ObstacleMotion::new(given, obstacle.normal, 1.0);
+        let facing = obstacle.at(from);
+        let node = DeformedNode {
+            node: 0,
+            position: from,
+            displacement: minus(to, from),
+            normal: facing.normal,
+            gap: facing.gap,
+            closed: true,
+        };
+        let left = range_left(&obstacle, &motion, 0.0, 0.01, &[node]).unwrap();
+        assert!((left.linearised - linearised).abs() < 1e-14 && (left.exact - exact).abs() < 1e-14, "{left:?}");
+        let still = DeformedNode { displacement: [0.0; 3], ..node };
+        assert!(range_left(&obstacle, &motion, 0.0, 0.01, &[still]).is_none());
+    }
+}
+
 /// A cone on a block, as a cone and as a formula of its gaps; and Sneddon's P = 2 E* δ² tan(α) / π, from which a coarse mesh on
 /// a finite block is this far.
 #[test]
@@ -205,7 +243,9 @@ fn sneddons_cone() {
     };
     let mut down = axis(4, 4);
     down.reverse();
-    down.iter_mut().for_each(|segment| segment.grading = 1.0 / segment.grading);
+    for segment in &mut down {
+        segment.grading = 1.0 / segment.grading;
+    }
     let source =
         MeshSource::Block { axes: vec![axis(4, 6), axis(4, 6), down], cells: stickslip::mesh::CellKind::Hexahedron };
     let pressed = |shape: Shape| {
@@ -223,5 +263,4 @@ fn sneddons_cone() {
     assert!((force / same - 1.0).abs() < 1e-9 && u.iter().zip(&v).all(|(a, b)| (a - b).abs() < 1e-9 * delta));
     let exact = 2.0 * young / (1.0 - poisson * poisson) * delta * delta * half_angle.tan() / PI;
     assert!((force / exact - 1.0).abs() < 0.15, "{force} {exact}");
-    let _ = common::BELT;
 }

@@ -187,6 +187,7 @@ fn refused(text: &str) -> SceneError {
 }
 
 #[test]
+#[allow(clippy::too_many_lines)] // A list.
 fn bad_friction_and_obstacles_of_a_block() {
     let block = edit(BLOCK, "[100, 100]", "[4, 4]");
     let rests = "{ kind = \"plane\", gap = 1e-5 }";
