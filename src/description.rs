@@ -84,6 +84,9 @@ pub struct Contact {
     /// Coulomb's coefficient. A node that two contacts share, in front of the same normal, has the mean of both, weighted by the
     /// node's area in each.
     pub friction: Friction,
+    /// Points `[time (s), factor]` with increasing times, by which the coefficient is multiplied: linear between, constant outside, and
+    /// above 0. Without them the friction stays as it is.
+    pub friction_history: Option<Vec<[f64; 2]>>,
     /// The obstacles in front of it, at least one. A node meets the one that is nearest when the history begins, of those that
     /// its outside faces; it never feels another.
     pub obstacles: Vec<Obstacle>,
@@ -137,7 +140,8 @@ impl Description {
         obstacles: impl Into<Vec<Obstacle>>,
     ) -> Self {
         let (friction, obstacles) = (friction.into(), obstacles.into());
-        self.contacts.push(Contact { boundary: boundary.to_string(), friction, obstacles });
+        let boundary = boundary.to_string();
+        self.contacts.push(Contact { boundary, friction, friction_history: None, obstacles });
         self
     }
 

@@ -11,7 +11,7 @@ use crate::contact::{ContactBoundary, ContactNode, ObstacleMotion, PlacedObstacl
 use crate::description::Description;
 use crate::fault::Fault;
 use crate::fem::{Dofs, Elasticity, Element, InvertedElement, Plane, RigidMotion, assemble, facet_load, rigid_motions};
-use crate::loading::{LoadCase, Loading};
+use crate::loading::{FrictionHistory, LoadCase, Loading};
 use crate::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::problem::{ContactProblem, Parts, ProblemError};
 use crate::scene::{Scene, SceneError};
@@ -103,8 +103,10 @@ impl Model {
         let materials = description.material.laws(&mesh)?;
         let stiffness = assemble(&mesh, &dofs, element, |e| materials[e])?;
 
-        let Contacts { nodes: mut contacts, mu, boundaries: contact_boundaries, obstacles, .. } =
-            Contacts::new(description, &mesh, &dofs)?;
+        let contacts = Contacts::new(description, &mesh, &dofs)?;
+        let friction = contacts.friction_history(description)?;
+        let Contacts { nodes: mut contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
+        let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
         share_edges(&mut contacts, &mu, &dofs);
         let (motions, bends) = contact::motions(&contacts, &obstacles, &description.times)?;
         let map = |row: fn(&ContactNode) -> &Row| {
@@ -117,7 +119,7 @@ impl Model {
             cases.push(LoadCase::new(force, within(end, &load.factors(end)))?);
         }
         let gap = contacts.iter().map(|contact| contact.facing.gap).collect();
-        let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?;
+        let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
         let rigid_motions = rigid_motions(&mesh, &dofs);
         let problem = ContactProblem::new(Parts {

@@ -147,6 +147,8 @@ fn contacts(scene: &Scene, model: &Model) {
             Friction::Uniform(mu) => mu.to_string(),
             Friction::Formula(formula) => formula.text().to_string(),
         };
+        let changing = contact.friction_history.as_ref().map(|history| points(history, |factor| factor[0].to_string()));
+        let mu = changing.map_or(mu.clone(), |factors| format!("{mu}, times {factors}"));
         if several {
             say!("contact      {}: {} obstacles, mu = {mu}", contact.boundary, contact.obstacles.len());
         }

@@ -51,6 +51,12 @@ impl Contact {
             return Err(Fault::new("boundary", message, "keep one [[contact]] for each boundary"));
         }
         self.friction.check()?;
+        if let Some(history) = &self.friction_history {
+            check_points("friction_history", "factor", history)?;
+            let sound = history.iter().all(|point| point[1] > 0.0);
+            let help = "a node has friction at all times or never: give a small factor, such as 1e-3, in place of 0";
+            demand(sound, "friction_history", history, "of factors above 0", help)?;
+        }
         let whole = match &self.obstacles[..] {
             [] => {
                 let message = format!("there is no obstacle in front of `{}`", self.boundary);

@@ -10,9 +10,10 @@ use crate::contact::{
 use crate::description::{Contact, Description};
 use crate::fault::Fault;
 use crate::fem::Dofs;
-use crate::loading::{Bend, Motion};
+use crate::loading::{Bend, FrictionHistory, Motion};
 use crate::mesh::{Boundary, Mesh};
 use crate::problem::ProblemError;
+use crate::timeline::within;
 use crate::vector::dot;
 
 /// How much of the body an obstacle may take up when the history begins. Strains are about this share, and
@@ -28,6 +29,8 @@ pub(super) struct Contacts {
     pub boundaries: Vec<ContactBoundary>,
     /// The obstacles in front of all boundaries, and how they move.
     pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
+    /// Coulomb's coefficient at the nodes of each boundary, before those that are of several have the mean.
+    own_mu: Vec<Vec<f64>>,
     /// The contact nodes at each node of the mesh that has one.
     at_node: BTreeMap<usize, Vec<usize>>,
 }
@@ -65,13 +68,32 @@ impl Contacts {
             beyond: boundary.nodes().len() - met.len(),
             obstacles: first..self.obstacles.len(),
         };
+        let mut own_mu = Vec::with_capacity(nodes.len());
         for node in nodes {
             let mu = friction(contact, mesh, &node, k)?;
+            own_mu.push(mu);
             let node = ContactNode { obstacle: first + node.obstacle, ..node };
             own.nodes.push(self.add_node(node, mu, &contact.boundary, k)?);
         }
         self.boundaries.push(own);
+        self.own_mu.push(own_mu);
         Ok(())
+    }
+
+    /// How friction changes in time, if that of any contact does: the part of each contact in that of its nodes.
+    pub(super) fn friction_history(&self, description: &Description) -> Result<Option<FrictionHistory>, ProblemError> {
+        let contacts = &description.contacts;
+        if contacts.iter().all(|contact| contact.friction_history.is_none()) {
+            return Ok(None);
+        }
+        let case = |((contact, boundary), own): ((&Contact, &ContactBoundary), &Vec<f64>)| {
+            let mut mu = vec![0.0; self.nodes.len()];
+            boundary.parts(&self.nodes).zip(own).for_each(|((i, part), own)| mu[i] = part * own);
+            let history = contact.friction_history.as_ref().map(|points| within(description.end(), points));
+            (mu, history.unwrap_or_default())
+        };
+        let cases = contacts.iter().zip(&self.boundaries).zip(&self.own_mu).map(case).collect();
+        FrictionHistory::new(self.nodes.len(), cases).map(Some)
     }
 
     /// The number of a node of the boundary `name`: that of an earlier boundary in front of the same normal, or a new one.

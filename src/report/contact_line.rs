@@ -161,7 +161,7 @@ pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &S
             slip_t,
             slip_o,
             force: nodal_force(model, state, i),
-            mu: problem.mu()[i],
+            mu: step.increment.mu[i],
             status: step.statuses[i],
         }
     };

@@ -155,6 +155,7 @@ pub(super) struct Support {
 pub(super) struct Contact {
     pub boundary: String,
     pub friction: Friction,
+    pub friction_history: Option<Vec<Tuple<f64>>>,
     pub obstacle: Obstacles,
 }
 

@@ -74,7 +74,7 @@ fn support(document::Support { boundary, fix }: document::Support) -> Support {
 }
 
 fn contact(k: usize, given: document::Contact, source: &Source) -> Result<Contact, SceneError> {
-    let document::Contact { boundary, friction, obstacle } = given;
+    let document::Contact { boundary, friction, friction_history, obstacle } = given;
     let friction = match friction {
         document::Friction::Number(coefficient) => coefficient.into(),
         document::Friction::Formula(text) => {
@@ -89,7 +89,7 @@ fn contact(k: usize, given: document::Contact, source: &Source) -> Result<Contac
             .map(|(j, one)| obstacle::obstacle(one, &format!("{key}[{j}]"), source))
             .collect::<Result<_, _>>()?,
     };
-    Ok(Contact { boundary, friction, obstacles })
+    Ok(Contact { boundary, friction, friction_history: friction_history.map(points), obstacles })
 }
 
 /// The formula at `key`; what is wrong within it is underlined.

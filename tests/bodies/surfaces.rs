@@ -221,6 +221,20 @@ fn bad_friction_and_obstacles_of_a_block() {
             "the friction is inf at",
             "mend the formula",
         ),
+        (
+            "friction = 0.4",
+            "friction = 0.4\nfriction_history = [[0, 1], [1, 0]]",
+            "friction_history",
+            "friction_history is [[0.0, 1.0], [1.0, 0.0]], but must be of factors above 0",
+            "1e-3",
+        ),
+        (
+            "friction = 0.4",
+            "friction = 0.4\nfriction_history = [[1, 1], [0, 2]]",
+            "friction_history",
+            "from time 1 to 0, but times must increase",
+            "order the points",
+        ),
         (rests, "[]", "obstacle =", "there is no obstacle in front of `bottom`", "remove the contact"),
         (
             rests,

@@ -40,7 +40,11 @@ pub(super) fn stepped_over(scene: &Scene) -> Vec<String> {
     let obstacles =
         contacts.iter().flat_map(|contact| contact.obstacles.iter().map(|given| (&contact.boundary, given)));
     let of_obstacles = obstacles.flat_map(|(boundary, obstacle)| of_obstacle(boundary, obstacle));
-    let all = scene.description.loads.iter().map(of_load).chain(of_obstacles);
+    let of_friction = contacts.iter().map(|contact| {
+        let missed = missed(contact.friction_history.as_deref().unwrap_or_default(), time);
+        (format!("the friction at {}", contact.boundary), missed)
+    });
+    let all = scene.description.loads.iter().map(of_load).chain(of_friction).chain(of_obstacles);
     let missed = all.filter(|(_, times)| !times.is_empty());
     let in_words = |(what, times): (String, Vec<f64>)| {
         let kinks = if times.len() == 1 { "kink" } else { "kinks" };
