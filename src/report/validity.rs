@@ -69,7 +69,7 @@ impl Validity {
         let mut warn = |kind, message| warnings.push(Warning { kind, message });
         let mut boundaries = model.contact_boundaries.iter();
         // Without a converged increment nothing is known of the contact.
-        let untouched = boundaries.find(|boundary| !self.touched[boundary.nodes.clone()].contains(&true));
+        let untouched = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| self.touched[i]));
         if let (Some(boundary), Some(_)) = (untouched, self.largest) {
             let message = format!(
                 "`{}` never touched its obstacle; `stickslip check` tells where that is and how it moves",
