@@ -7,6 +7,7 @@ mod cli;
 mod cli_failures;
 mod compare;
 mod documented;
+mod examples;
 mod names;
 mod schema;
 mod solvability;
