@@ -65,7 +65,7 @@ mod tests {
         let falling = (vec![0.4, 0.1, 0.0], vec![[1.0, 1.0], [3.0, 0.5]]);
         let friction = FrictionHistory::new(3, vec![falling, (vec![0.0, 0.1, 0.2], Vec::new())]).unwrap();
         assert_eq!(friction.at(0.0), [0.4, 0.2, 0.2]);
-        assert_eq!(friction.at(9.0), [0.2, 0.15000000000000002, 0.2]);
+        assert_eq!(friction.at(9.0), [0.2, 0.5 * 0.1 + 0.1, 0.2]);
         assert_eq!(friction.at(2.0)[0], 0.75 * 0.4);
         assert_eq!(friction.largest(), [0.4, 0.2, 0.2]);
         for (mu, history, says) in [
