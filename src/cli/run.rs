@@ -78,7 +78,9 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
             say!("warning      {}", warning.message);
         }
         if let Some(critical) = &report.critical_friction {
-            say!("uniqueness   {}", uniqueness::explain(critical, run.model().problem.mu()));
+            let (model, end) = (run.model(), run.times().last().copied().unwrap_or_default());
+            let mu = model.loading.friction().map_or(model.problem.mu().to_vec(), |friction| friction.at(end));
+            say!("uniqueness   {}", uniqueness::explain(critical, &mu));
         }
         if let Some(folder) = &folder {
             say!("results      {}", folder.path().display());

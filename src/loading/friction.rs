@@ -55,3 +55,27 @@ impl FrictionHistory {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coefficients_are_sums_of_cases() {
+        let falling = (vec![0.4, 0.1, 0.0], vec![[1.0, 1.0], [3.0, 0.5]]);
+        let friction = FrictionHistory::new(3, vec![falling, (vec![0.0, 0.1, 0.2], Vec::new())]).unwrap();
+        assert_eq!(friction.at(0.0), [0.4, 0.2, 0.2]);
+        assert_eq!(friction.at(9.0), [0.2, 0.5 * 0.1 + 0.1, 0.2]);
+        assert_eq!(friction.at(2.0)[0], 0.75 * 0.4);
+        assert_eq!(friction.largest(), [0.4, 0.2, 0.2]);
+        for (mu, history, says) in [
+            (vec![0.4], vec![], "mu has 1"),
+            (vec![0.4, 0.4, -0.1], vec![], "mu[2] is -0.1"),
+            (vec![0.4; 3], vec![[0.0, 1.0], [1.0, 0.0]], "factors of friction[1] is 0"),
+            (vec![0.4; 3], vec![[1.0, 1.0], [0.0, 1.0]], "history of friction"),
+        ] {
+            let error = FrictionHistory::new(3, vec![(mu, history)]).unwrap_err().to_string();
+            assert!(error.contains(says), "{error}");
+        }
+    }
+}

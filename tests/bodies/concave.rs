@@ -232,10 +232,10 @@ fn the_range_of_round_and_pointed_obstacles() {
     }
 }
 
-/// A cone on a block, as a cone and as a formula of its gaps; and Sneddon's P = 2 E* δ² tan(α) / π, from which a coarse mesh on
-/// a finite block is this far.
+/// A cone on a block, as a cone and as a formula of its gaps. The force is that of Sneddon, P = 2 E* δ² tan(α) / π, as far as
+/// the block is a half-space; `verification.rs` has the same for the radius that is found.
 #[test]
-fn sneddons_cone() {
+fn a_cone_is_its_gaps() {
     let (half_angle, delta, young, poisson) = (1.45_f64, 0.03, 1e9, 0.3);
     let axis = |elements: usize, fine: usize| {
         let segment = |length, elements, grading| stickslip::mesh::Segment { length, elements, grading };

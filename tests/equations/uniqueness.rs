@@ -79,7 +79,7 @@ fn grid() -> Vec<[f64; 4]> {
 fn solve(problem: &ContactProblem, increment: &Increment<'_>, start: [f64; 4]) -> Option<State> {
     let conventions = Conventions { r_n: vec![1.0], r_t: vec![1.0], pressure: Pressure::Unknown, row_unit: vec![1.0] };
     let mut formulation = Bdiff::new(problem, Scaling::SI, &conventions);
-    formulation.begin(increment);
+    formulation.begin(&Increment { mu: problem.mu(), ..*increment });
     let mut linear = Direct::default();
     linear.analyze(formulation.jacobian().pattern()).unwrap();
     let mut z = start;
