@@ -25,13 +25,14 @@
 
 mod document;
 mod error;
+mod files;
 mod overrides;
 mod places;
 mod read;
 mod solver;
 mod syntax;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use error::{Located, SceneError};
 pub use overrides::{Override, OverrideSyntax};
@@ -120,6 +121,11 @@ impl Scene {
     /// Its text in TOML, with all overrides in place.
     pub fn text(&self) -> &str {
         &self.source.text
+    }
+
+    /// The files that it names: meshes, tables of gaps.
+    pub fn files(&self) -> Vec<PathBuf> {
+        files::files(self.text()).iter().map(|file| self.source.beside(file)).collect()
     }
 
     /// The error of the value at `key`, for what only a later stage can see.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::contact::ContactBoundary;
 use crate::history::Step;
@@ -12,7 +12,7 @@ use crate::vector::cross;
 
 /// What the body does to the obstacle in front of one boundary: the sum of the contact forces, and their components. On
 /// several boundaries, and on an obstacle with a normal for each node, normals and tangents point different ways.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Resultant {
     /// The boundary.
@@ -28,7 +28,7 @@ pub struct Resultant {
 }
 
 /// Sums of the components of contact forces.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct ComponentSums {
     /// `Σ p_n`, N.

@@ -110,6 +110,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "uniqueness",
         ],
     ),
+    ("sweep", &["input", "report", "scene"]),
     (
         "compare",
         &["contact", "history", "linear", "mesh", "model", "nonlinear", "problem", "report", "run", "scene", "vector"],

@@ -47,7 +47,7 @@ pub const LIBRARY: &[Places] = &[
     ("std::net", &[NOWHERE]),
     ("std::panic", &["cli/bug.rs"]),
     ("std::process", &["main.rs", "cli.rs", "cli/"]),
-    ("std::thread", &[NOWHERE]),
+    ("std::thread", &["cli/sweep/processes.rs"]),
 ];
 
 /// The same of the studies, which use the library as any other crate does.
