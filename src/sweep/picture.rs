@@ -23,12 +23,10 @@ impl Sweep {
             Some(_) => Axis { label: key.to_string(), scale: Scale::Linear },
             None => Axis { label: format!("{key}, by the place in the list"), scale: Scale::Integers },
         };
-        let place = |row: &Row| match numeric {
-            Some(k) => row.values[k].parse().ok(),
-            None => {
-                let values = &self.varied.get(along)?.values;
-                values.iter().position(|value| Some(value) == row.values.get(along)).map(|k| (k + 1) as f64)
-            }
+        let in_list = |value: &String| self.varied.get(along)?.values.iter().position(|other| other == value);
+        let place = |row: &Row| {
+            let value = row.values.get(along)?;
+            if numeric.is_some() { value.parse().ok() } else { Some((in_list(value)? + 1) as f64) }
         };
         let pressed = self.variants.iter().any(|row| row.outcome.largest_pressure.is_some());
         let height = |row: &Row| match &row.outcome.largest_pressure {

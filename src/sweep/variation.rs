@@ -64,10 +64,7 @@ impl FromStr for Variation {
         let _: Override = text.parse()?;
         let (key, given) = text.split_once('=').unwrap_or((text, ""));
         let (key, given) = (key.trim().to_string(), given.trim());
-        let values = match range(given) {
-            Some(range) => range.ok_or_else(|| VariationError::Range(given.to_string()))?,
-            None => listed(given),
-        };
+        let values = range(given)?.unwrap_or_else(|| listed(given));
         if values.len() < 2 {
             return Err(VariationError::One(key));
         }
@@ -101,19 +98,20 @@ fn listed(given: &str) -> Vec<String> {
     values.into_iter().map(|value| value.trim().to_string()).filter(|value| !value.is_empty()).collect()
 }
 
-/// The values of `from:to:count`, equally spaced; `None` if it is nothing like that, `Some(None)` if it cannot be.
-fn range(given: &str) -> Option<Option<Vec<String>>> {
-    let [from, to, count] = given.split(':').map(str::trim).collect::<Vec<_>>()[..] else { return None };
-    let (from, to): (f64, f64) = (from.parse().ok()?, to.parse().ok()?);
+/// The values of `from:to:count`, equally spaced; none if it is nothing like that.
+fn range(given: &str) -> Result<Option<Vec<String>>, VariationError> {
+    let [from, to, count] = given.split(':').map(str::trim).collect::<Vec<_>>()[..] else { return Ok(None) };
+    let (Ok(from), Ok(to)) = (from.parse::<f64>(), to.parse::<f64>()) else { return Ok(None) };
     let count = count.parse::<usize>().ok().filter(|count| (2..=MOST_VARIANTS).contains(count));
-    let Some(count) = count.filter(|_| from.is_finite() && to.is_finite()) else { return Some(None) };
+    let count = count.filter(|_| from.is_finite() && to.is_finite());
+    let count = count.ok_or_else(|| VariationError::Range(given.to_string()))?;
     let value = |k: usize| {
         let share = k as f64 / (count - 1) as f64;
         // What rounding leaves at the end of 0.1 + 0.2 is nothing that anybody wants to read.
         let rounded = format!("{:.14e}", from + share * (to - from));
         rounded.parse::<f64>().map_or(rounded, |value| (value + 0.0).to_string())
     };
-    Some(Some((0..count).map(value).collect()))
+    Ok(Some((0..count).map(value).collect()))
 }
 
 /// Every combination of the values of `variations`, the last of which changes first.
