@@ -64,13 +64,9 @@ pub(super) fn sweep(args: &SweepArgs, threads: u32) -> Result<ExitCode, Failure>
     interrupt::listen();
     let first = args.scene.read()?;
     let tasks = tasks(args)?;
-    let results = match &args.out {
-        Some(path) => Results { path: path.join("variants"), passes: false },
-        None => {
-            let name = format!("stickslip-sweep-{}", std::process::id());
-            Results { path: std::env::temp_dir().join(name), passes: true }
-        }
-    };
+    let passing = || std::env::temp_dir().join(format!("stickslip-sweep-{}", std::process::id()));
+    let path = args.out.as_ref().map_or_else(passing, |out| out.join("variants"));
+    let results = Results { path, passes: args.out.is_none() };
     fs::create_dir_all(&results.path).map_err(|error| write_failure(&results.path, &error))?;
     let processes = Processes { scene: &args.scene.scene, folder: &results.path, threads };
     processes.tidy();
@@ -147,7 +143,7 @@ fn tasks(args: &SweepArgs) -> Result<Vec<Task>, Failure> {
 /// The fingerprint of the scene with `overrides`.
 fn one(args: &SweepArgs, overrides: &[Override]) -> Result<String, Failure> {
     let scene = Scene::read(&args.scene.scene, overrides)?;
-    fingerprint(&scene, &version().to_string()).map_err(|(file, error)| {
+    fingerprint(&scene, &version()).map_err(|(file, error)| {
         let message = format!("{}: the file cannot be read: {error}", file.display());
         scene.error_at("mesh.file", message, "name an existing file, relative to the scene file").into()
     })

@@ -6,6 +6,7 @@ mod common;
 mod cli;
 mod cli_failures;
 mod compare;
+mod compare_meshes;
 mod documented;
 mod names;
 mod schema;

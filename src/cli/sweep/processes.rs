@@ -113,14 +113,14 @@ impl Processes<'_> {
         let mut next = 0;
         while next < orders.len() || !running.is_empty() {
             if interrupt::requested() {
-                running.into_iter().for_each(|process| self.stop(process, orders));
+                self.stop(running, orders);
                 return Ok(());
             }
             while running.len() < jobs && next < orders.len() {
                 match self.start(next, orders) {
                     Ok(process) => running.push(process),
                     Err(error) => {
-                        running.into_iter().for_each(|process| self.stop(process, orders));
+                        self.stop(running, orders);
                         return Err(error);
                     }
                 }
@@ -165,10 +165,12 @@ impl Processes<'_> {
         Ok(Running { order, child, printed })
     }
 
-    fn stop(&self, mut process: Running, orders: &[(&str, &[Override])]) {
-        // One that has ended already cannot be ended.
-        let _ = process.child.kill().and_then(|()| process.child.wait());
-        self.clear(&process, orders);
+    fn stop(&self, running: Vec<Running>, orders: &[(&str, &[Override])]) {
+        for mut process in running {
+            // One that has ended already cannot be ended.
+            let _ = process.child.kill().and_then(|()| process.child.wait());
+            self.clear(&process, orders);
+        }
     }
 
     fn clear(&self, process: &Running, orders: &[(&str, &[Override])]) {
