@@ -28,6 +28,9 @@
 //! ```
 
 mod check;
+mod probe;
+
+pub use probe::{Probe, ProbePlace};
 
 use serde::Deserialize;
 

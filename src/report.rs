@@ -1,16 +1,21 @@
 //! Results for people and for scripts: contact lines, records, tables, JSON, plots.
 
 mod chart;
+mod colours;
 mod contact_line;
 mod contact_surface;
 mod csv;
+mod deformed;
 mod explain;
 mod fields;
 mod file_names;
 mod folder;
+mod history_chart;
 mod increments;
 mod map;
 mod plot;
+mod principal;
+mod probe;
 mod pvd;
 mod resultant;
 mod run;
@@ -28,10 +33,14 @@ pub use chart::{Axis, Chart, Curve, Panel, Scale};
 pub use contact_line::{ContactLine, ContactPoint};
 pub use contact_surface::{ContactSurface, SurfaceNode};
 pub use csv::{number as csv_number, table as csv_table};
+pub use deformed::DeformedBody;
 pub use explain::{Explanation, WorstNode};
 pub use fields::fields;
 pub use folder::{ResultFolder, write_file};
+pub use history_chart::history_charts;
 pub use plot::{contact_stresses, stress_chart};
+pub use principal::{principal_stresses, von_mises};
+pub use probe::{ProbeTable, ProbeValue};
 pub use pvd::series as pvd_series;
 pub use resultant::{ComponentSums, ForceRecord, Resultant};
 pub use run::{Facts, Measured, RunReport, SCHEMA_VERSION, Totals};

@@ -36,10 +36,12 @@ pub use error::RunError;
 pub use recording::{RecordedIncrement, Recording};
 
 use crate::auto::{Choice, Faster};
+use crate::contact::ContactStatus;
 use crate::formulation::Layout;
-use crate::history::{self, HistoryOutcome, Observer, Solver, System};
+use crate::history::{self, HistoryOutcome, IncrementRecord, Observer, Solver, System};
 use crate::linear::{Direct, LinearError};
 use crate::model::Model;
+use crate::problem::State;
 use crate::report::{Facts, Measured, RunReport, available_bytes, cpu_seconds, peak_rss_bytes};
 use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
@@ -125,6 +127,22 @@ impl<'a> Run<'a> {
     /// The linear algebra, and why.
     pub fn choice(&self) -> &Choice {
         &self.choice
+    }
+
+    /// The body before the first increment, as increment 0: undeformed and free of contact forces, with the gaps at t = 0.
+    /// Loads and interferences that are there from the start come with the first increment.
+    pub fn undeformed(&self) -> RecordedIncrement {
+        let Model { problem, loading, .. } = &*self.model;
+        let contacts = problem.contacts();
+        RecordedIncrement {
+            record: IncrementRecord::undeformed(contacts),
+            state: State::zero(problem),
+            statuses: vec![ContactStatus::Open; contacts],
+            force: vec![0.0; problem.displacements()],
+            gap: loading.gaps_at(0.0),
+            w_t_last: vec![0.0; contacts],
+            w_o_last: vec![0.0; contacts],
+        }
     }
 
     /// Solves the history and reports on it. `observer` sees every iteration and increment, and may stop the run.

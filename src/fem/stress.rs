@@ -16,22 +16,29 @@ pub fn centre_stress(
     element: Element,
     material: &Elasticity,
 ) -> Option<[f64; 6]> {
-    let centre = match kind {
-        CellKind::Quadrilateral | CellKind::Hexahedron => [0.0; 3],
-        CellKind::Triangle => [1.0 / 3.0, 1.0 / 3.0, 0.0],
-        CellKind::Tetrahedron => [0.25; 3],
-    };
-    let (at_centre, _) = gradients(kind, centre, corners)?;
+    stress_at(kind, kind.centre(), corners, displacements, element, material)
+}
+
+/// The same at the reference point `point` of the cell.
+pub fn stress_at(
+    kind: CellKind,
+    point: [f64; 3],
+    corners: &[[f64; 3]],
+    displacements: &[[f64; 3]],
+    element: Element,
+    material: &Elasticity,
+) -> Option<[f64; 6]> {
+    let (here, _) = gradients(kind, point, corners)?;
     let points: Vec<_> = quadrature(kind)
         .into_iter()
         .map(|(point, weight)| gradients(kind, point, corners).map(|(gradients, det)| (gradients, det * weight)))
         .collect::<Option<_>>()?;
     let mean = mean_gradients(&points);
     let dilatation = match element {
-        Element::Bilinear => &at_centre,
+        Element::Bilinear => &here,
         Element::BBar => &mean,
     };
-    let columns = strain_columns(kind.dimension(), &at_centre, dilatation);
+    let columns = strain_columns(kind.dimension(), &here, dilatation);
     let unknowns = displacements.iter().flat_map(|u| &u[..kind.dimension()]);
     let mut strain = [0.0; 6];
     for (column, u) in columns.iter().zip(unknowns) {

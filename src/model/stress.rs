@@ -1,7 +1,7 @@
 //! The stresses of a body from its displacements.
 
 use super::Model;
-use crate::fem::centre_stress;
+use crate::fem::stress_at;
 use crate::problem::ProblemError;
 use crate::problem::error::expect_length;
 
@@ -18,19 +18,21 @@ impl Model {
 
     /// [`Model::centre_stresses`] of displacements that fit.
     pub(crate) fn stresses(&self, displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
-        let cells = self.mesh.cells.iter().zip(&self.materials);
-        cells
-            .map(|(cell, material)| {
-                let corners = self.mesh.points(&cell.nodes);
-                let corner_displacements: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
-                // Assembly has refused cells that have none.
-                let stress = centre_stress(cell.kind, &corners, &corner_displacements, self.element(), material);
-                let mut stress = stress.unwrap_or([f64::NAN; 6]);
-                if self.is_thin() {
-                    stress[2] = 0.0;
-                }
-                stress
-            })
-            .collect()
+        let cells = self.mesh.cells.iter().enumerate();
+        cells.map(|(e, cell)| self.stress_in(e, cell.kind.centre(), displacements)).collect()
+    }
+
+    /// The same at the reference point `point` of cell `e`.
+    pub(crate) fn stress_in(&self, e: usize, point: [f64; 3], displacements: &[[f64; 3]]) -> [f64; 6] {
+        let (cell, material) = (&self.mesh.cells[e], &self.materials[e]);
+        let corners = self.mesh.points(&cell.nodes);
+        let corner_displacements: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
+        // Assembly has refused cells that have none.
+        let stress = stress_at(cell.kind, point, &corners, &corner_displacements, self.element(), material);
+        let mut stress = stress.unwrap_or([f64::NAN; 6]);
+        if self.is_thin() {
+            stress[2] = 0.0;
+        }
+        stress
     }
 }

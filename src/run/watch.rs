@@ -37,6 +37,10 @@ impl Observer for Watch<'_> {
         self.observer.iteration(index, record)
     }
 
+    fn part(&mut self, part: &Step<'_>) {
+        self.observer.part(part);
+    }
+
     fn increment(&mut self, step: &Step<'_>) -> Flow {
         self.validity.see(self.model, step);
         self.forces.extend(ForceRecord::all(self.model, step));
