@@ -44,7 +44,7 @@ pub(super) fn record(
         time,
         status: walked.status,
         parts: walked.ends.len(),
-        part_ends: if walked.ends.len() > 1 { walked.ends.clone() } else { Vec::new() },
+        part_ends: if walked.ends == [time] { Vec::new() } else { walked.ends.clone() },
         rescued: solved.rescued,
         iterations: solved.iterations,
         backtracks: solved.backtracks,

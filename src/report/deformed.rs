@@ -88,9 +88,12 @@ impl DeformedBody {
         if mesh.dimension == 3 {
             patches.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
-        let facets = surface.iter().map(|(facet, _)| mesh.points(facet));
-        let outline = if mesh.dimension == 2 { facets.collect() } else { edges(facets, view.towards) };
-        let ends = |side: &Vec<[f64; 3]>| [view.place(side[0]), view.place(side[1])];
+        let outline = if mesh.dimension == 2 {
+            surface.iter().map(|(facet, _)| [mesh.nodes[facet[0]], mesh.nodes[facet[1]]]).collect()
+        } else {
+            edges(surface.iter().map(|(facet, _)| mesh.points(facet)), view.towards)
+        };
+        let ends = |side: &[[f64; 3]; 2]| side.map(|end| view.place(end));
         let axis = |c: usize| view.place(crate::vector::axis(c));
         DeformedBody {
             index: step.record.index,
@@ -185,22 +188,33 @@ fn normal(corners: &[[f64; 3]]) -> [f64; 3] {
     cross(minus(corners[n / 2], corners[0]), minus(corners[n - 1], corners[1]))
 }
 
-/// The sides in which the facets of a surface meet at an angle, as far as one of both is seen.
-fn edges(facets: impl Iterator<Item = Vec<[f64; 3]>>, towards: [f64; 3]) -> Vec<Vec<[f64; 3]>> {
-    let mut meeting: BTreeMap<[[u64; 3]; 2], (Vec<[f64; 3]>, Vec<[f64; 3]>)> = BTreeMap::new();
+/// A side of facets, and the normals of these.
+struct Joint {
+    ends: [[f64; 3]; 2],
+    normals: Vec<[f64; 3]>,
+}
+
+impl Joint {
+    /// Whether the facets meet at an angle, or there is one only.
+    fn is_edge(&self) -> bool {
+        self.normals.len() == 1 || self.normals.windows(2).any(|pair| dot(pair[0], pair[1]) < EDGE)
+    }
+}
+
+/// The edges of a surface of `facets`, as far as one of the facets that meet there is seen.
+fn edges(facets: impl Iterator<Item = Vec<[f64; 3]>>, towards: [f64; 3]) -> Vec<[[f64; 3]; 2]> {
+    let mut joints: BTreeMap<[[u64; 3]; 2], Joint> = BTreeMap::new();
     for corners in facets {
         let outward = unit(normal(&corners));
         for (k, &a) in corners.iter().enumerate() {
-            let b = corners[(k + 1) % corners.len()];
-            let mut key = [a, b].map(|x| x.map(f64::to_bits));
+            let ends = [a, corners[(k + 1) % corners.len()]];
+            let mut key = ends.map(|x| x.map(f64::to_bits));
             key.sort_unstable();
-            meeting.entry(key).or_insert_with(|| (vec![a, b], Vec::new())).1.push(outward);
+            joints.entry(key).or_insert(Joint { ends, normals: Vec::new() }).normals.push(outward);
         }
     }
-    let sharp =
-        |normals: &[[f64; 3]]| normals.windows(2).any(|pair| dot(pair[0], pair[1]) < EDGE) || normals.len() == 1;
-    let seen = |normals: &[[f64; 3]]| normals.iter().any(|normal| dot(*normal, towards) > 0.0);
-    meeting.into_values().filter(|(_, normals)| sharp(normals) && seen(normals)).map(|(side, _)| side).collect()
+    let seen = |joint: &Joint| joint.normals.iter().any(|normal| dot(*normal, towards) > 0.0);
+    joints.into_values().filter(|joint| joint.is_edge() && seen(joint)).map(|joint| joint.ends).collect()
 }
 
 /// The largest 1, 2 or 5 times a power of ten up to `most`, but 1 at least; 1 for a body that has not moved.

@@ -232,7 +232,7 @@ fn is_ours(name: &str) -> bool {
         || name.strip_prefix("contact_").and_then(line).unwrap_or(false)
         || numbered("fields_", ".vtu")
         || numbered("deformed_", ".svg")
-        || name.strip_prefix("probe_").is_some_and(|rest| rest.ends_with(".csv"))
+        || name.strip_prefix("probe_").and_then(|rest| rest.strip_suffix(".csv")).is_some()
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! A history as charts: the forces on the obstacles over time, and the iterations that each increment took.
 
 use super::chart::{Axis, Chart, Curve, Panel, Scale};
+use super::resultant::ForceRecord;
 use super::run::RunReport;
 use super::svg::{Dash, Line, Marker};
 use crate::history::{IncrementRecord, Status};
@@ -19,14 +20,17 @@ const MOST_MARKERS: usize = 60;
 const MOST_TICKS: usize = 300;
 const MOST_TICKS_UPWARDS: usize = 60;
 
-/// The charts of a report, each with the stem of a file name: `forces`, if there is contact, and `iterations`, if there was
-/// any increment.
+/// The charts of a report, each with the stem of a file name: `forces`, if contact forces were found, and `iterations`, if there
+/// was any increment.
 pub fn history_charts(report: &RunReport) -> Vec<(&'static str, Chart)> {
+    // An increment that failed is the last one.
+    let failed = report.increments.iter().find(|record| record.status != Status::Converged).map(|record| record.index);
+    let found: Vec<&ForceRecord> = report.forces.iter().filter(|record| Some(record.index) != failed).collect();
     let mut charts = Vec::new();
+    if !found.is_empty() {
+        charts.push(("forces", forces(report, &found)));
+    }
     if !report.increments.is_empty() {
-        if !report.forces.is_empty() {
-            charts.push(("forces", forces(report)));
-        }
         charts.push(("iterations", iterations(report)));
     }
     charts
@@ -37,21 +41,16 @@ fn few(report: &RunReport, marker: Marker) -> Option<Marker> {
 }
 
 /// The force of the body on the obstacle in front of each boundary, from the undeformed body on.
-fn forces(report: &RunReport) -> Chart {
+fn forces(report: &RunReport, found: &[&ForceRecord]) -> Chart {
     let mut boundaries: Vec<&str> = Vec::new();
-    for record in &report.forces {
+    for record in found {
         if !boundaries.contains(&record.resultant.boundary.as_str()) {
             boundaries.push(&record.resultant.boundary);
         }
     }
-    // An increment that failed is the last one.
-    let failed = report.increments.iter().find(|record| record.status != Status::Converged).map(|record| record.index);
     let panel = |boundary: &&str| {
-        let records: Vec<_> = report
-            .forces
-            .iter()
-            .filter(|record| record.resultant.boundary == **boundary && Some(record.index) != failed)
-            .collect();
+        let on_this = |record: &&&ForceRecord| record.resultant.boundary == **boundary;
+        let records: Vec<&ForceRecord> = found.iter().filter(on_this).copied().collect();
         let dimension = records.first().map_or(0, |record| record.resultant.force.len());
         let curve = |(c, (label, colour, dash)): (usize, (&str, [u8; 3], Dash))| Curve {
             label: label.to_string(),
@@ -66,7 +65,7 @@ fn forces(report: &RunReport) -> Chart {
         let curves = COMPONENTS.into_iter().take(dimension).enumerate().map(curve).collect();
         Panel { title: if boundaries.len() > 1 { (*boundary).to_string() } else { String::new() }, curves }
     };
-    let in_space = report.forces.iter().any(|record| record.resultant.force.len() == 3);
+    let in_space = found.iter().any(|record| record.resultant.force.len() == 3);
     let unit = if in_space { "N" } else { "N per m of depth" };
     Chart {
         title: report.title.clone(),

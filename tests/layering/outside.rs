@@ -41,7 +41,7 @@ pub const LIBRARY: &[Places] = &[
     ("signal_hook", &["cli/interrupt.rs"]),
     ("thiserror", &[]),
     ("toml", &["scene/"]),
-    ("toml_edit", &["compare/cases.rs", "scene/"]),
+    ("toml_edit", &["compare/mesh.rs", "scene/"]),
     ("std::env", &["cli.rs", "cli/"]),
     ("std::fs", &["cli/", "input.rs", "report/folder.rs", "report/usage.rs"]),
     ("std::net", &[NOWHERE]),

@@ -9,6 +9,7 @@ mod compare;
 mod compare_meshes;
 mod documented;
 mod names;
+mod outputs;
 mod schema;
 mod solvability;
 mod start;
