@@ -73,7 +73,7 @@ fn measure(n: usize, who: Who) -> [f64; 6] {
     let (mut h, mut dz) = (vec![0.0; n], vec![0.0; n]);
     let (mut seconds, mut worst, mut info) = (Vec::new(), 0.0_f64, linear::FactorInfo::default());
     for iteration in 0..ITERATIONS {
-        let z = formulation.layout().pack(&mixed_state(&model, iteration), &scaling);
+        let z = formulation.layout().pack(&mixed_state(&model, iteration), &scaling).unwrap();
         formulation.linearize(&z);
         formulation.residual(&z, &mut h);
         let jacobian = formulation.jacobian();

@@ -30,7 +30,8 @@ fn main() {
     let force = condensed.loading.force_at(1.0, small).unwrap();
     let w_t_last = vec![0.0; small.contacts()];
     formulation.begin(&Increment { force: &force, gap: model.loading.gap(), w_t_last: &w_t_last, w_o_last: &w_t_last });
-    let [first, second] = [0, 1].map(|shift| formulation.layout().pack(&mixed(small, &model, shift), &scaling));
+    let [first, second] =
+        [0, 1].map(|shift| formulation.layout().pack(&mixed(small, &model, shift), &scaling).unwrap());
     formulation.linearize(&first);
     let (mut h, mut dz) = (vec![0.0; first.len()], vec![0.0; first.len()]);
     formulation.residual(&first, &mut h);

@@ -28,9 +28,17 @@
 //! ```
 
 mod check;
+mod field;
+mod load;
 mod probe;
+mod spring;
+mod support;
 
+pub use field::Field;
+pub use load::{Action, Load, Where};
 pub use probe::{Probe, ProbePlace};
+pub use spring::Bed;
+pub use support::{Direction, Held, Support};
 
 use serde::Deserialize;
 
@@ -52,6 +60,8 @@ pub struct Description {
     pub supports: Vec<Support>,
     /// Where it can touch an obstacle.
     pub contacts: Vec<Contact>,
+    /// Springs and foundations that it stands on.
+    pub springs: Vec<Bed>,
     /// What loads it; loads add up.
     pub loads: Vec<Load>,
     /// The ends of the increments, s, increasing; the history begins at 0.
@@ -70,15 +80,6 @@ pub enum Axis {
     Z,
 }
 
-/// Components of the displacement held at zero on a boundary.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Support {
-    /// The boundary.
-    pub boundary: String,
-    /// Whether x, y and z are held.
-    pub fix: [bool; 3],
-}
-
 /// A boundary that can touch an obstacle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
@@ -90,18 +91,6 @@ pub struct Contact {
     pub obstacle: Obstacle,
 }
 
-/// A uniform traction on a boundary, times a factor that changes in time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Load {
-    /// The boundary.
-    pub boundary: String,
-    /// Traction at factor 1, N/m²: two components or three.
-    pub traction: Vec<f64>,
-    /// Points `[time (s), factor]` with increasing times; linear between, constant outside. Without them the factor
-    /// grows from 0 at the beginning to 1 at the end.
-    pub history: Option<Vec<[f64; 2]>>,
-}
-
 impl Description {
     /// A body of `mesh` and `material` that nothing holds, meets or loads yet, over increments that end at `times` (s).
     pub fn new(mesh: impl Into<MeshSource>, material: Material, times: Vec<f64>) -> Self {
@@ -111,6 +100,7 @@ impl Description {
             material,
             supports: Vec::new(),
             contacts: Vec::new(),
+            springs: Vec::new(),
             loads: Vec::new(),
             times,
         }
@@ -124,8 +114,21 @@ impl Description {
 
     /// With the displacements of `boundary` along `axes` held at zero.
     #[must_use]
-    pub fn support(mut self, boundary: &str, axes: &[Axis]) -> Self {
-        self.supports.push(Support::new(boundary, axes));
+    pub fn support(self, boundary: &str, axes: &[Axis]) -> Self {
+        self.held(Support::new(boundary, axes))
+    }
+
+    /// With one more support.
+    #[must_use]
+    pub fn held(mut self, support: Support) -> Self {
+        self.supports.push(support);
+        self
+    }
+
+    /// With one more spring or foundation.
+    #[must_use]
+    pub fn spring(mut self, spring: Bed) -> Self {
+        self.springs.push(spring);
         self
     }
 
@@ -146,32 +149,5 @@ impl Description {
     /// The end of the history, s; 0 without increments.
     pub fn end(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
-    }
-}
-
-impl Support {
-    /// The displacements of `boundary` along `axes`.
-    pub fn new(boundary: &str, axes: &[Axis]) -> Self {
-        let fix = [Axis::X, Axis::Y, Axis::Z].map(|axis| axes.contains(&axis));
-        Support { boundary: boundary.to_string(), fix }
-    }
-}
-
-impl Load {
-    /// A `traction` (N/m², two components or three) on `boundary` that grows from 0 at the beginning to the whole of it
-    /// at the end.
-    pub fn new(boundary: &str, traction: &[f64]) -> Self {
-        Load { boundary: boundary.to_string(), traction: traction.to_vec(), history: None }
-    }
-
-    /// The same traction times the factor of `history`: points `[time (s), factor]`.
-    #[must_use]
-    pub fn over(self, history: &[[f64; 2]]) -> Self {
-        Load { history: Some(history.to_vec()), ..self }
-    }
-
-    /// The points `[time (s), factor]` of its history, which ends at `end` (s) if it does not say when.
-    pub fn factors(&self, end: f64) -> Vec<[f64; 2]> {
-        self.history.clone().unwrap_or_else(|| vec![[0.0, 0.0], [end, 1.0]])
     }
 }

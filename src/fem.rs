@@ -1,27 +1,33 @@
-//! Linear elasticity in two and three dimensions: `K`, consistent loads, rigid motions.
+//! Linear elasticity in two and three dimensions: `K`, consistent loads, springs, supports, rigid motions.
 
 mod assembly;
+mod body_force;
 mod dofs;
 mod elastic;
 mod facet;
+mod held;
 mod locate;
 mod material;
 mod quadrature;
 mod rigid;
 mod shape;
+mod spring;
 mod stiffness;
 mod strain;
 mod stress;
 
 pub use assembly::{InvertedElement, assemble};
+pub use body_force::{body_force, free_stretch, thermal_forces, thermal_stress};
 pub use dofs::Dofs;
 pub use elastic::Elasticity;
-pub use facet::{facet_load, facet_weights};
+pub use facet::{NodalForces, area, facet_load, facet_weights, traction, uniform_traction};
+pub use held::{HeldRows, nearest_rigid_motion};
 pub use locate::reference_point;
 pub use material::{Layer, Material, MaterialGroup, Plane};
-pub use quadrature::quadrature;
-pub use rigid::{RigidMotion, rigid_motions};
+pub use quadrature::{fine_quadrature, quadrature};
+pub use rigid::{RigidMotion, rigid_motions, unresisted_motions};
 pub use shape::{gradients, shape};
+pub use spring::{Bedding, Spring};
 pub use stiffness::element_stiffness;
 pub use strain::Element;
-pub use stress::{centre_stress, stress_at};
+pub use stress::{centre_stress, strain_energy, stress_at};

@@ -1,16 +1,25 @@
 //! From a description, or the scene that holds one, to the discrete problem: mesh, `K`, contact maps, loads.
 
-mod body;
+mod balance;
 mod contact;
+mod element;
+mod energy;
+mod load;
+mod place;
 mod range;
 mod stress;
+mod support;
+
+pub use balance::{Balance, Wrench};
 
 use std::sync::Arc;
 
 use crate::contact::{ContactBoundary, ContactNode, Facing, ObstacleMotion, PlacedObstacle, Row, share_edges};
 use crate::description::Description;
 use crate::fault::Fault;
-use crate::fem::{Dofs, Elasticity, Element, InvertedElement, Plane, RigidMotion, assemble, facet_load, rigid_motions};
+use crate::fem::{
+    Dofs, Elasticity, Element, HeldRows, InvertedElement, Plane, RigidMotion, Spring, assemble, unresisted_motions,
+};
 use crate::loading::{Bend, LoadCase, Loading, Motion};
 use crate::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::problem::{ContactProblem, Parts, ProblemError};
@@ -18,6 +27,10 @@ use crate::scene::{Scene, SceneError};
 use crate::sparse::Csr;
 use crate::timeline::within;
 use crate::units::Scaling;
+use crate::vector::dot;
+use balance::Statics;
+use load::Body;
+use support::Moved;
 
 /// A body, discretised.
 #[derive(Debug, Clone)]
@@ -42,6 +55,11 @@ pub struct Model {
     pub loading: Loading,
     /// The rigid motions behind `problem.free_motions()`.
     pub rigid_motions: Vec<RigidMotion>,
+    /// Where supports move the body.
+    moved: Vec<Moved>,
+    /// The stress-free strains of loads by temperature: of each cell at factor 1, and the number of the load.
+    thermal: Vec<(Vec<f64>, usize)>,
+    statics: Statics,
 }
 
 /// Why there is no model of a description.
@@ -97,10 +115,18 @@ impl Model {
     pub fn build(description: &Description) -> Result<Self, ModelError> {
         description.check()?;
         let mesh = description.mesh.made()?;
-        let dofs = body::dofs(description, &mesh)?;
-        let element = body::element(description, &mesh)?;
+        let holdings = support::holdings(description, &mesh)?;
+        let dofs = support::dofs(&mesh, &holdings)?;
+        let element = element::element(description, &mesh)?;
         let materials = description.material.laws(&mesh)?;
-        let stiffness = assemble(&mesh, &dofs, element, |e| materials[e])?;
+        let mut stiffness = assemble(&mesh, &dofs, element, |e| materials[e])?;
+        let beds = load::springs(description, &mesh)?;
+        let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
+        for spring in &springs {
+            spring.add_to(&mut stiffness, &dofs);
+        }
+        let rows = HeldRows::new(&mesh, &dofs, element, |e| materials[e], &springs)?;
+        let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, !springs.is_empty())?;
 
         let (mut contacts, mut mu) = (Vec::<ContactNode>::new(), Vec::new());
         let (mut contact_boundaries, mut obstacles) = (Vec::new(), Vec::new());
@@ -132,16 +158,30 @@ impl Model {
         let map = |row: fn(&ContactNode) -> &Row| {
             Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))
         };
-        let (mut cases, end) = (Vec::with_capacity(description.loads.len()), description.end());
+        let thin = description.material.plane == Some(Plane::Stress);
+        let body = Body { description, mesh: &mesh, element, thin, materials: &materials };
+        let (mut cases, mut forces, mut thermal) = (Vec::new(), Vec::new(), Vec::new());
+        let end = description.end();
         for (k, load) in description.loads.iter().enumerate() {
-            let boundary = find(&mesh, &load.boundary, &format!("load[{k}]"))?;
-            let force = facet_load(&mesh, &dofs, boundary, body::traction(description, &mesh, k)?);
-            cases.push(LoadCase::new(force, within(end, &load.factors(end)))?);
+            let on_mesh = body.load(k)?;
+            let factors = within(end, &load.factors(end));
+            cases.push(LoadCase::new(dofs.forces(on_mesh.forces.iter().copied()), factors)?);
+            thermal.extend(on_mesh.thermal_strain.map(|strain| (strain, k)));
+            forces.push(on_mesh.forces);
         }
+        // What supports move comes as forces on the rest of the body, and as motions of the obstacles past it.
+        for moved in &moved {
+            cases.push(LoadCase::new(dofs.forces(moved.forces(&rows)), moved.history.clone())?);
+            let along = |contact: &ContactNode, n: [f64; 3]| -dot(moved.displacements[contact.node], n);
+            let gap = contacts.iter().map(|contact| along(contact, contact.facing.normal)).collect();
+            let drift = contacts.iter().map(|contact| contact.facing.tangents.map(|t| along(contact, t))).collect();
+            motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
+        }
+        let statics = Statics::new(&mesh, rows.clone(), support::shares(&holdings, &rows), beds, &forces);
         let gap = contacts.iter().map(|contact| contact.facing.gap).collect();
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?;
 
-        let rigid_motions = rigid_motions(&mesh, &dofs);
+        let rigid_motions = unresisted_motions(&mesh, &dofs, &springs);
         let problem = ContactProblem::new(Parts {
             stiffness,
             c_n: map(|contact| &contact.normal),
@@ -162,6 +202,9 @@ impl Model {
             problem,
             loading,
             rigid_motions,
+            moved,
+            thermal,
+            statics,
         })
     }
 

@@ -1,10 +1,12 @@
 //! Results for people and for scripts: contact lines, records, tables, JSON, plots.
 
+mod balance;
 mod chart;
 mod colours;
 mod contact_line;
 mod contact_surface;
 mod csv;
+mod deformation;
 mod deformed;
 mod explain;
 mod fields;
@@ -29,6 +31,7 @@ mod validity;
 mod vtu;
 mod warnings;
 
+pub use balance::{Acting, BalanceRecord};
 pub use chart::{Axis, Chart, Curve, Panel, Scale};
 pub use contact_line::{ContactLine, ContactPoint};
 pub use contact_surface::{ContactSurface, SurfaceNode};

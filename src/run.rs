@@ -161,8 +161,11 @@ impl<'a> Run<'a> {
         let start = Instant::now();
         let (linear, condensed) = (system.name(), system.condenses());
         let mut watch = Watch::new(&self.model, self.uniqueness, observer);
-        let outcome = self.history_with(system, &mut watch)?;
-        let Watch { validity, forces, last, .. } = watch;
+        let mut outcome = self.history_with(system, &mut watch)?;
+        let Watch { validity, energies, forces, reactions, last, .. } = watch;
+        for (record, strain_energy) in outcome.records.iter_mut().zip(energies) {
+            record.strain_energy = strain_energy;
+        }
         let critical_friction = match last {
             Some(last) => self.critical_friction(&last, &outcome)?,
             None => None,
@@ -184,6 +187,7 @@ impl<'a> Run<'a> {
             outcome: &outcome,
             validity: &validity,
             forces,
+            reactions,
             critical_friction,
             measured,
         }))

@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 
 use clap::Args;
 use stickslip::contact::{GapDirection, Obstacle, PlacedObstacle, Rotation, Shape};
+use stickslip::description::{Action, Bed, Direction, Field, Held, Support, Where};
 use stickslip::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::formulation::Layout;
 use stickslip::history;
@@ -135,8 +136,17 @@ fn body(scene: &Scene, model: &Model) {
         bottom = top;
     }
     for support in &scene.description.supports {
-        let held = ["x", "y", "z"].into_iter().zip(support.fix).filter(|&(_, fix)| fix).map(|(name, _)| name.into());
-        say!("support      {}: {} held", support.boundary, listed(held.collect()));
+        say!("support      {}: {}", support.at, holds(support, scene.time.end));
+    }
+    for bed in &scene.description.springs {
+        let stiffness = match bed {
+            Bed::Axes { at: Where::Boundary(_), stiffness } => format!("({}) N/m3 along the axes", numbers(stiffness)),
+            Bed::Axes { stiffness, .. } => format!("({}) N/m along the axes", numbers(stiffness)),
+            Bed::Surface { normal, tangential, .. } => {
+                format!("{} N/m3 along the normal, {} N/m3 across", number(*normal), number(*tangential))
+            }
+        };
+        say!("spring       {}: {stiffness}", bed.place());
     }
 }
 
@@ -225,12 +235,43 @@ fn loads(scene: &Scene, model: &Model) {
             .into_iter()
             .fold([0.0; 3], |sum, force| [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]);
         say!(
-            "load         {}: ({}) N/m2, in all ({}) N on what is free; factor {}",
-            load.boundary,
-            numbers(&load.traction),
+            "load         {}: {}, in all ({}) N on what is free; factor {}",
+            load.action.place(),
+            acts(&load.action),
             numbers(&sum[..model.mesh.dimension]),
             points(&load.factors(scene.time.end), |factor| factor[0].to_string())
         );
+    }
+}
+
+/// What a support holds, and where it moves that to.
+fn holds(support: &Support, end: f64) -> String {
+    let direction = |held: &Held| match held.direction {
+        Direction::Axis(axis) => format!("{axis:?}").to_lowercase(),
+        Direction::Normal => "its normal".to_string(),
+        Direction::Along(vector) => format!("{vector:?}"),
+    };
+    let held = format!("{} held", listed(support.held.iter().map(direction).collect()));
+    if !support.moves() {
+        return held;
+    }
+    let to: Vec<f64> = support.held.iter().map(|held| held.displacement).collect();
+    let factor = points(&support.factors(end), |factor| factor[0].to_string());
+    format!("{held}, moved by ({}) m; factor {factor}", numbers(&to))
+}
+
+/// What a load does at factor 1.
+fn acts(action: &Action) -> String {
+    match action {
+        Action::Traction { traction, .. } => {
+            let component = |t: &Field| t.uniform().map_or_else(|| t.to_string(), number);
+            format!("({}) N/m2", traction.iter().map(component).collect::<Vec<_>>().join(", "))
+        }
+        Action::Pressure { pressure, .. } => format!("pressure {pressure} N/m2"),
+        Action::Force { force, .. } => format!("({}) N", numbers(force)),
+        Action::Acceleration(acceleration) => format!("({}) m/s2", numbers(acceleration)),
+        Action::Spin { speed, .. } => format!("turning with {speed} rad/s"),
+        Action::Temperature(temperature) => format!("warmed by {temperature} K"),
     }
 }
 

@@ -10,7 +10,9 @@ use clap::Args;
 use stickslip::formulation::{Layout, NewtonSystem};
 use stickslip::history::{Method, Status};
 use stickslip::model::Model;
-use stickslip::report::{ComponentSums, LeftOut, ProbeTable, ResultFolder, Resultant, RunReport, Unknowns, Warning};
+use stickslip::report::{
+    Acting, BalanceRecord, ComponentSums, LeftOut, ProbeTable, ResultFolder, Resultant, RunReport, Unknowns, Warning,
+};
 use stickslip::run::Run;
 use stickslip::scene::Scene;
 
@@ -158,6 +160,15 @@ fn print_verdict(report: &RunReport, increments: usize) {
         say!("contact      {boundary}: sum p_n = {sum_p_n:.6e} N, sum p_t = {sum_p_t:.6e} N{other}");
         let force: Vec<_> = force.iter().map(|f| format!("{f:.6e}")).collect();
         say!("             force on the obstacle ({}) N", force.join(", "));
+    }
+    if let Some(BalanceRecord { supports, springs, balance, .. }) = report.reactions.last() {
+        for (kind, Acting { at, force, .. }) in
+            supports.iter().map(|support| ("reaction", support)).chain(springs.iter().map(|spring| ("spring", spring)))
+        {
+            let force: Vec<_> = force.iter().map(|f| format!("{f:.6e}")).collect();
+            say!("{kind:<12} {at}: ({}) N on the body", force.join(", "));
+        }
+        say!("balance      all forces on the body leave {balance:.1e} of their sizes");
     }
     if let Some(largest) = &report.largest_displacement {
         say!("displaced    by {:.3e} m at most", largest.length);

@@ -7,7 +7,7 @@ use super::motion::ObstacleMotion;
 use super::obstacle::{Facing, PlacedObstacle};
 use crate::fem::{Dofs, facet_weights};
 use crate::mesh::{Boundary, Mesh};
-use crate::vector::{self, cross, dot, unit};
+use crate::vector::{cross, dot, unit};
 
 /// A row of a contact map, `w = Σ coefficient · u[dof]`, as pairs `(dof, coefficient)`.
 pub type Row = Vec<(usize, f64)>;
@@ -55,7 +55,7 @@ pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &P
         .map(|&node| {
             let mut facing = obstacle.at(mesh.nodes[node]);
             let frame = facing.tangents;
-            let tangents = tangents(dofs.node(node), &facing);
+            let tangents = tangents(&dofs.held(node).collect::<Vec<_>>(), &facing);
             facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
             let normal = row(dofs, node, facing.normal);
             let tangents = facing.tangents.map(|tangent| row(dofs, node, tangent));
@@ -67,8 +67,7 @@ pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &P
 
 /// The row of a displacement of `node` along `direction`.
 fn row(dofs: &Dofs, node: usize, direction: [f64; 3]) -> Row {
-    let free = dofs.node(node).iter().zip(direction);
-    free.filter_map(|(dof, c)| dof.map(|d| (d, c))).filter(|&(_, c)| c != 0.0).collect()
+    dofs.along(node, direction).filter(|&(_, c)| c != 0.0).collect()
 }
 
 impl ContactNode {
@@ -115,21 +114,19 @@ pub fn share_edges(contacts: &mut [ContactNode], mu: &[f64], dofs: &Dofs) {
     }
 }
 
-/// The tangents along which a node with the unknowns `dofs` can slide: orthonormal
-/// directions at right angles to the normal in the space of its free components.
+/// The tangents along which a node can slide that is `held` along these unit vectors at right angles: orthonormal
+/// directions at right angles to the normal in the space of what is free.
 ///
 /// - All of space: those of the obstacle.
 /// - A plane, in two dimensions or where a support holds one component: the first tangent of the obstacle that lies
 ///   in the plane, otherwise the one direction of the plane that is tangential.
 /// - A line: none. Tangential motion is normal motion, nothing is left to slide.
-fn tangents(dofs: &[Option<usize>], facing: &Facing) -> Vec<[f64; 3]> {
-    let free = |axis: usize| dofs.get(axis).is_some_and(Option::is_some);
-    let held: Vec<usize> = (0..3).filter(|&axis| !free(axis)).collect();
-    match held[..] {
+fn tangents(held: &[[f64; 3]], facing: &Facing) -> Vec<[f64; 3]> {
+    match *held {
         [] => facing.tangents.to_vec(),
-        [axis] => {
-            let in_plane = facing.tangents.into_iter().find(|tangent| tangent[axis] == 0.0);
-            vec![in_plane.unwrap_or_else(|| unit(cross(vector::axis(axis), facing.normal)))]
+        [n] => {
+            let in_plane = facing.tangents.into_iter().find(|tangent| dot(*tangent, n) == 0.0);
+            vec![in_plane.unwrap_or_else(|| unit(cross(n, facing.normal)))]
         }
         _ => Vec::new(),
     }
@@ -147,8 +144,8 @@ pub fn unreachable(
 ) -> Option<usize> {
     boundary.nodes().into_iter().find(|&node| {
         let facing = obstacle.at(mesh.nodes[node]);
-        let held = dofs.node(node).iter().zip(facing.normal).all(|(dof, n)| dof.is_none() || n == 0.0);
-        held && motion.smallest_gap(obstacle, mesh.nodes[node], &facing, times) < 0.0
+        row(dofs, node, facing.normal).is_empty()
+            && motion.smallest_gap(obstacle, mesh.nodes[node], &facing, times) < 0.0
     })
 }
 

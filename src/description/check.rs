@@ -1,9 +1,9 @@
 //! Are the values of a description possible, each by itself and beside each other?
 
-use super::{Contact, Description, Load, Support};
-use crate::fault::{Fault, demand, finite, not_huge};
+use super::{Contact, Description};
+use crate::fault::{Fault, demand, finite};
 use crate::fem::{Element, Plane};
-use crate::timeline::{check_points, check_times};
+use crate::timeline::check_times;
 
 impl Description {
     /// Whether a model can be made of it, as far as that is known without its mesh.
@@ -26,19 +26,13 @@ impl Description {
         for (k, contact) in self.contacts.iter().enumerate() {
             contact.check(&self.contacts[..k]).map_err(under("contact", k))?;
         }
+        for (k, spring) in self.springs.iter().enumerate() {
+            spring.check().map_err(under("spring", k))?;
+        }
         for (k, load) in self.loads.iter().enumerate() {
             load.check().map_err(under("load", k))?;
         }
         Ok(())
-    }
-}
-
-impl Support {
-    fn check(&self) -> Result<(), Fault> {
-        if self.fix.contains(&true) {
-            return Ok(());
-        }
-        Err(Fault::new("fix", "fix is empty, so the support holds nothing", "use [\"x\", \"y\"]"))
     }
 }
 
@@ -53,15 +47,5 @@ impl Contact {
         let help = "give Coulomb's coefficient, 0 for a frictionless contact";
         demand(self.friction >= 0.0, "friction", &self.friction, "0 or more", help)?;
         self.obstacle.check().map_err(|fault| fault.under("obstacle"))
-    }
-}
-
-impl Load {
-    fn check(&self) -> Result<(), Fault> {
-        let sound = (2..=3).contains(&self.traction.len()) && self.traction.iter().all(|x| x.is_finite());
-        let help = "give one for each axis, not nan or inf";
-        demand(sound, "traction", &self.traction, "two or three finite numbers", help)?;
-        not_huge("traction", self.traction.iter().copied())?;
-        self.history.as_ref().map_or(Ok(()), |history| check_points("history", "factor", history))
     }
 }

@@ -45,8 +45,9 @@ pub fn assemble(
         }
     });
     for (e, cell) in mesh.cells.iter().enumerate() {
-        let stiffness = element_stiffness(cell.kind, &mesh.points(&cell.nodes), element, &material(e))
+        let mut stiffness = element_stiffness(cell.kind, &mesh.points(&cell.nodes), element, &material(e))
             .ok_or_else(|| InvertedElement { element: e, centre: mesh.centre(e), dimension: mesh.dimension })?;
+        dofs.turn(&cell.nodes, &mut stiffness);
         let unknowns = dofs.element(&cell.nodes);
         for (row, values) in unknowns.iter().zip(&stiffness) {
             for (column, value) in unknowns.iter().zip(values) {

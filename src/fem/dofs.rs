@@ -1,31 +1,62 @@
 //! The numbering of the free displacements.
 
+use std::collections::BTreeMap;
+
 use crate::mesh::Mesh;
+use crate::vector::{axis, axis_across, cross, dot, minus, norm, unit};
+
+/// Three directions at right angles to each other, along which the displacements of a node are counted.
+type Frame = [[f64; 3]; 3];
 
 /// Which displacement components are unknowns, and their numbers. Supported components are
 /// eliminated: they have no number.
-#[derive(Debug, Clone, PartialEq, Eq)]
+///
+/// The components of a node are those along the axes of coordinates, but for a node that an oblique support holds: its
+/// frame is turned so that what is held is along its own axes.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Dofs {
     dimension: usize,
     /// Node by node, as many as there are dimensions.
     numbers: Vec<Option<usize>>,
+    /// The frames that are not those of coordinates.
+    frames: BTreeMap<usize, Frame>,
     free: usize,
 }
+
+/// A direction that is as long as this, or shorter, beyond others of unit length is one of theirs, and rounding.
+const SAME: f64 = 1e-9;
+
+/// The component along an axis of an oblique frame that is as small as this, of a unit vector, is what rounding leaves.
+const ROUNDING: f64 = 1e-14;
 
 impl Dofs {
     /// Numbers node by node every component for which `fixed(node, component)` is false.
     pub fn new(mesh: &Mesh, fixed: impl Fn(usize, usize) -> bool) -> Self {
+        let axes = |node: usize| (0..mesh.dimension).filter(|&c| fixed(node, c)).map(axis).collect();
+        Self::holding(mesh, axes)
+    }
+
+    /// Numbers what is left of each node when it is held along the directions that `held` names: unit vectors, in two
+    /// dimensions of the plane. Directions that follow from others add nothing.
+    pub fn holding(mesh: &Mesh, mut held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
         let dimension = mesh.dimension;
-        let mut free = 0;
-        let mut number = |fixed: bool| {
-            (!fixed).then(|| {
-                free += 1;
-                free - 1
-            })
-        };
-        let components = (0..mesh.nodes.len()).flat_map(|node| (0..dimension).map(move |c| (node, c)));
-        let numbers = components.map(|(node, c)| number(fixed(node, c))).collect();
-        Dofs { dimension, numbers, free }
+        let mut dofs = Dofs { dimension, numbers: Vec::new(), frames: BTreeMap::new(), free: 0 };
+        for node in 0..mesh.nodes.len() {
+            let held = independent(held(node), dimension);
+            let along_axis = |n: &[f64; 3]| n.iter().filter(|c| **c != 0.0).count() == 1;
+            let fixed = if held.len() == dimension || held.iter().all(along_axis) {
+                [0, 1, 2].map(|c| held.len() == dimension || held.iter().any(|n| n[c] != 0.0))
+            } else {
+                let (frame, fixed) = turned(&held, dimension);
+                dofs.frames.insert(node, frame);
+                fixed
+            };
+            for fixed in &fixed[..dimension] {
+                dofs.numbers.push((!fixed).then_some(dofs.free));
+                dofs.free += usize::from(!fixed);
+            }
+        }
+        dofs
     }
 
     /// The number of unknown displacements, n_u.
@@ -33,9 +64,15 @@ impl Dofs {
         self.free
     }
 
-    /// The unknowns of `node` along x, y and, in three dimensions, z; `None` where a support holds it.
+    /// The unknowns of `node` along the axes of its frame: x, y and, in three dimensions, z, but for a node that an
+    /// oblique support holds; `None` where a support holds it.
     pub fn node(&self, node: usize) -> &[Option<usize>] {
         &self.numbers[self.dimension * node..self.dimension * (node + 1)]
+    }
+
+    /// The axes of the frame of `node`, if they are not those of coordinates.
+    pub fn frame(&self, node: usize) -> Option<&[[f64; 3]; 3]> {
+        self.frames.get(&node)
     }
 
     /// The node of an unknown.
@@ -48,9 +85,120 @@ impl Dofs {
         nodes.iter().flat_map(|&node| self.node(node)).copied().collect()
     }
 
+    /// The components of `vector` along the unknowns of `node`, each with its number.
+    pub fn along(&self, node: usize, vector: [f64; 3]) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let components = match self.frame(node) {
+            None => vector,
+            Some(frame) => frame.map(|axis| {
+                let along = dot(axis, vector);
+                if along.abs() <= ROUNDING * norm(vector) { 0.0 } else { along }
+            }),
+        };
+        self.node(node).iter().zip(components).filter_map(|(dof, component)| Some(((*dof)?, component)))
+    }
+
+    /// The directions along which supports hold `node`; in two dimensions z, which nothing moves along, too.
+    pub fn held(&self, node: usize) -> impl Iterator<Item = [f64; 3]> + '_ {
+        let frame = self.frame(node).copied().unwrap_or([0, 1, 2].map(axis));
+        let numbers = self.node(node);
+        (0..3).filter(|&c| numbers.get(c).is_none_or(Option::is_none)).map(move |c| frame[c])
+    }
+
+    /// Forces (N) on the nodes that are named, as forces on the unknowns, n_u.
+    pub fn forces(&self, nodal: impl IntoIterator<Item = (usize, [f64; 3])>) -> Vec<f64> {
+        let mut forces = vec![0.0; self.free];
+        for (node, force) in nodal {
+            self.along(node, force).for_each(|(dof, component)| forces[dof] += component);
+        }
+        forces
+    }
+
     /// The displacement of every node (m) from the vector `u` of unknowns; 0 where supported.
     pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 3]> {
         let node = |dofs: &[Option<usize>]| [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]));
-        self.numbers.chunks_exact(self.dimension).map(node).collect()
+        let mut displacements: Vec<[f64; 3]> = self.numbers.chunks_exact(self.dimension).map(node).collect();
+        for (&node, frame) in &self.frames {
+            let along = displacements[node];
+            displacements[node] = [0, 1, 2].map(|c| (0..3).map(|k| along[k] * frame[k][c]).sum());
+        }
+        displacements
+    }
+
+    /// Turns the stiffness of an element with the corners `nodes` from the axes of coordinates into the frames of its nodes.
+    pub(super) fn turn(&self, nodes: &[usize], stiffness: &mut [Vec<f64>]) {
+        let d = self.dimension;
+        for (a, node) in nodes.iter().enumerate() {
+            let Some(frame) = self.frame(*node) else { continue };
+            let turned = |x: [f64; 3]| frame.map(|axis| dot(axis, x));
+            let at = |c: usize| d * a + c;
+            for row in stiffness.iter_mut() {
+                let new = turned([0, 1, 2].map(|c| if c < d { row[at(c)] } else { 0.0 }));
+                (0..d).for_each(|c| row[at(c)] = new[c]);
+            }
+            let rows: Vec<Vec<f64>> = (0..d).map(|c| std::mem::take(&mut stiffness[at(c)])).collect();
+            for (r, axis) in frame[..d].iter().enumerate() {
+                let turned =
+                    |column| rows.iter().zip(axis).map(|(row, share): (&Vec<f64>, _)| share * row[column]).sum();
+                stiffness[at(r)] = (0..d * nodes.len()).map(turned).collect();
+            }
+        }
+    }
+}
+
+/// As many of `directions` as span what all of them span, first those along axes.
+fn independent(mut directions: Vec<[f64; 3]>, dimension: usize) -> Vec<[f64; 3]> {
+    directions.sort_by_key(|n| n.iter().filter(|c| **c != 0.0).count());
+    let mut basis: Vec<[f64; 3]> = Vec::new();
+    for n in directions {
+        let rest = basis.iter().fold(n, |rest, b| {
+            let along = dot(rest, *b);
+            minus(rest, b.map(|c| along * c))
+        });
+        if basis.len() < dimension && norm(rest) > SAME {
+            basis.push(if basis.is_empty() { n } else { unit(rest) });
+        }
+    }
+    basis
+}
+
+/// A frame with the directions `held`, fewer than there are dimensions, and which of its axes these are.
+fn turned(held: &[[f64; 3]], dimension: usize) -> (Frame, [bool; 3]) {
+    match *held {
+        [n] if dimension == 2 => ([[-n[1], n[0], 0.0], n, axis(2)], [false, true, true]),
+        [n] => {
+            let least = (0..3).min_by(|&a, &b| n[a].abs().total_cmp(&n[b].abs())).unwrap_or(0);
+            let first = axis_across(least, n);
+            ([first, cross(n, first), n], [false, false, true])
+        }
+        [a, b, ..] => ([unit(cross(a, b)), a, b], [false, true, true]),
+        [] => ([0, 1, 2].map(axis), [false; 3]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::block;
+
+    /// A displacement given by its unknowns has these components along the frame, and none along what is held.
+    #[test]
+    fn oblique_supports_leave_what_is_across() {
+        let n = unit([1.0, 2.0, -2.0]);
+        let cases: [Vec<[f64; 3]>; 5] =
+            [vec![n], vec![n, n.map(|c| -c)], vec![n, axis(1)], vec![axis(0), n, axis(2)], vec![unit([1.0, 0.0, 1.0])]];
+        let mesh = block(&[1.0; 3], &[1; 3]);
+        for held in cases {
+            let dofs = Dofs::holding(&mesh, |node| if node == 3 { held.clone() } else { Vec::new() });
+            let rank = independent(held.clone(), 3).len();
+            assert_eq!(dofs.free(), 24 - rank, "{held:?}");
+            let u: Vec<f64> = (0..dofs.free()).map(|k| 1.0 + k as f64).collect();
+            let moved = dofs.displacements(&u);
+            assert!(held.iter().all(|n| dot(*n, moved[3]).abs() < 1e-14), "{held:?}");
+            assert_eq!(moved[0], [1.0, 2.0, 3.0]);
+            for (dof, along) in dofs.along(3, moved[3]) {
+                assert!((along - u[dof]).abs() < 1e-14, "{held:?}");
+            }
+            assert_eq!(dofs.held(3).count(), rank);
+        }
     }
 }

@@ -15,15 +15,19 @@ pub struct Material {
     pub poisson: f64,
     /// The plane state in two dimensions, plane strain if it is left out; in three there is none.
     pub plane: Option<Plane>,
+    /// Mass density, kg/m³, for loads that act on the mass.
+    pub density: Option<f64>,
+    /// Coefficient of thermal expansion, 1/K, for loads by temperature.
+    pub expansion: Option<f64>,
     /// Horizontal layers of other materials, from the bottom of the body up; above the last, the
-    /// material itself.
+    /// material itself. Density and expansion are the same in all.
     pub layers: Vec<Layer>,
     /// Other materials of groups of elements; the other groups are of the material itself.
     pub groups: Vec<MaterialGroup>,
 }
 
 /// The material of a group of elements.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct MaterialGroup {
     /// The group of the mesh.
     pub name: String,
@@ -31,6 +35,10 @@ pub struct MaterialGroup {
     pub young: f64,
     /// Poisson's ratio, in (-1, 0.5).
     pub poisson: f64,
+    /// Mass density, kg/m³; that of the material itself if it is left out.
+    pub density: Option<f64>,
+    /// Coefficient of thermal expansion, 1/K; that of the material itself if it is left out.
+    pub expansion: Option<f64>,
 }
 
 /// A horizontal layer of the body.
@@ -69,6 +77,10 @@ const POISSON: Limit = |name, value| {
     demand(value > -1.0 && value < 0.5, name, &value, "above -1 and below 0.5", help)
 };
 
+const DENSITY: Limit = |name, value| positive(name, value, "give the density in kg/m³");
+
+const EXPANSION: Limit = |name, value| finite(name, value);
+
 impl Material {
     /// One material for the whole body, in two dimensions in plane strain: Young's modulus in Pa, Poisson's ratio.
     pub fn new(young: f64, poisson: f64) -> Self {
@@ -88,6 +100,8 @@ impl Material {
     pub fn check(&self) -> Result<(), Fault> {
         YOUNG("material.young", self.young)?;
         POISSON("material.poisson", self.poisson)?;
+        self.density.map_or(Ok(()), |density| DENSITY("material.density", density))?;
+        self.expansion.map_or(Ok(()), |expansion| EXPANSION("material.expansion", expansion))?;
         for (k, &Layer { thickness, young, poisson }) in self.layers.iter().enumerate() {
             let key = format!("material.layers[{k}]");
             let of_layer = |what: &str, value: f64, limit: Limit| {
@@ -97,7 +111,7 @@ impl Material {
             of_layer("Young's modulus", young, YOUNG)?;
             of_layer("Poisson's ratio", poisson, POISSON)?;
         }
-        for (k, MaterialGroup { name, young, poisson }) in self.groups.iter().enumerate() {
+        for (k, MaterialGroup { name, young, poisson, density, expansion }) in self.groups.iter().enumerate() {
             let key = |what: &str| format!("material.group[{k}].{what}");
             if self.groups[..k].iter().any(|other| other.name == *name) {
                 let message = format!("the group `{name}` has a [[material.group]] already");
@@ -108,6 +122,8 @@ impl Material {
             };
             of_group("Young's modulus", key("young"), *young, YOUNG)?;
             of_group("Poisson's ratio", key("poisson"), *poisson, POISSON)?;
+            density.map_or(Ok(()), |density| of_group("the density", key("density"), density, DENSITY))?;
+            expansion.map_or(Ok(()), |value| of_group("the expansion", key("expansion"), value, EXPANSION))?;
         }
         if !self.layers.is_empty() && !self.groups.is_empty() {
             let message = "the material has layers and groups, which both say what an element is made of";
@@ -149,16 +165,10 @@ impl Material {
         };
         let base = law(self.young, self.poisson);
         if self.layers.is_empty() {
-            let mut of_group = vec![base; mesh.groups.len()];
-            for (k, MaterialGroup { name, young, poisson }) in self.groups.iter().enumerate() {
-                let Some(group) = mesh.groups.iter().position(|known| known == name) else {
-                    let message = format!("the mesh has no material group `{name}`");
-                    let help = format!("the mesh has the groups {}", mesh.groups.join(", "));
-                    return Err(Fault::new(format!("material.group[{k}].name"), message, help));
-                };
-                of_group[group] = law(*young, *poisson);
-            }
-            return Ok(mesh.cells.iter().map(|cell| of_group[cell.group]).collect());
+            let groups = self.groups_of(mesh)?;
+            let of_group = |k: Option<usize>| k.map_or(base, |k| law(self.groups[k].young, self.groups[k].poisson));
+            let laws: Vec<Elasticity> = groups.into_iter().map(of_group).collect();
+            return Ok(mesh.cells.iter().map(|cell| laws[cell.group]).collect());
         }
         let height = |e: usize| mesh.centre(e)[mesh.dimension - 1];
         let of_cell: Vec<Option<usize>> = (0..mesh.cells.len()).map(|e| self.layer(height(e))).collect();
@@ -169,5 +179,52 @@ impl Material {
         }
         let laws: Vec<Elasticity> = self.layers.iter().map(|layer| law(layer.young, layer.poisson)).collect();
         Ok(of_cell.into_iter().map(|layer| layer.map_or(base, |k| laws[k])).collect())
+    }
+
+    /// The density (kg/m³) of each cell of `mesh`.
+    ///
+    /// # Errors
+    /// [`Fault`] of the key that is missing, or names a group that `mesh` does not have.
+    pub fn densities(&self, mesh: &Mesh) -> Result<Vec<f64>, Fault> {
+        let help = "give the density in kg/m³, e.g. 7850 for steel";
+        self.of_cells(mesh, "density", help, self.density, |group| group.density)
+    }
+
+    /// The coefficient of thermal expansion (1/K) of each cell of `mesh`.
+    ///
+    /// # Errors
+    /// [`Fault`] of the key that is missing, or names a group that `mesh` does not have.
+    pub fn expansions(&self, mesh: &Mesh) -> Result<Vec<f64>, Fault> {
+        let help = "give the coefficient of thermal expansion in 1/K, e.g. 12e-6 for steel";
+        self.of_cells(mesh, "expansion", help, self.expansion, |group| group.expansion)
+    }
+
+    /// A constant of each cell: that of its group, otherwise that of the material `itself`.
+    fn of_cells(
+        &self,
+        mesh: &Mesh,
+        key: &str,
+        help: &str,
+        itself: Option<f64>,
+        of_group: impl Fn(&MaterialGroup) -> Option<f64>,
+    ) -> Result<Vec<f64>, Fault> {
+        let groups = self.groups_of(mesh)?;
+        let missing = || Fault::new(format!("material.{key}"), format!("a load needs the {key} of the material"), help);
+        let value = |group: usize| groups[group].and_then(|k| of_group(&self.groups[k])).or(itself);
+        mesh.cells.iter().map(|cell| value(cell.group).ok_or_else(missing)).collect()
+    }
+
+    /// For each group of `mesh`, which of the groups here it is.
+    fn groups_of(&self, mesh: &Mesh) -> Result<Vec<Option<usize>>, Fault> {
+        let mut groups = vec![None; mesh.groups.len()];
+        for (k, MaterialGroup { name, .. }) in self.groups.iter().enumerate() {
+            let Some(group) = mesh.groups.iter().position(|known| known == name) else {
+                let message = format!("the mesh has no material group `{name}`");
+                let help = format!("the mesh has the groups {}", mesh.groups.join(", "));
+                return Err(Fault::new(format!("material.group[{k}].name"), message, help));
+            };
+            groups[group] = Some(k);
+        }
+        Ok(groups)
     }
 }

@@ -20,3 +20,21 @@ pub fn quadrature(kind: CellKind) -> Vec<([f64; 3], f64)> {
         CellKind::Hexahedron => GAUSS.iter().map(|&point| (point, 1.0)).collect(),
     }
 }
+
+/// The same, exact for quadratic polynomials on triangles and tetrahedra, too.
+pub fn fine_quadrature(kind: CellKind) -> Vec<([f64; 3], f64)> {
+    let corner = |k: usize, near: f64, far: f64| [0, 1, 2].map(|c| if c == k { near } else { far });
+    match kind {
+        CellKind::Triangle => (0..3)
+            .map(|k| {
+                let [xi, eta, _] = corner(k, 2.0 / 3.0, 1.0 / 6.0);
+                ([xi, eta, 0.0], 1.0 / 6.0)
+            })
+            .collect(),
+        CellKind::Tetrahedron => {
+            let far = (5.0 - 5.0_f64.sqrt()) / 20.0;
+            (0..4).map(|k| (corner(k, 1.0 - 3.0 * far, far), 1.0 / 24.0)).collect()
+        }
+        CellKind::Quadrilateral | CellKind::Hexahedron => quadrature(kind),
+    }
+}

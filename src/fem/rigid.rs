@@ -4,6 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::dofs::Dofs;
+use super::spring::Spring;
 use crate::mesh::Mesh;
 use crate::null_space::{NEGLIGIBLE, null_space};
 use crate::vector::{cross, dot, minus, norm};
@@ -34,11 +35,7 @@ impl RigidMotion {
     pub fn displacements(&self, mesh: &Mesh, dofs: &Dofs) -> Vec<f64> {
         let mut u = vec![0.0; dofs.free()];
         for (node, &x) in mesh.nodes.iter().enumerate() {
-            for (dof, value) in dofs.node(node).iter().zip(self.at(x)) {
-                if let Some(dof) = *dof {
-                    u[dof] = value;
-                }
-            }
+            dofs.along(node, self.at(x)).for_each(|(dof, value)| u[dof] = value);
         }
         u
     }
@@ -90,6 +87,21 @@ impl fmt::Display for RigidMotion {
 /// that is held; for one that is not supported at all three in two dimensions, six in three. First the
 /// translations, then rotations about one axis of coordinates each, as far as there are such.
 pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
+    unresisted_motions(mesh, dofs, &[])
+}
+
+/// Those of them that no spring of `springs` resists.
+pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring]) -> Vec<RigidMotion> {
+    let all = all_motions(mesh);
+    let held = mesh.nodes.iter().enumerate().flat_map(|(node, _)| dofs.held(node).map(move |n| (node, n)));
+    let felt = held.chain(springs.iter().flat_map(Spring::resisted));
+    let row = |(node, n): (usize, [f64; 3])| all.iter().map(|motion| dot(motion.at(mesh.nodes[node]), n)).collect();
+    let basis = readable(null_space(all.len(), felt.map(row)), mesh.dimension);
+    basis.iter().filter_map(|weights| RigidMotion::combination(&all, weights)).collect()
+}
+
+/// All rigid motions of a body that nothing holds: translations along the axes, then rotations about them.
+pub(super) fn all_motions(mesh: &Mesh) -> Vec<RigidMotion> {
     let bounds = mesh.bounds();
     let about = bounds.map(|(lo, hi)| 0.5 * (lo + hi));
     let size = norm(bounds.map(|(lo, hi)| hi - lo));
@@ -100,14 +112,7 @@ pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
     let translations = (0..dimension).map(|axis| unit(along(axis, 1.0), [0.0; 3]));
     let axes = if dimension == 2 { 2..3 } else { 0..3 };
     let rotations = axes.map(|axis| unit([0.0; 3], along(axis, 1.0 / size)));
-    let all: Vec<RigidMotion> = translations.chain(rotations).collect();
-    let rows = mesh.nodes.iter().enumerate().flat_map(|(node, &x)| {
-        let held = (0..dimension).filter(move |&c| dofs.node(node)[c].is_none());
-        let all = &all;
-        held.map(move |c| all.iter().map(|motion| motion.at(x)[c]).collect())
-    });
-    let basis = readable(null_space(all.len(), rows), dimension);
-    basis.iter().filter_map(|weights| RigidMotion::combination(&all, weights)).collect()
+    translations.chain(rotations).collect()
 }
 
 /// A basis for people of the space of `basis`, whose members are weights of the translations and then of the rotations:

@@ -1,6 +1,7 @@
 //! Which unknowns a problem has, and where they stand in `z = (u, p_t, p_o, p_n)`.
 
-use crate::problem::{ContactProblem, State};
+use crate::problem::error::expect_length;
+use crate::problem::{ContactProblem, ProblemError, State};
 use crate::units::Scaling;
 
 /// The layout of `z = (u, p_t, p_o, p_n)`. A contact node has a `p_t` only where there is friction and
@@ -85,11 +86,20 @@ impl Layout {
         self.first_normal + i
     }
 
-    /// `z` of a state of the same problem, in the units of `scaling`.
+    /// `z` of a state, in the units of `scaling`.
     ///
-    /// # Panics
-    /// When an array of `state` is too short: [`State::check`] tells.
-    pub fn pack(&self, state: &State, scaling: &Scaling) -> Vec<f64> {
+    /// # Errors
+    /// When an array of `state` has another length than the layout asks for.
+    pub fn pack(&self, state: &State, scaling: &Scaling) -> Result<Vec<f64>, ProblemError> {
+        expect_length("u", self.displacements, state.u.len(), "one for each displacement")?;
+        for (array, values) in [("p_t", &state.p_t), ("p_o", &state.p_o), ("p_n", &state.p_n)] {
+            expect_length(array, self.contacts(), values.len(), "one for each contact node")?;
+        }
+        Ok(self.packed(state, scaling))
+    }
+
+    /// [`Layout::pack`] of a state that fits.
+    pub(crate) fn packed(&self, state: &State, scaling: &Scaling) -> Vec<f64> {
         let mut z = vec![0.0; self.unknowns()];
         for (to, from) in z.iter_mut().zip(&state.u) {
             *to = from / scaling.length;
@@ -106,11 +116,8 @@ impl Layout {
     }
 
     /// The state of `z + rest`, where `rest` is below the rounding of `z`, or 0 throughout.
-    ///
-    /// # Panics
-    /// When `z` or `rest` is too short.
-    pub fn unpack_with(&self, z: &[f64], rest: &[f64], scaling: &Scaling) -> State {
-        let mut state = self.unpack(z, scaling);
+    pub(crate) fn unpacked_with(&self, z: &[f64], rest: &[f64], scaling: &Scaling) -> State {
+        let mut state = self.unpacked(z, scaling);
         if rest.iter().any(|rest| *rest != 0.0) {
             state.u_rest = rest[..self.displacements].iter().map(|x| x * scaling.length).collect();
         }
@@ -119,9 +126,15 @@ impl Layout {
 
     /// The state of a `z` that begins with this layout; the inverse of [`Layout::pack`].
     ///
-    /// # Panics
-    /// When `z` has fewer than [`Layout::unknowns`] entries.
-    pub fn unpack(&self, z: &[f64], scaling: &Scaling) -> State {
+    /// # Errors
+    /// When `z` has fewer entries than the layout asks for.
+    pub fn unpack(&self, z: &[f64], scaling: &Scaling) -> Result<State, ProblemError> {
+        expect_length("z", self.unknowns(), z.len().min(self.unknowns()), "at least, one for each unknown")?;
+        Ok(self.unpacked(z, scaling))
+    }
+
+    /// [`Layout::unpack`] of a `z` that is long enough.
+    pub(crate) fn unpacked(&self, z: &[f64], scaling: &Scaling) -> State {
         let tangential = |direction: usize| {
             let places = self.tangential.iter().map(|places| places[direction]);
             places.map(|k| k.map_or(0.0, |k| z[k] * scaling.force)).collect()

@@ -53,7 +53,7 @@ impl<'a> BnMethod<'a> {
     ) -> Self {
         let formulation = Bdiff::new(problem, history.scaling, &history.conventions);
         let p_n = start_forces(problem, loading, history, start);
-        let z = formulation.layout().pack(&State { p_n, ..State::zero(problem) }, &history.scaling);
+        let z = formulation.layout().packed(&State { p_n, ..State::zero(problem) }, &history.scaling);
         BnMethod {
             bn: Bn::new(armijo, max_iterations, formulation.unknowns()),
             problem,
@@ -78,7 +78,7 @@ impl<'a> BnMethod<'a> {
     /// Takes over the state of another method.
     pub(super) fn go_on_from(&mut self, state: &State) {
         let (layout, scaling) = (self.formulation.layout(), *self.formulation.scaling());
-        self.z.copy_from_slice(&layout.pack(state, &scaling));
+        self.z.copy_from_slice(&layout.packed(state, &scaling));
         self.rest.fill(0.0);
         self.rest.iter_mut().zip(&state.u_rest).for_each(|(rest, u_rest)| *rest = u_rest / scaling.length);
     }
@@ -106,7 +106,7 @@ impl IncrementSolver for BnMethod<'_> {
         if task.first && *start == FirstGuess::Held {
             task.response.add_forces_to(z);
         }
-        let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpack_with(z, rest, &scaling));
+        let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpacked_with(z, rest, &scaling));
         let end = match measured {
             true => End::Measured { tolerance: task.tolerance, error: &mut error },
             false => End::Merit(PAPER_MERIT),
@@ -117,7 +117,7 @@ impl IncrementSolver for BnMethod<'_> {
     }
 
     fn state(&self) -> State {
-        self.formulation.layout().unpack_with(&self.z, &self.rest, self.formulation.scaling())
+        self.formulation.layout().unpacked_with(&self.z, &self.rest, self.formulation.scaling())
     }
 
     fn unknowns(&mut self) -> &mut Vec<f64> {

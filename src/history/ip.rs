@@ -94,7 +94,7 @@ impl IncrementSolver for IpMethod {
     }
 
     fn state(&self) -> State {
-        self.formulation.layout().forces().unpack(&self.z, self.formulation.scaling())
+        self.formulation.layout().forces().unpacked(&self.z, self.formulation.scaling())
     }
 
     fn unknowns(&mut self) -> &mut Vec<f64> {

@@ -46,7 +46,7 @@ impl NewtonEnd {
         bn.limit(left.min(ITERATIONS));
         own.copy_from_slice(&z[..formulation.unknowns()]);
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
-        let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpack_with(z, rest, &scaling));
+        let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpacked_with(z, rest, &scaling));
         bn.solve(formulation, linear, own, End::Measured { tolerance: task.tolerance, error: &mut error }, observe)
     }
 

@@ -86,7 +86,7 @@ impl<'a> PredictorCorrectorMethod<'a> {
     pub(super) fn go_on_from(&mut self, state: &State, left: usize) {
         self.settings.max_iterations = left;
         let forces = self.formulation.forces();
-        let z = forces.pack(state, self.formulation.scaling());
+        let z = forces.packed(state, self.formulation.scaling());
         self.z[..forces.unknowns()].copy_from_slice(&z);
     }
 
@@ -139,7 +139,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         task.response.add_to(&mut self.z);
         let (problem, scaling) = (self.problem, *self.formulation.scaling());
         let forces = self.formulation.forces().clone();
-        let mut error = |z: &[f64]| task.error(problem, &forces.unpack(z, &scaling));
+        let mut error = |z: &[f64]| task.error(problem, &forces.unpacked(z, &scaling));
         let tolerance = self.settings.tolerance;
         self.rest.fill(0.0);
         // An increment in which nothing happens that the held body does not do by itself is solved.
@@ -181,7 +181,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
     }
 
     fn state(&self) -> State {
-        self.formulation.forces().unpack_with(&self.z, &self.rest, self.formulation.scaling())
+        self.formulation.forces().unpacked_with(&self.z, &self.rest, self.formulation.scaling())
     }
 
     fn unknowns(&mut self) -> &mut Vec<f64> {

@@ -125,7 +125,8 @@ pub struct IncrementRecord {
     pub contact: ContactCounts,
     /// The work that friction dissipated in it, in all parts that converged, J; in two dimensions J per m of depth.
     pub friction_work: f64,
-    /// The strain energy `½ uᵀ K u` at its end, J; in two dimensions J per m of depth.
+    /// The strain energy `½ uᵀ K u` at its end, J; in two dimensions J per m of depth. A [run](crate::run::Run) tells that of the
+    /// body, which differs where temperature strains it or supports move it.
     pub strain_energy: f64,
     /// Wall time.
     pub seconds: Seconds,

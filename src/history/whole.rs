@@ -94,7 +94,7 @@ impl Whole<'_> {
                 (*u, *rest) = sum(*u, *rest + du);
             }
         }
-        let dp = Layout::new(&self.condensed.problem).unpack(&change, &scaling);
+        let dp = Layout::new(&self.condensed.problem).unpacked(&change, &scaling);
         for (p, dp) in [(&mut state.p_n, dp.p_n), (&mut state.p_t, dp.p_t), (&mut state.p_o, dp.p_o)] {
             p.iter_mut().zip(&dp).for_each(|(p, dp)| *p += dp);
         }

@@ -8,7 +8,7 @@ impl Model {
     /// contact nodes: the node whose linearised distance from its obstacle is most wrong, if that is too much;
     /// see [`range_left`].
     pub fn range_left(&self, t: f64, u: &[f64], gap: &[f64], statuses: &[ContactStatus]) -> Option<RangeLeft> {
-        let displacements = self.dofs.displacements(u);
+        let displacements = self.displacements(t, u);
         let interference = self.loading.largest_interference();
         let boundaries = self.contact_boundaries.iter().zip(&self.obstacles);
         let worst = boundaries.filter_map(|(boundary, (obstacle, motion))| {
@@ -17,7 +17,8 @@ impl Model {
                 position: self.contacts[i].position,
                 displacement: displacements[self.contacts[i].node],
                 normal: self.contacts[i].facing.normal,
-                gap: gap[i],
+                // Of the total displacement, not of what its unknowns are.
+                gap: gap[i] + self.moved(self.contacts[i].node, self.contacts[i].facing.normal, t),
                 closed: statuses[i] != ContactStatus::Open,
             });
             range_left(obstacle, motion, t, interference, &deformed.collect::<Vec<_>>())

@@ -99,7 +99,7 @@ impl Bn {
             let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored, error };
             let flow = observe(&Iteration { record, system: Some(self.system(formulation)) });
             let mut met = end.met(theta, error);
-            if repeated && !met {
+            if (repeated || formulation.is_affine() && end.is_measured()) && !met {
                 // Nothing is left to gain but by refinement.
                 met = self.refine(formulation, linear, z, &mut end)?;
                 outcome.stop = Stop::Stalled;

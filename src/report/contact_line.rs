@@ -5,7 +5,6 @@ use std::ops::Range;
 use serde::Serialize;
 
 use super::csv;
-use super::resultant::nodal_force;
 use crate::contact::{ContactBoundary, ContactStatus};
 use crate::history::Step;
 use crate::model::Model;
@@ -163,11 +162,15 @@ pub(super) fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec
         let [x, y, z] = position;
         let contact = &model.contacts[i];
         let (p_n, l) = (state.p_n[i], model.contacts[i].weight);
-        let w_n = problem.c_n().dot(i, &state.u);
-        let w = problem.tangential_maps().map(|map| map.dot(i, &state.u));
+        // Displacements from where supports have moved the body, which gaps and drifts count from, too.
+        let relative = problem.c_n().dot(i, &state.u);
+        let along = problem.tangential_maps().map(|map| map.dot(i, &state.u));
+        let moved = |direction: [f64; 3]| model.moved(contact.node, direction, step.record.time);
+        let w_n = relative + moved(contact.facing.normal);
+        let w = [0, 1].map(|k| along[k] + moved(contact.facing.tangents[k]));
         let [p_t, p_o] = contact.in_frame([state.p_t[i], state.p_o[i]]);
         let [w_t, w_o] = contact.in_frame(w);
-        let [slip_t, slip_o] = contact.in_frame([0, 1].map(|k| w[k] - drift[k][i]));
+        let [slip_t, slip_o] = contact.in_frame([0, 1].map(|k| along[k] - drift[k][i]));
         let [t, o] = contact.frame;
         ContactPoint {
             node: contact.node,
@@ -185,10 +188,10 @@ pub(super) fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec
             w_n,
             w_t,
             w_o,
-            gap: step.increment.gap[i] - w_n,
+            gap: step.increment.gap[i] - relative,
             slip_t,
             slip_o,
-            force: nodal_force(model, state, i),
+            force: model.contact_force(state, i),
             mu: problem.mu()[i],
             status: step.statuses[i],
         }

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::colours::{draw_bar, shade};
+use super::deformation::deformation;
 use super::principal::von_mises;
 use super::svg::{Anchor, Colour, Dash, Line, PlotError, Svg, expect_finite};
 use crate::history::Step;
@@ -64,11 +65,11 @@ impl DeformedBody {
     /// times a power of ten, at least 1, that makes the longest about a twentieth of the body.
     pub fn new(model: &Model, step: &Step<'_>, magnification: Option<f64>) -> Self {
         let mesh = &model.mesh;
-        let displacements = model.dofs.displacements(&step.state.u);
+        let (displacements, factors) = deformation(model, step);
         let largest = displacements.iter().map(|u| norm(*u)).fold(0.0, f64::max);
         let magnification = magnification.unwrap_or_else(|| readable(SHOWN * mesh.size() / largest));
         let moved = |node: usize| [0, 1, 2].map(|c| mesh.nodes[node][c] + magnification * displacements[node][c]);
-        let stresses: Vec<f64> = model.stresses(&displacements).into_iter().map(von_mises).collect();
+        let stresses: Vec<f64> = model.stresses(&factors, &displacements).into_iter().map(von_mises).collect();
         let view = View::of(mesh.dimension);
         let surface = mesh.surface();
         let faces: Vec<(&[usize], usize)> = if mesh.dimension == 2 {

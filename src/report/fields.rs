@@ -1,6 +1,7 @@
 //! The fields of a body at the end of an increment: displacement, stress, contact.
 
 use super::contact_line::points;
+use super::deformation::deformation;
 use super::principal::{principal_stresses, von_mises};
 use super::vtu::{Field, Grid, Values};
 use crate::contact::ContactStatus;
@@ -18,12 +19,12 @@ use crate::model::Model;
 /// `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the order of the elements.
 pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     let mesh = &model.mesh;
-    let displacements = model.dofs.displacements(&step.state.u);
+    let (displacements, factors) = deformation(model, step);
     let mut point_fields = vec![real("displacement", 3, displacements.iter().flatten().copied().collect())];
     if !model.contacts.is_empty() {
         point_fields.extend(contact_fields(model, step));
     }
-    let stresses = model.stresses(&displacements);
+    let stresses = model.stresses(&factors, &displacements);
     let tensors = stresses.iter().flat_map(|&[xx, yy, zz, xy, yz, zx]| [xx, xy, zx, xy, yy, yz, zx, yz, zz]);
     let cell_fields = vec![
         real("stress", 9, tensors.collect()),

@@ -4,6 +4,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
+use super::balance::BalanceRecord;
 use super::contact_line::ContactLine;
 use super::contact_surface::ContactSurface;
 use super::deformed::DeformedBody;
@@ -92,12 +93,12 @@ impl ResultFolder {
         append(&mut self.increments, &increments::line(record))
     }
 
-    /// Appends the resultants of an increment.
+    /// Appends the forces of an increment: those on the obstacles, and what else acts on the body.
     ///
     /// # Errors
     /// When the disk refuses.
-    pub fn add_forces(&mut self, forces: &[ForceRecord]) -> io::Result<()> {
-        append(&mut self.forces, &forces.iter().map(increments::forces_line).collect::<String>())
+    pub fn add_forces(&mut self, contact: &[ForceRecord], balance: &BalanceRecord) -> io::Result<()> {
+        append(&mut self.forces, &increments::forces_lines(contact, balance))
     }
 
     /// Writes a contact line as CSV and, in two dimensions, as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`; with

@@ -1,5 +1,6 @@
-//! The tables that grow with the increments, comma-separated: a line for each, and one for the forces on each obstacle.
+//! The tables that grow with the increments, comma-separated: a line for each, and one for each force.
 
+use super::balance::{Acting, BalanceRecord};
 use super::csv::{self, number};
 use super::resultant::{ForceRecord, Resultant};
 use crate::history::IncrementRecord;
@@ -45,13 +46,27 @@ pub(super) fn forces_header(dimension: usize) -> String {
         2 => &["f_x", "f_y", "m_z", "sum_p_n", "sum_p_t"],
         _ => &["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "sum_p_n", "sum_p_t", "sum_p_o"],
     };
-    csv::table(&[&["index", "time", "boundary"], columns].concat(), std::iter::empty())
+    csv::table(&[&["index", "time", "boundary"], columns, &["kind", "balance"]].concat(), std::iter::empty())
 }
 
-/// The line of the forces on an obstacle.
-pub(super) fn forces_line(record: &ForceRecord) -> String {
-    let Resultant { boundary, force, moment, sums } = &record.resultant;
-    let numbers = force.iter().chain(moment).chain([&sums.sum_p_n, &sums.sum_p_t]).chain(&sums.sum_p_o);
-    let fields = [record.index.to_string(), number(record.time), boundary.clone()];
-    csv::line(&fields.into_iter().chain(numbers.map(|x| number(*x))).collect::<Vec<_>>())
+/// The lines of an increment: the forces on each obstacle, then those of supports, springs and loads on the body.
+pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord) -> String {
+    let BalanceRecord { index, time, supports, springs, loads, balance } = balance;
+    let line = |at: &str, force: &[f64], moment: &[f64], sums: [Option<f64>; 3], kind: &str| {
+        let sums = &sums[..if force.len() == 2 { 2 } else { 3 }];
+        let numbers = force.iter().chain(moment).copied().map(Some).chain(sums.iter().copied());
+        let mut fields = vec![index.to_string(), number(*time), at.to_string()];
+        fields.extend(numbers.map(|x| x.map_or(String::new(), number)));
+        fields.extend([kind.to_string(), number(*balance)]);
+        csv::line(&fields)
+    };
+    let on_obstacle = |record: &ForceRecord| {
+        let Resultant { boundary, force, moment, sums } = &record.resultant;
+        line(boundary, force, moment, [Some(sums.sum_p_n), Some(sums.sum_p_t), sums.sum_p_o], "contact")
+    };
+    let mut lines: String = contact.iter().map(on_obstacle).collect();
+    for (kind, acting) in [("support", supports), ("spring", springs), ("load", loads)] {
+        lines.extend(acting.iter().map(|Acting { at, force, moment }| line(at, force, moment, [None; 3], kind)));
+    }
+    lines
 }

@@ -1,6 +1,7 @@
 //! Displacement and stress at points of the body, over time.
 
 use super::csv::{self, number};
+use super::deformation::deformation;
 use super::principal::von_mises;
 use crate::description::{Probe, ProbePlace};
 use crate::fault::Fault;
@@ -87,7 +88,7 @@ impl ProbeTable {
 
     /// What the points have come to at the end of a `step` of `model`, which is that of the table.
     pub fn values(&self, model: &Model, step: &Step<'_>) -> Vec<ProbeValue> {
-        let displacements = model.dofs.displacements(&step.state.u);
+        let (displacements, factors) = deformation(model, step);
         let value = |point: &Held| {
             let cell = &model.mesh.cells[point.cell];
             let shares = shape(cell.kind, point.reference);
@@ -95,7 +96,7 @@ impl ProbeTable {
             ProbeValue {
                 position: point.position,
                 displacement: [0, 1, 2].map(along),
-                stress: model.stress_in(point.cell, point.reference, &displacements),
+                stress: model.stress_in(point.cell, point.reference, &factors, &displacements),
             }
         };
         self.points.iter().map(value).collect()

@@ -63,7 +63,7 @@ impl Resultant {
         let dimension = model.mesh.dimension;
         let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
         for i in boundary.nodes.clone() {
-            let f = nodal_force(model, state, i);
+            let f = model.contact_force(state, i);
             let m = cross(model.contacts[i].position, f);
             (0..3).for_each(|c| (force[c] += f[c], moment[c] += m[c]).0);
         }
@@ -87,14 +87,6 @@ impl ComponentSums {
         let [sum_p_n, sum_p_t, sum_p_o] = sums;
         ComponentSums { sum_p_n, sum_p_t, sum_p_o: (model.mesh.dimension == 3).then_some(sum_p_o) }
     }
-}
-
-/// The force of the body on the obstacle at contact node `i`, N.
-pub(super) fn nodal_force(model: &Model, state: &State, i: usize) -> [f64; 3] {
-    let facing = &model.contacts[i].facing;
-    let [t, o] = facing.tangents;
-    let (p_n, p_t, p_o) = (state.p_n[i], state.p_t[i], state.p_o[i]);
-    [0, 1, 2].map(|c| p_n * facing.normal[c] + p_t * t[c] + p_o * o[c])
 }
 
 impl ForceRecord {

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::balance::BalanceRecord;
 use super::explain::Explanation;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
 use super::unknowns::{LeftOut, Unknowns};
@@ -74,6 +75,8 @@ pub struct RunReport {
     pub boundaries: Vec<Resultant>,
     /// The resultants at the end of each increment.
     pub forces: Vec<ForceRecord>,
+    /// What else acts on the body at the end of each increment: loads, reactions of supports, springs; and the balance.
+    pub reactions: Vec<BalanceRecord>,
     /// The critical friction at the end of the last converged increment, where it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical_friction: Option<CriticalFriction>,
@@ -136,6 +139,8 @@ pub struct Facts<'a> {
     pub validity: &'a Validity,
     /// The resultants at the end of each increment.
     pub forces: Vec<ForceRecord>,
+    /// What else acts on the body then.
+    pub reactions: Vec<BalanceRecord>,
     /// The critical friction at the end, where it was asked for.
     pub critical_friction: Option<CriticalFriction>,
     /// What would have been much faster.
@@ -184,6 +189,7 @@ impl RunReport {
             end: ComponentSums::of(model, &outcome.state, 0..model.contacts.len()),
             boundaries: Resultant::all(model, &outcome.state),
             forces: facts.forces,
+            reactions: facts.reactions,
             critical_friction: facts.critical_friction,
         }
     }

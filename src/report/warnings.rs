@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::description::Action;
 use crate::fem::Element;
 use crate::model::Model;
 
@@ -112,6 +113,13 @@ fn layers_through_elements(model: &Model) -> Option<String> {
 fn idle_load(model: &Model) -> Option<String> {
     let idle = |force: &[f64]| force.iter().all(|f| *f == 0.0);
     let mut loads = model.description().loads.iter().zip(model.loading.cases());
-    let (load, _) = loads.find(|(load, case)| load.traction.iter().any(|t| *t != 0.0) && idle(case.force()))?;
-    Some(format!("the load on `{}` does nothing: supports hold the boundary in its direction", load.boundary))
+    let acts = |action: &Action| match action {
+        Action::Traction { traction, .. } => traction.iter().any(|t| t.uniform() != Some(0.0)),
+        Action::Pressure { pressure, .. } => pressure.uniform() != Some(0.0),
+        Action::Force { force, .. } | Action::Acceleration(force) => force.iter().any(|f| *f != 0.0),
+        Action::Spin { speed, .. } => *speed != 0.0,
+        Action::Temperature(temperature) => temperature.uniform() != Some(0.0),
+    };
+    let (load, _) = loads.find(|(load, case)| acts(&load.action) && idle(case.force()))?;
+    Some(format!("the load on `{}` does nothing: supports hold the boundary in its direction", load.action.place()))
 }

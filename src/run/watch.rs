@@ -1,18 +1,22 @@
 //! What a report needs of the increments, gathered while they go by.
 
 use super::recording::RecordedIncrement;
-use crate::history::{Observer, Status, Step};
+use crate::history::{IncrementRecord, Observer, Status, Step};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
-use crate::report::{ForceRecord, Validity};
+use crate::report::{BalanceRecord, ForceRecord, Validity};
 
 /// Stands before the observer of a run.
 pub(super) struct Watch<'a> {
     model: &'a Model,
     observer: &'a mut dyn Observer,
     pub validity: Validity,
+    /// The strain energy at the end of each increment so far, J.
+    pub energies: Vec<f64>,
     /// The resultants of each increment so far.
     pub forces: Vec<ForceRecord>,
+    /// What else acted on the body.
+    pub reactions: Vec<BalanceRecord>,
     keeps_last: bool,
     /// The last converged increment, where it is to be kept.
     pub last: Option<RecordedIncrement>,
@@ -20,7 +24,25 @@ pub(super) struct Watch<'a> {
 
 impl<'a> Watch<'a> {
     pub(super) fn new(model: &'a Model, keeps_last: bool, observer: &'a mut dyn Observer) -> Self {
-        Watch { model, observer, validity: Validity::new(model), forces: Vec::new(), keeps_last, last: None }
+        Watch {
+            model,
+            observer,
+            validity: Validity::new(model),
+            energies: Vec::new(),
+            forces: Vec::new(),
+            reactions: Vec::new(),
+            keeps_last,
+            last: None,
+        }
+    }
+}
+
+impl Watch<'_> {
+    /// The record of a step with the energy of the body, where a history, which knows the forces of loads and supports only,
+    /// has another.
+    fn record(&self, step: &Step<'_>) -> Option<IncrementRecord> {
+        let strain_energy = self.model.strain_energy(step.record.time, step.state)?;
+        Some(IncrementRecord { strain_energy, ..step.record.clone() })
     }
 }
 
@@ -38,12 +60,17 @@ impl Observer for Watch<'_> {
     }
 
     fn part(&mut self, part: &Step<'_>) {
-        self.observer.part(part);
+        let record = self.record(part);
+        self.observer.part(&Step { record: record.as_ref().unwrap_or(part.record), ..*part });
     }
 
     fn increment(&mut self, step: &Step<'_>) -> Flow {
+        let record = self.record(step);
+        let step = &Step { record: record.as_ref().unwrap_or(step.record), ..*step };
+        self.energies.push(step.record.strain_energy);
         self.validity.see(self.model, step);
         self.forces.extend(ForceRecord::all(self.model, step));
+        self.reactions.push(BalanceRecord::new(self.model, step));
         if self.keeps_last && step.record.status == Status::Converged {
             self.last = Some(RecordedIncrement::new(step));
         }

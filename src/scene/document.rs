@@ -12,7 +12,6 @@ use super::error::Source;
 use super::solver::{LinearName, MethodName, Setting, Start};
 use super::syntax;
 use crate::contact::GapDirection;
-use crate::description::Axis;
 use crate::fem::{Element, Plane};
 use crate::formulation::{NewtonSystem, Partition};
 use crate::mesh::CellKind;
@@ -79,6 +78,41 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for SegmentsVisitor<T> {
     }
 }
 
+/// A number, or the text of a formula.
+#[derive(Clone)]
+pub(super) enum Scalar {
+    Number(f64),
+    Text(String),
+}
+
+impl<'de> Deserialize<'de> for Scalar {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ScalarVisitor)
+    }
+}
+
+struct ScalarVisitor;
+
+impl Visitor<'_> for ScalarVisitor {
+    type Value = Scalar;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number or a formula of x, y and z")
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Scalar, E> {
+        Ok(Scalar::Number(value as f64))
+    }
+
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Scalar, E> {
+        Ok(Scalar::Number(value))
+    }
+
+    fn visit_str<E: de::Error>(self, value: &str) -> Result<Scalar, E> {
+        Ok(Scalar::Text(value.to_string()))
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Document {
@@ -89,6 +123,8 @@ pub(super) struct Document {
     pub support: Vec<Support>,
     #[serde(default)]
     pub contact: Vec<Contact>,
+    #[serde(default)]
+    pub spring: Vec<Spring>,
     #[serde(default)]
     pub load: Vec<Load>,
     pub time: Time,
@@ -129,6 +165,8 @@ pub(super) struct Material {
     pub young: f64,
     pub poisson: f64,
     pub plane: Option<Plane>,
+    pub density: Option<f64>,
+    pub expansion: Option<f64>,
     #[serde(default)]
     pub layers: Vec<Tuple<f64, 3>>,
     #[serde(default)]
@@ -141,13 +179,39 @@ pub(super) struct MaterialGroup {
     pub name: String,
     pub young: f64,
     pub poisson: f64,
+    pub density: Option<f64>,
+    pub expansion: Option<f64>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Support {
-    pub boundary: String,
-    pub fix: Vec<Axis>,
+    pub boundary: Option<String>,
+    pub point: Option<Vector>,
+    pub fix: Option<Vec<Fix>>,
+    pub direction: Option<Vector>,
+    pub displacement: Option<Segments<f64>>,
+    pub history: Option<Vec<Tuple<f64>>>,
+}
+
+/// A direction along which a support holds.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Fix {
+    X,
+    Y,
+    Z,
+    Normal,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Spring {
+    pub boundary: Option<String>,
+    pub point: Option<Vector>,
+    pub stiffness: Option<Vec<f64>>,
+    pub normal: Option<f64>,
+    pub tangential: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -206,9 +270,23 @@ pub(super) struct Rotation {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Load {
-    pub boundary: String,
-    pub traction: Vec<f64>,
+    pub boundary: Option<String>,
+    pub point: Option<Vector>,
+    pub traction: Option<Vec<Scalar>>,
+    pub pressure: Option<Scalar>,
+    pub force: Option<Vec<f64>>,
+    pub acceleration: Option<Vec<f64>>,
+    pub rotation: Option<Spin>,
+    pub temperature: Option<Scalar>,
     pub history: Option<Vec<Tuple<f64>>>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Spin {
+    pub axis: Option<Vector>,
+    pub through: Vector,
+    pub speed: f64,
 }
 
 #[derive(Deserialize)]

@@ -10,7 +10,7 @@ use super::SceneError;
 use super::error::Source;
 
 /// The tables that a scene may hold several of.
-pub(super) const LISTS: [&str; 3] = ["support", "contact", "load"];
+pub(super) const LISTS: [&str; 4] = ["support", "contact", "spring", "load"];
 
 /// What stands behind the name of a scene with overrides, in messages.
 pub(super) const MARK: &str = " (with --set)";

@@ -1,6 +1,7 @@
 //! From the file as it stands to a scene: which keys belong to which kind of thing. What their values may be is known,
 //! and checked, where they are used.
 
+mod action;
 mod mesh;
 mod obstacle;
 mod output;
@@ -11,7 +12,7 @@ use std::path::Path;
 use super::document::{self, Document, Tuple};
 use super::error::Source;
 use super::{Scene, SceneError, Time};
-use crate::description::{Contact, Description, Load, Support};
+use crate::description::{Contact, Description};
 use crate::fault::{Fault, demand, finite};
 use crate::fem::{Layer, Material, MaterialGroup};
 
@@ -24,9 +25,10 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
         mesh: mesh::source(&document.mesh, &source).map_err(at)?,
         element: document.mesh.element.unwrap_or_default(),
         material: material(document.material),
-        supports: document.support.into_iter().map(support).collect(),
+        supports: keyed("support", document.support, |given, key| action::support(given, key).map_err(at))?,
         contacts: contacts.into_iter().map(|(k, given)| contact(k, given, &source)).collect::<Result<_, _>>()?,
-        loads: document.load.into_iter().map(load).collect(),
+        springs: keyed("spring", document.spring, |given, key| action::spring(given, key).map_err(at))?,
+        loads: keyed("load", document.load, |given, key| action::load(given, key, &source))?,
         times: time.all(),
     };
     description.check().map_err(at)?;
@@ -36,6 +38,15 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let title = document.title.unwrap_or_else(stem);
     Ok(Scene { title, description, time, solver, one_tangent_key, output, source })
+}
+
+/// The things of a list, each read with its key.
+fn keyed<T, U>(
+    list: &str,
+    given: Vec<T>,
+    read: impl Fn(T, &str) -> Result<U, SceneError>,
+) -> Result<Vec<U>, SceneError> {
+    given.into_iter().enumerate().map(|(k, given)| read(given, &format!("{list}[{k}]"))).collect()
 }
 
 /// The value at `key`, which `whose` needs; otherwise the fault of `kind`, which asks for it.
@@ -59,28 +70,23 @@ fn time(time: &document::Time) -> Result<Time, Fault> {
 }
 
 fn material(given: document::Material) -> Material {
-    let document::Material { young, poisson, plane, layers, group } = given;
+    let document::Material { young, poisson, plane, density, expansion, layers, group: group_list } = given;
     let layer = |Tuple([thickness, young, poisson])| Layer { thickness, young, poisson };
-    let group = group.into_iter().map(|document::MaterialGroup { name, young, poisson }| MaterialGroup {
+    let group = |document::MaterialGroup { name, young, poisson, density, expansion }| MaterialGroup {
         name,
         young,
         poisson,
-    });
-    Material { young, poisson, plane, layers: layers.into_iter().map(layer).collect(), groups: group.collect() }
-}
-
-fn support(document::Support { boundary, fix }: document::Support) -> Support {
-    Support::new(&boundary, &fix)
+        density,
+        expansion,
+    };
+    let (layers, groups) = (layers.into_iter().map(layer).collect(), group_list.into_iter().map(group).collect());
+    Material { young, poisson, plane, density, expansion, layers, groups }
 }
 
 fn contact(k: usize, given: document::Contact, source: &Source) -> Result<Contact, SceneError> {
     let document::Contact { boundary, friction, obstacle } = given;
     let key = format!("contact[{k}].obstacle");
     Ok(Contact { boundary, friction, obstacle: obstacle::obstacle(obstacle, &key, source)? })
-}
-
-fn load(document::Load { boundary, traction, history }: document::Load) -> Load {
-    Load { boundary, traction, history: history.map(points) }
 }
 
 fn points(given: Vec<Tuple<f64>>) -> Vec<[f64; 2]> {

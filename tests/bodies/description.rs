@@ -146,9 +146,9 @@ fn nonsense_in_the_plane() {
     let round = |radius: f64| Shape::Cylinder { radius, apex: [0.5, -1.0].into(), axis: None };
     let plane = || Obstacle::plane(1e-5);
     let layer = Layer { thickness: 0.5, young: 1e9, poisson: 0.3 };
-    let group = |name: &str| MaterialGroup { name: name.into(), young: 1e9, poisson: 0.3 };
+    let group = |name: &str| MaterialGroup { name: name.into(), young: 1e9, poisson: 0.3, ..MaterialGroup::default() };
     let rotation = |history: Vec<[f64; 2]>| Rotation { axis: None, through: [0.0; 2].into(), history };
-    for (description, key, says) in [
+    for (description, key, says) in vec![
         (mesh(MeshSource::block([1.0], [4])), "mesh.size", "two or three lengths"),
         (mesh(MeshSource::block([1.0, f64::NAN], [4, 4])), "mesh.size", "[1.0, NaN]"),
         (mesh(MeshSource::block([1.0, -1.0], [4, 4])), "mesh.size", "positive"),
@@ -238,10 +238,10 @@ fn nonsense_in_the_plane() {
             "no finite value",
         ),
         (contact(Obstacle::at_rest(Shape::Table { file: "none.csv".into() })), "contact[0].obstacle", "cannot be read"),
-        (with(&|d| d.loads[1].traction = vec![1.0]), "load[1].traction", "two or three"),
-        (with(&|d| d.loads[1].traction = vec![1.0, f64::NAN]), "load[1].traction", "two or three finite"),
-        (with(&|d| d.loads[1].traction = vec![1.0; 3]), "load[1].traction", "3 components"),
-        (with(&|d| d.loads[0].boundary = "roof".into()), "load[0].boundary", "no boundary `roof`"),
+        (with(&|d| d.loads[1] = Load::new("right", &[1.0])), "load[1].traction", "two or three"),
+        (with(&|d| d.loads[1] = Load::new("right", &[1.0, f64::NAN])), "load[1].traction", "two or three finite"),
+        (with(&|d| d.loads[1] = Load::new("right", &[1.0; 3])), "load[1].traction", "3 components"),
+        (with(&|d| d.loads[0] = Load::new("roof", &[0.0, 1.0])), "load[0].boundary", "no boundary `roof`"),
         (with(&|d| d.loads[0].history = Some(Vec::new())), "load[0].history", "empty"),
         (with(&|d| d.loads[0].history = Some(vec![[0.0, f64::INFINITY]])), "load[0].history", "inf"),
         (with(&|d| d.times.clear()), "times", "empty"),
@@ -292,7 +292,7 @@ fn errors_of_scenes_have_a_key() {
     for (from, to, key) in [
         ("210e9", "\"steel\"", "material.young"),
         ("friction = 0.4", "frction = 0.4", "contact[0].frction"),
-        ("[0.0, -10e6]", "[0.0, \"up\"]", "load[0].traction[1]"),
+        ("[0.0, -10e6]", "[0.0, true]", "load[0].traction[1]"),
         ("friction = 0.4", "friction = -0.4", "contact[0].friction"),
         ("[100, 100]", "[100, 0]", "mesh.elements"),
         ("gap = 1e-5", "normal = [0, 0]", "contact[0].obstacle.normal"),

@@ -77,7 +77,7 @@ fn probes_follow_the_shape_functions() {
     let values = probed(&model, &scene, Probe::along("row", [0.2, 1.0], [0.4, 1.0], 3)).pop().unwrap();
     let mut last = Recording::last();
     common::run(&scene, &model, &mut last);
-    let displacements = model.dofs.displacements(&last.increments[0].state.u);
+    let displacements = model.displacements(2.0, &last.increments[0].state.u);
     let node = |x: [f64; 2]| {
         let near = |y: &[f64; 3]| (y[0] - x[0]).abs() + (y[1] - x[1]).abs() < 1e-12;
         displacements[model.mesh.nodes.iter().position(near).unwrap()]
@@ -91,7 +91,7 @@ fn probes_follow_the_shape_functions() {
     // In the centre of a cell the stress is that of the fields.
     let centre = probed(&model, &scene, Probe::at("centre", [0.3, 0.5])).pop().unwrap()[0].stress;
     let cell = (0..25).find(|&e| (model.mesh.centre(e)[0] - 0.3).abs() + (model.mesh.centre(e)[1] - 0.5).abs() < 1e-9);
-    let exact = model.centre_stresses(&displacements).unwrap()[cell.unwrap()];
+    let exact = model.centre_stresses(2.0, &displacements).unwrap()[cell.unwrap()];
     assert!(centre.iter().zip(exact).all(|(s, e)| (s - e).abs() < 1e-9 * exact[1].abs()), "{centre:?}, not {exact:?}");
 }
 
@@ -115,6 +115,40 @@ fn strain_energy_is_half_of_what_the_load_would_do_at_once() {
     }
 }
 
+/// A bar that a support pulls has the energy of one that a traction pulls; one that is warm has that of what holds it.
+#[test]
+fn strain_energy_counts_what_supports_and_temperatures_do() {
+    let energies = |dimension: usize, cells: &str, change: &dyn Fn(&str) -> String| {
+        let scene = Scene::parse("bar.toml", &change(bar(cells, dimension).text()), &[]).unwrap();
+        let mut told = Recording::all();
+        let report = Run::new(&scene).unwrap().solve(&mut told).unwrap();
+        let energies: Vec<f64> = report.increments.iter().map(|record| record.strain_energy).collect();
+        let seen: Vec<f64> = told.increments.iter().map(|increment| increment.record.strain_energy).collect();
+        assert_eq!((report.status, &energies), (Status::Converged, &seen));
+        energies
+    };
+    let load = |text: &str| text.find("[[load]]").unwrap()..text.find("[time]").unwrap();
+    let instead = |text: &str, with: &str| [&text[..load(text).start], with, &text[load(text).end..]].concat();
+    for (dimension, cells) in [(2, "triangle"), (2, "quadrilateral"), (3, "hexahedron")] {
+        let close = |found: Vec<f64>, exact: f64| {
+            let all = found.iter().zip([0.25, 1.0]);
+            assert!(all.clone().all(|(e, share)| (e - share * exact).abs() <= 1e-10 * exact), "{cells}: {found:?}");
+        };
+        let pulled = "[[support]]\nboundary = 'right'\nfix = ['x']\ndisplacement = [2e-3]\n";
+        close(energies(dimension, cells, &|text| instead(text, pulled)), 1e3);
+        let soft = format!("{pulled}[[spring]]\nboundary = 'right'\nnormal = 1e9\n");
+        // The spring of 1e9 N/m goes with the support: ½ k u² more.
+        close(energies(dimension, cells, &|text| instead(text, &soft)), 1e3 + 2e3);
+        let warm = "[[load]]\ntemperature = 100\n";
+        let expansion = |text: &str| text.replace("poisson = 0.25", "poisson = 0.25\nexpansion = 1e-5");
+        // Free to expand, it has none; held at both ends ½ E (α ΔT)² in a volume of 2.
+        let free = energies(dimension, cells, &|text| expansion(&instead(text, warm)));
+        assert!(free.iter().all(|energy| energy.abs() < 1e-9), "{cells}: {free:?}");
+        let held = format!("{warm}[[support]]\nboundary = 'right'\nfix = ['x']\n");
+        close(energies(dimension, cells, &|text| expansion(&instead(text, &held))), 1e3);
+    }
+}
+
 /// Before the first increment nothing has happened, but obstacles are where they are at t = 0.
 #[test]
 fn the_body_before_is_undeformed() {
@@ -129,6 +163,17 @@ fn the_body_before_is_undeformed() {
     assert!(lines[0].points.iter().all(|point| point.p_n == 0.0 && (point.gap - 8e-6).abs() < 1e-20));
     let body = DeformedBody::new(run.model(), &before.step(&data), None);
     assert_eq!((body.index, body.magnification, body.largest), (0, 1.0, 0.0));
+    // Also where supports move it, and heat strains it, from the beginning on.
+    let early = "history = [[0, 1]]\n";
+    let text = bar("quadrilateral", 2).text().replace("poisson = 0.25", "poisson = 0.25\nexpansion = 1e-5");
+    let text = [&text, "\n[[load]]\ntemperature = 9\n", early, "[[support]]\nboundary = 'top'\nfix = ['y']\n"].concat();
+    let text = [&text, "displacement = [1e-3]\n", early].concat();
+    let scene = Scene::parse("bar.toml", &text, &[]).unwrap();
+    let run = Run::new(&scene).unwrap();
+    let before = run.undeformed();
+    let data = before.data();
+    let body = DeformedBody::new(run.model(), &before.step(&data), None);
+    assert!(body.largest == 0.0 && body.patches.iter().all(|(_, stress)| *stress == 0.0));
 }
 
 /// Everything that is told of an increment's parts, and of the increments.

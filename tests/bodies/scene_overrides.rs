@@ -5,6 +5,7 @@
 
 use miette::Diagnostic;
 use stickslip::contact::{Obstacle, Shape};
+use stickslip::description::Load;
 use stickslip::fem::Plane;
 use stickslip::mesh::{CellKind, MeshSource, Segment};
 use stickslip::scene::{Override, Scene, SceneError};
@@ -116,7 +117,9 @@ fn one_contact_or_all() {
     assert_eq!(gaps(&["contact.obstacle.gap=3e-5"]), [3e-5, 3e-5]);
     assert_eq!(gaps(&["contact[0].obstacle.gap=3e-5"]), [3e-5, 2e-5]);
     let loads = scene(&["load[1].traction=[1, 2]"]).description.loads;
-    assert_eq!([&loads[0].traction[..], &loads[1].traction], [[0.0, -10e6], [1.0, 2.0]]);
+    let expected =
+        [("top", [0.0, -10e6]), ("right", [1.0, 2.0])].map(|(boundary, traction)| Load::new(boundary, &traction));
+    assert_eq!([&loads[0].action, &loads[1].action], expected.each_ref().map(|load| &load.action));
 }
 
 #[test]

@@ -82,7 +82,7 @@ fn solve(problem: &ContactProblem, increment: &Increment<'_>, start: [f64; 4]) -
     let mut z = start;
     let mut bn = Bn::new(Armijo::PAPER, 60, formulation.unknowns());
     bn.solve(&mut formulation, &mut linear, &mut z, End::Merit(1e-26), &mut |_| Flow::Continue).unwrap();
-    let state = formulation.layout().unpack(&z, &Scaling::SI);
+    let state = formulation.layout().unpack(&z, &Scaling::SI).unwrap();
     (kkt(problem, increment, &state) < 1e-12).then_some(state)
 }
 

@@ -21,7 +21,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("solvability", &["null_space", "problem", "sets", "vector"]),
     ("fem", &["fault", "mesh", "null_space", "sparse", "vector"]),
     ("contact", &["fault", "fem", "formula", "input", "loading", "mesh", "problem", "timeline", "vector"]),
-    ("description", &["contact", "fault", "fem", "mesh", "timeline", "vector"]),
+    ("description", &["contact", "fault", "fem", "formula", "mesh", "timeline", "vector"]),
     ("formulation", &["contact", "null_space", "problem", "sparse", "units", "vector"]),
     ("linear", &["sets", "sparse", "vector"]),
     ("nonlinear", &["formulation", "linear", "sparse", "units"]),

@@ -54,8 +54,10 @@ fn a_good_run_fills_its_folder() {
 
     // The forces of each increment, which at the end are those of the contact nodes and balance the loads and the wall.
     let (header, forces) = csv(&out.join("forces.csv"));
-    assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t");
-    assert_eq!(forces.len(), 4);
+    assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t,kind,balance");
+    let kinds: Vec<&str> = forces.iter().map(|row| row[8].as_str()).collect();
+    assert_eq!(kinds, ["contact", "support", "load", "load"].repeat(4));
+    let forces: Vec<Vec<String>> = forces.into_iter().filter(|row| row[8] == "contact").collect();
     let (_, nodes) = csv(&out.join("contact_0004.csv"));
     let value = |row: &[String], k: usize| row[k].parse::<f64>().unwrap();
     let total = |of: &dyn Fn(&[String]) -> f64| nodes.iter().map(|row| of(row)).sum::<f64>();

@@ -163,6 +163,7 @@ fn reports() -> Vec<Value> {
         json_of(&edit(&small(), "young = 210e9", "young = 210e5"), &["--setting", "default"]),
         json_of(&cube, &["--method", "ip"]),
         json_of(&small(), &HALVED),
+        json_of(&[&small(), "\n[[spring]]\nboundary = \"right\"\nnormal = 1e9\n"].concat(), &[]),
         report(&edit(&small(), "[solver]", "[solver]\nmax_iterations = 1"), 1),
         report(&without(&small(), "[[support]]", "[[load]]"), 1),
     ]

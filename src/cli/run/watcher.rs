@@ -6,7 +6,7 @@ use stickslip::history::{Observer, Status, Step};
 use stickslip::linear;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IterationRecord};
-use stickslip::report::{ContactLine, ContactSurface, DeformedBody, ForceRecord, ResultFolder, fields};
+use stickslip::report::{BalanceRecord, ContactLine, ContactSurface, DeformedBody, ForceRecord, ResultFolder, fields};
 use stickslip::run::RecordedIncrement;
 use stickslip::scene::Output;
 
@@ -60,7 +60,7 @@ impl Watcher<'_> {
     fn add(&mut self, step: &Step<'_>) -> io::Result<()> {
         let Some(folder) = &mut self.folder else { return Ok(()) };
         folder.add_increment(step.record)?;
-        folder.add_forces(&ForceRecord::all(self.model, step))?;
+        folder.add_forces(&ForceRecord::all(self.model, step), &BalanceRecord::new(self.model, step))?;
         self.probe(step)?;
         // What a failed increment reached is worth a look, too.
         if self.is_wanted(step) || step.record.status != Status::Converged { self.write(step) } else { Ok(()) }

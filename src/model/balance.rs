@@ -1,0 +1,213 @@
+//! The balance of all forces on a body: loads, supports, springs, contact.
+
+use std::ops::AddAssign;
+
+use super::Model;
+use super::support::Moved;
+use crate::fem::{HeldRows, NodalForces, Spring};
+use crate::loading::piecewise_linear;
+use crate::mesh::Mesh;
+use crate::problem::State;
+use crate::vector::{cross, dot, minus, norm};
+
+/// A force, and its moment about the origin at the reference positions of the nodes; in two dimensions per m of depth.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Wrench {
+    /// N.
+    pub force: [f64; 3],
+    /// N m.
+    pub moment: [f64; 3],
+}
+
+impl Wrench {
+    /// A `force` (N) at `x` (m).
+    pub fn at(x: [f64; 3], force: [f64; 3]) -> Self {
+        Wrench { force, moment: cross(x, force) }
+    }
+
+    fn times(self, factor: f64) -> Self {
+        Wrench { force: self.force.map(|f| factor * f), moment: self.moment.map(|m| factor * m) }
+    }
+}
+
+impl AddAssign for Wrench {
+    fn add_assign(&mut self, other: Self) {
+        for c in 0..3 {
+            self.force[c] += other.force[c];
+            self.moment[c] += other.moment[c];
+        }
+    }
+}
+
+impl std::iter::Sum for Wrench {
+    fn sum<I: Iterator<Item = Self>>(wrenches: I) -> Self {
+        wrenches.fold(Wrench::default(), |mut sum, wrench| {
+            sum += wrench;
+            sum
+        })
+    }
+}
+
+/// All that acts on a body, in the order of its description.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Balance {
+    /// The force of each load.
+    pub loads: Vec<Wrench>,
+    /// The force of each support on the body.
+    pub supports: Vec<Wrench>,
+    /// The force of each spring or foundation on the body.
+    pub springs: Vec<Wrench>,
+    /// The force of the obstacles on the body.
+    pub contact: Wrench,
+    /// What all of these leave, a force or a moment, relative to the sum of the sizes of the forces on its nodes.
+    pub closure: f64,
+}
+
+/// What the balance is made from.
+#[derive(Debug, Clone)]
+pub(super) struct Statics {
+    rows: HeldRows,
+    /// Whose the forces on held nodes are, see [`super::support::shares`].
+    shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
+    springs: Vec<Vec<Spring>>,
+    loads: Vec<Acting>,
+}
+
+/// A load at factor 1.
+#[derive(Debug, Clone)]
+struct Acting {
+    whole: Wrench,
+    /// The sum of the sizes of its forces, N.
+    size: f64,
+    /// Its forces on the held nodes, N.
+    on_held: Vec<[f64; 3]>,
+}
+
+impl Statics {
+    pub(super) fn new(
+        mesh: &Mesh,
+        rows: HeldRows,
+        shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
+        springs: Vec<Vec<Spring>>,
+        loads: &[NodalForces],
+    ) -> Self {
+        let acting = |forces: &NodalForces| {
+            let mut on_held = vec![[0.0; 3]; rows.nodes().len()];
+            for (node, force) in forces {
+                if let Ok(held) = rows.nodes().binary_search(node) {
+                    (0..3).for_each(|c| on_held[held][c] += force[c]);
+                }
+            }
+            let whole = forces.iter().map(|(node, force)| Wrench::at(mesh.nodes[*node], *force)).sum();
+            Acting { whole, size: forces.iter().map(|(_, force)| norm(*force)).sum(), on_held }
+        };
+        let loads = loads.iter().map(acting).collect();
+        Statics { rows, shares, springs, loads }
+    }
+
+    /// All springs, those of foundations one for each facet.
+    pub(super) fn springs(&self) -> impl Iterator<Item = &Spring> {
+        self.springs.iter().flatten()
+    }
+}
+
+impl Model {
+    /// The displacements (m) of all nodes that the unknowns `u` (n_u, m) are at time `t` (s): what supports move is moved.
+    ///
+    /// ```text
+    /// u(x) = Σ u_i N_i + Σ factor(t) U(x)
+    /// ```
+    pub fn displacements(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
+        let mut all = self.dofs.displacements(u);
+        for Moved { displacements, history, .. } in &self.moved {
+            add(&mut all, factor(history, t), displacements.iter().copied().enumerate());
+        }
+        all
+    }
+
+    /// How supports move `node` along `direction` until time `t` (s), beside what its unknowns tell, m.
+    pub(crate) fn moved(&self, node: usize, direction: [f64; 3], t: f64) -> f64 {
+        let along = |moved: &Moved| factor(&moved.history, t) * dot(moved.displacements[node], direction);
+        self.moved.iter().map(along).sum()
+    }
+
+    /// The force (N) of the body on the obstacle at contact node `i`, for the contact forces of `state`.
+    pub fn contact_force(&self, state: &State, i: usize) -> [f64; 3] {
+        let facing = &self.contacts[i].facing;
+        let [t, o] = facing.tangents;
+        let (p_n, p_t, p_o) = (state.p_n[i], state.p_t[i], state.p_o[i]);
+        [0, 1, 2].map(|c| p_n * facing.normal[c] + p_t * t[c] + p_o * o[c])
+    }
+
+    /// Everything that acts on the body at time `t` (s) in the `state` it has then: the force of a support is what the stiffness
+    /// of its nodes, their contact and their loads leave, `K u + Cᵀ p - f`.
+    pub fn balance(&self, t: f64, state: &State) -> Balance {
+        let Statics { rows, shares, springs, loads } = &self.statics;
+        let mut strained = self.dofs.displacements(&state.u);
+        for Moved { beyond_rigid, history, .. } in &self.moved {
+            add(&mut strained, factor(history, t), rows.nodes().iter().copied().zip(beyond_rigid.iter().copied()));
+        }
+        let rest = if state.u_rest.is_empty() { Vec::new() } else { self.dofs.displacements(&state.u_rest) };
+        let mut forces = rows.forces(&strained, &rest);
+        let factors: Vec<f64> = self.loading.cases().iter().take(loads.len()).map(|case| case.factor(t)).collect();
+        for (load, factor) in loads.iter().zip(&factors) {
+            add(&mut forces, -factor, load.on_held.iter().copied().enumerate());
+        }
+        let mut size = 0.0;
+        let mut contact = Wrench::default();
+        for (i, node) in self.contacts.iter().enumerate() {
+            let force = self.contact_force(state, i);
+            size += norm(force);
+            contact += Wrench::at(node.position, force.map(|f| -f));
+            if let Ok(held) = rows.nodes().binary_search(&node.node) {
+                add(&mut forces, 1.0, [(held, force)]);
+            }
+        }
+        let position = |held: usize| self.mesh.nodes[rows.nodes()[held]];
+        let supports: Vec<Wrench> = (shares.iter())
+            .map(|shares| {
+                let share = |(held, matrix): &(usize, [[f64; 3]; 3])| {
+                    let force = matrix.map(|row| dot(row, forces[*held]));
+                    size += norm(force);
+                    Wrench::at(position(*held), force)
+                };
+                shares.iter().map(share).sum()
+            })
+            .collect();
+        let displaced = if springs.is_empty() { Vec::new() } else { self.displacements(t, &state.u) };
+        let springs: Vec<Wrench> = (springs.iter())
+            .map(|springs| {
+                let all = springs.iter().flat_map(|spring| spring.forces(&displaced));
+                all.map(|(node, force)| {
+                    size += norm(force);
+                    Wrench::at(self.mesh.nodes[node], force)
+                })
+                .sum()
+            })
+            .collect();
+        size += loads.iter().zip(&factors).map(|(load, factor)| factor.abs() * load.size).sum::<f64>();
+        let loads: Vec<Wrench> = loads.iter().zip(factors).map(|(load, factor)| load.whole.times(factor)).collect();
+        let mut left: Wrench = loads.iter().chain(&supports).chain(&springs).copied().sum();
+        left += contact;
+        let closure = self.left_of(left) / size;
+        Balance { loads, supports, springs, contact, closure: if size > 0.0 { closure } else { 0.0 } }
+    }
+
+    /// The size of a force, or of a moment about the middle of the body by its size.
+    fn left_of(&self, left: Wrench) -> f64 {
+        let middle = self.mesh.bounds().map(|(lowest, highest)| 0.5 * (lowest + highest));
+        let moment = minus(left.moment, cross(middle, left.force));
+        norm(left.force).max(norm(moment) / self.mesh.size())
+    }
+}
+
+fn factor(history: &[[f64; 2]], t: f64) -> f64 {
+    piecewise_linear(history, t).unwrap_or(1.0)
+}
+
+/// Adds `factor` times `terms` at their places.
+fn add(sums: &mut [[f64; 3]], factor: f64, terms: impl IntoIterator<Item = (usize, [f64; 3])>) {
+    for (k, term) in terms {
+        (0..3).for_each(|c| sums[k][c] += factor * term[c]);
+    }
+}

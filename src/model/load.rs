@@ -1,0 +1,142 @@
+//! The loads and springs of a description on its mesh: forces on its nodes.
+
+use super::find;
+use super::place::{node, of_dimension, suits};
+use crate::description::{Action, Bed, Description, Field, Where};
+use crate::fault::Fault;
+use crate::fem::{
+    Bedding, Elasticity, Element, NodalForces, Spring, area, body_force, thermal_forces, traction as traction_of,
+    uniform_traction,
+};
+use crate::mesh::{Boundary, Mesh};
+use crate::vector::{axis, cross, dot, minus, norm, unit};
+
+/// The body as loads see it.
+pub(super) struct Body<'a> {
+    pub description: &'a Description,
+    pub mesh: &'a Mesh,
+    pub element: Element,
+    pub thin: bool,
+    pub materials: &'a [Elasticity],
+}
+
+/// What a load does at factor 1.
+pub(super) struct LoadOnMesh {
+    pub forces: NodalForces,
+    /// The stress-free strain at the centre of each cell, if it is a load by temperature.
+    pub thermal_strain: Option<Vec<f64>>,
+}
+
+impl Body<'_> {
+    /// What load `k` does.
+    pub(super) fn load(&self, k: usize) -> Result<LoadOnMesh, Fault> {
+        let Body { description, mesh, element, thin, materials } = *self;
+        let key = format!("load[{k}]");
+        let at = |name: &str| format!("{key}.{name}");
+        let boundary = |name: &str| find(mesh, name, &key);
+        let mut thermal_strain = None;
+        let forces = match &description.loads[k].action {
+            Action::Traction { boundary: name, traction } => {
+                tractions(mesh, boundary(name)?, name, traction, &at("traction"))?
+            }
+            Action::Pressure { boundary: name, pressure } => {
+                let forces = traction_of(mesh, boundary(name)?, |x, area| area.map(|a| -pressure.at(x) * a));
+                defined(forces, &at("pressure"), "pressure")?
+            }
+            Action::Force { at: place, force } => {
+                let force = in_space(mesh, force, &at("force"))?;
+                match place {
+                    Where::Point(point) => vec![(node(mesh, *point, &key)?, force)],
+                    Where::Boundary(name) => {
+                        let boundary = boundary(name)?;
+                        let area = area(mesh, boundary);
+                        uniform_traction(mesh, boundary, force.map(|f| f / area))
+                    }
+                }
+            }
+            Action::Acceleration(acceleration) => {
+                let acceleration = in_space(mesh, acceleration, &at("acceleration"))?;
+                let density = description.material.densities(mesh)?;
+                body_force(mesh, |e, _| acceleration.map(|a| density[e] * a))
+            }
+            Action::Spin { axis: given, through, speed } => {
+                suits(mesh, *through, &at("rotation.through"))?;
+                let along = given.map_or(axis(2), |axis| unit(axis.components()));
+                if mesh.dimension == 2 && cross(along, axis(2)) != [0.0; 3] {
+                    let message = "the axis of the rotation leaves the plane of the body, which has two dimensions";
+                    return Err(Fault::new(at("rotation.axis"), message, "leave it out"));
+                }
+                let density = description.material.densities(mesh)?;
+                let through = through.components();
+                body_force(mesh, |e, x| {
+                    let arm = minus(x, through);
+                    let up = dot(arm, along);
+                    minus(arm, along.map(|c| up * c)).map(|r| density[e] * speed * speed * r)
+                })
+            }
+            Action::Temperature(temperature) => {
+                let expansion = description.material.expansions(mesh)?;
+                let strain = |e: usize, x: [f64; 3]| expansion[e] * temperature.at(x);
+                thermal_strain = Some((0..mesh.cells.len()).map(|e| strain(e, mesh.centre(e))).collect());
+                let forces = thermal_forces(mesh, element, thin, |e| materials[e], strain);
+                defined(forces, &at("temperature"), "temperature")?
+            }
+        };
+        Ok(LoadOnMesh { forces, thermal_strain })
+    }
+}
+
+/// The springs of each bed of `description`.
+pub(super) fn springs(description: &Description, mesh: &Mesh) -> Result<Vec<Vec<Spring>>, Fault> {
+    let of_bed = |(k, bed): (usize, &Bed)| {
+        let key = format!("spring[{k}]");
+        match bed {
+            Bed::Axes { at, stiffness } => {
+                let stiffness = in_space(mesh, stiffness, &format!("{key}.stiffness"))?;
+                match at {
+                    Where::Point(point) => Ok(vec![Spring::at_node(node(mesh, *point, &key)?, stiffness)]),
+                    Where::Boundary(name) => {
+                        Ok(Spring::foundation(mesh, find(mesh, name, &key)?, Bedding::Axes(stiffness)))
+                    }
+                }
+            }
+            Bed::Surface { boundary, normal, tangential } => {
+                let bedding = Bedding::Surface { normal: *normal, tangential: *tangential };
+                Ok(Spring::foundation(mesh, find(mesh, boundary, &key)?, bedding))
+            }
+        }
+    };
+    description.springs.iter().enumerate().map(of_bed).collect()
+}
+
+/// The forces of a traction on `boundary`, which is called `name`.
+fn tractions(mesh: &Mesh, boundary: &Boundary, name: &str, given: &[Field], key: &str) -> Result<NodalForces, Fault> {
+    let dimension = mesh.dimension;
+    if given.len() != dimension {
+        let n = given.len();
+        let message = format!("the traction on `{name}` has {n} components, but the body has {dimension} dimensions");
+        let help = if dimension == 2 { "give [x, y], N/m²" } else { "give [x, y, z], N/m²" };
+        return Err(Fault::new(key, message, help));
+    }
+    if let Some(uniform) = given.iter().map(Field::uniform).collect::<Option<Vec<_>>>() {
+        return Ok(uniform_traction(mesh, boundary, in_space(mesh, &uniform, key)?));
+    }
+    let at = |x: [f64; 3], size: f64| [0, 1, 2].map(|c| given.get(c).map_or(0.0, |field| size * field.at(x)));
+    let forces = traction_of(mesh, boundary, |x, area| at(x, norm(area)));
+    defined(forces, key, "traction")
+}
+
+/// Fails unless all `forces` are finite: a formula may have no value somewhere.
+fn defined(forces: NodalForces, key: &str, what: &str) -> Result<NodalForces, Fault> {
+    if forces.iter().flat_map(|(_, force)| force).all(|f| f.is_finite()) {
+        return Ok(forces);
+    }
+    let message = format!("the {what} is not a finite number everywhere");
+    Err(Fault::new(key, message, "give a formula that has a value wherever the load acts"))
+}
+
+/// Components as they are in space.
+fn in_space(mesh: &Mesh, components: &[f64], key: &str) -> Result<[f64; 3], Fault> {
+    of_dimension(mesh, key, components.len())?;
+    Ok([0, 1, 2].map(|c| components.get(c).copied().unwrap_or(0.0)))
+}

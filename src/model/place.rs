@@ -1,0 +1,64 @@
+//! Boundaries and nodes that a description names.
+
+use super::find;
+use crate::description::Where;
+use crate::fault::Fault;
+use crate::mesh::{Boundary, Mesh};
+use crate::vector::{Vector, minus, norm, unit};
+
+/// A node that is named by its coordinates may be as far from them, of the size of the body: coordinates are given with a few
+/// digits.
+const NEAR: f64 = 1e-6;
+
+/// The nodes at the place that is named at `key`, each once.
+pub(super) fn nodes(mesh: &Mesh, at: &Where, key: &str) -> Result<Vec<usize>, Fault> {
+    match at {
+        Where::Boundary(name) => Ok(find(mesh, name, key)?.nodes()),
+        Where::Point(point) => Ok(vec![node(mesh, *point, key)?]),
+    }
+}
+
+/// The node at `point`.
+pub(super) fn node(mesh: &Mesh, point: Vector, key: &str) -> Result<usize, Fault> {
+    suits(mesh, point, &format!("{key}.point"))?;
+    let x = point.components();
+    let distance = |node: usize| norm(minus(mesh.nodes[node], x));
+    let nearest = (0..mesh.nodes.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+    let nearest = nearest.unwrap_or(0);
+    if distance(nearest) <= NEAR * mesh.size() {
+        return Ok(nearest);
+    }
+    let message = format!("no node of the mesh is at {} m", mesh.place(x));
+    let help = format!("the nearest is at {} m", mesh.place(mesh.nodes[nearest]));
+    Err(Fault::new(format!("{key}.point"), message, help))
+}
+
+/// Fails unless a vector has as many components as the body has dimensions.
+pub(super) fn suits(mesh: &Mesh, vector: Vector, key: &str) -> Result<(), Fault> {
+    of_dimension(mesh, key, vector.dimension()).map(drop)
+}
+
+/// Fails unless `count` components are as many as the body has dimensions.
+pub(super) fn of_dimension(mesh: &Mesh, key: &str, count: usize) -> Result<usize, Fault> {
+    let dimension = mesh.dimension;
+    if count == dimension {
+        return Ok(count);
+    }
+    let name = key.rsplit('.').next().unwrap_or(key);
+    let message = format!("{name} has {count} components, but the body has {dimension} dimensions");
+    Err(Fault::new(key, message, if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" }))
+}
+
+/// The outward unit normal of `boundary` in each node of the mesh: that of the sum of its facets at the node; `None` off the
+/// boundary.
+pub(super) fn normals(mesh: &Mesh, boundary: &Boundary) -> Vec<Option<[f64; 3]>> {
+    let mut sums = vec![[0.0; 3]; mesh.nodes.len()];
+    for facet in &boundary.facets {
+        let area = mesh.area_vector(facet);
+        for &node in facet {
+            sums[node].iter_mut().zip(area).for_each(|(sum, a)| *sum += a);
+        }
+    }
+    // + 0.0 turns -0 into 0.
+    sums.into_iter().map(|sum| (sum != [0.0; 3]).then(|| unit(sum).map(|c| c + 0.0))).collect()
+}

@@ -1,0 +1,69 @@
+//! The forces that act on the body, and what they leave of each other.
+
+use serde::Serialize;
+
+use crate::description::Bed;
+use crate::history::Step;
+use crate::model::{Balance, Model, Wrench};
+
+/// What acts on the body beside contact, at the end of an increment. Loads, supports and springs act on the body, contact forces
+/// ([`super::ForceRecord`]) on the obstacles: the first three less the last is what `balance` measures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct BalanceRecord {
+    /// The increment, from 1.
+    pub index: usize,
+    /// The time at its end, s.
+    pub time: f64,
+    /// The force of each support on the body, its reaction. What several supports hold in the same direction they share evenly.
+    pub supports: Vec<Acting>,
+    /// The force of each spring or foundation on the body.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub springs: Vec<Acting>,
+    /// The force of each load.
+    pub loads: Vec<Acting>,
+    /// What all forces on the body leave of each other, as a force or as a moment about its middle by its size, relative to the
+    /// sum of the sizes of the forces on its nodes.
+    pub balance: f64,
+}
+
+/// A force on the body.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct Acting {
+    /// The boundary, or the point.
+    pub at: String,
+    /// x, y and, in three dimensions, z, N; in two dimensions N per m of depth.
+    pub force: Vec<f64>,
+    /// The moment about the origin at the reference positions of the nodes: about z in two dimensions, about x, y and z in
+    /// three, N m; in two dimensions N m per m of depth.
+    pub moment: Vec<f64>,
+}
+
+impl BalanceRecord {
+    /// The balance at the end of a step.
+    pub fn new(model: &Model, step: &Step<'_>) -> Self {
+        let (index, time) = (step.record.index, step.record.time);
+        let Balance { loads, supports, springs, closure, .. } = model.balance(time, step.state);
+        let description = model.description();
+        let acting = |names: Vec<String>, wrenches: Vec<Wrench>| {
+            names.into_iter().zip(wrenches).map(|(at, wrench)| Acting::new(at, wrench, model.mesh.dimension)).collect()
+        };
+        BalanceRecord {
+            index,
+            time,
+            supports: acting(description.supports.iter().map(|support| support.at.to_string()).collect(), supports),
+            springs: acting(description.springs.iter().map(Bed::place).collect(), springs),
+            loads: acting(description.loads.iter().map(|load| load.action.place()).collect(), loads),
+            balance: closure,
+        }
+    }
+}
+
+impl Acting {
+    fn new(at: String, wrench: Wrench, dimension: usize) -> Self {
+        let Wrench { force, moment } = wrench;
+        let moment = if dimension == 2 { vec![moment[2]] } else { moment.to_vec() };
+        Acting { at, force: force[..dimension].to_vec(), moment }
+    }
+}

@@ -1,0 +1,154 @@
+//! The supports, springs and loads of a scene.
+
+use crate::description::{Action, Axis, Bed, Direction, Field, Held, Load, Support, Where};
+use crate::fault::Fault;
+use crate::formula::Formula;
+use crate::scene::SceneError;
+use crate::scene::document::{self, Fix, Scalar, Segments};
+use crate::scene::error::Source;
+use crate::vector::Vector;
+
+use super::{foreign, points};
+
+/// The support that stands at `key`.
+pub(super) fn support(given: document::Support, key: &str) -> Result<Support, Fault> {
+    let document::Support { boundary, point, fix, direction, displacement, history } = given;
+    let at = place(boundary, point, "a support").map_err(|fault| fault.under(key))?;
+    let fault = |name: &str, message: &str, help: &str| Err(Fault::new(format!("{key}.{name}"), message, help));
+    let directions: Vec<Direction> = match (fix, direction) {
+        (Some(_), Some(_)) => return fault("direction", "a support has both fix and direction", "keep one of them"),
+        (None, None) => {
+            let help = "add fix = [\"x\", \"y\"], fix = [\"normal\"] or a direction such as [1, 1]";
+            return Err(Fault::new(key, "a support needs fix or direction", help));
+        }
+        (None, Some(along)) => vec![Direction::Along(along)],
+        (Some(fix), None) => fix.into_iter().map(held_along).collect(),
+    };
+    let displacements = match displacement {
+        None => vec![0.0; directions.len()],
+        Some(Segments(values)) if values.len() == directions.len() => values,
+        Some(Segments(values)) => {
+            let (n, d) = (values.len(), directions.len());
+            let message = format!("displacement has {n} values, but the support holds {d} directions");
+            return fault("displacement", &message, "give one for each direction that is held, in the order of fix, m");
+        }
+    };
+    if history.is_some() && displacements.iter().all(|to| *to == 0.0) {
+        return fault("history", "a support that moves nothing has a history", "add a displacement, or remove the key");
+    }
+    let held =
+        directions.into_iter().zip(displacements).map(|(direction, displacement)| Held { direction, displacement });
+    Ok(Support { at, held: held.collect(), history: history.map(points) })
+}
+
+fn held_along(fix: Fix) -> Direction {
+    match fix {
+        Fix::X => Direction::Axis(Axis::X),
+        Fix::Y => Direction::Axis(Axis::Y),
+        Fix::Z => Direction::Axis(Axis::Z),
+        Fix::Normal => Direction::Normal,
+    }
+}
+
+/// What `whose` acts on, a boundary or a point.
+fn place(boundary: Option<String>, point: Option<Vector>, whose: &str) -> Result<Where, Fault> {
+    match (boundary, point) {
+        (Some(boundary), None) => Ok(Where::Boundary(boundary)),
+        (None, Some(point)) => Ok(Where::Point(point)),
+        (Some(_), Some(_)) => {
+            Err(Fault::new("point", format!("{whose} has both boundary and point"), "keep one of them"))
+        }
+        (None, None) => {
+            Err(Fault::new("boundary", format!("{whose} needs a boundary or a point"), "add one of the keys"))
+        }
+    }
+}
+
+/// The spring that stands at `key`.
+pub(super) fn spring(given: document::Spring, key: &str) -> Result<Bed, Fault> {
+    let document::Spring { boundary, point, stiffness, normal, tangential } = given;
+    let under = |fault: Fault| fault.under(key);
+    let at = place(boundary, point, "a spring").map_err(under)?;
+    match (at, stiffness) {
+        (at, Some(stiffness)) => {
+            let whose = "a spring with a stiffness along the axes";
+            foreign("normal", normal.as_ref(), whose).map_err(under)?;
+            foreign("tangential", tangential.as_ref(), whose).map_err(under)?;
+            Ok(Bed::Axes { at, stiffness })
+        }
+        (Where::Boundary(boundary), None) if normal.is_some() || tangential.is_some() => {
+            Ok(Bed::Surface { boundary, normal: normal.unwrap_or(0.0), tangential: tangential.unwrap_or(0.0) })
+        }
+        (Where::Boundary(_), None) => {
+            let help = "add normal and tangential, N/m³, or stiffness along the axes";
+            Err(Fault::new(key, "a spring needs a stiffness", help))
+        }
+        (Where::Point(_), None) => {
+            Err(Fault::new(key, "a spring at a point needs stiffness", "give it along the axes, N/m"))
+        }
+    }
+}
+
+/// The load that stands at `key` of the scene `source`.
+pub(super) fn load(given: document::Load, key: &str, source: &Source) -> Result<Load, SceneError> {
+    let document::Load { boundary, point, traction, pressure, force, acceleration, rotation, temperature, history } =
+        given;
+    let at = |fault: Fault| source.located(fault.under(key));
+    let field = |scalar: Scalar, name: &str| field(scalar, &format!("{key}.{name}"), source);
+    let on_boundary = |boundary: Option<String>, whose: &str| {
+        foreign("point", point.as_ref(), whose).map_err(at)?;
+        boundary.ok_or_else(|| at(Fault::new("boundary", format!("{whose} needs a boundary"), "add the key")))
+    };
+    let on_body = |boundary: Option<String>, whose: &str| {
+        foreign("boundary", boundary.as_ref(), whose).and(foreign("point", point.as_ref(), whose)).map_err(at)
+    };
+    let given = [
+        ("traction", traction.is_some()),
+        ("pressure", pressure.is_some()),
+        ("force", force.is_some()),
+        ("acceleration", acceleration.is_some()),
+        ("rotation", rotation.is_some()),
+        ("temperature", temperature.is_some()),
+    ];
+    let mut present = given.iter().filter(|(_, given)| *given).map(|(name, _)| *name);
+    if let (Some(first), Some(second)) = (present.next(), present.next()) {
+        let message = format!("a load has both {first} and {second}");
+        return Err(at(Fault::new(second, message, "make two loads of them, or keep one")));
+    }
+    let action = if let Some(traction) = traction {
+        let boundary = on_boundary(boundary, "a traction")?;
+        let component = |(k, scalar): (usize, Scalar)| field(scalar, &format!("traction[{k}]"));
+        Action::Traction {
+            boundary,
+            traction: traction.into_iter().enumerate().map(component).collect::<Result<_, _>>()?,
+        }
+    } else if let Some(pressure) = pressure {
+        Action::Pressure { boundary: on_boundary(boundary, "a pressure")?, pressure: field(pressure, "pressure")? }
+    } else if let Some(force) = force {
+        Action::Force { at: place(boundary, point, "a force").map_err(at)?, force }
+    } else if let Some(acceleration) = acceleration {
+        on_body(boundary, "an acceleration")?;
+        Action::Acceleration(acceleration)
+    } else if let Some(document::Spin { axis, through, speed }) = rotation {
+        on_body(boundary, "a rotation")?;
+        Action::Spin { axis, through, speed }
+    } else if let Some(temperature) = temperature {
+        on_body(boundary, "a temperature")?;
+        Action::Temperature(field(temperature, "temperature")?)
+    } else {
+        let help = "add one of traction, pressure, force, acceleration, rotation and temperature";
+        return Err(source.located(Fault::new(key, "a load does nothing", help)));
+    };
+    Ok(Load { action, history: history.map(points) })
+}
+
+/// A number or a formula; what is wrong within a formula is underlined.
+fn field(scalar: Scalar, key: &str, source: &Source) -> Result<Field, SceneError> {
+    match scalar {
+        Scalar::Number(value) => Ok(value.into()),
+        Scalar::Text(text) => Formula::parse(&text).map(Field::from).map_err(|why| {
+            let help = "give a number, or a formula of x, y and z in m, such as \"1e6 * (1 - x^2)\"";
+            source.located_within(Fault::new(key, format!("the formula: {why}"), help), &text, &why.span)
+        }),
+    }
+}
