@@ -21,7 +21,7 @@ pub use body_force::{body_force, free_stretch, thermal_forces, thermal_stress};
 pub use dofs::Dofs;
 pub use elastic::Elasticity;
 pub use facet::{NodalForces, area, facet_load, facet_weights, traction, uniform_traction};
-pub use held::{HeldRows, nearest_rigid_motion};
+pub use held::{HeldRows, nearest_translation};
 pub use locate::reference_point;
 pub use material::{Layer, Material, MaterialGroup, Plane};
 pub use quadrature::{fine_quadrature, quadrature};

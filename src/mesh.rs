@@ -12,6 +12,7 @@ mod source;
 
 pub use block::block;
 pub use check::MeshFault;
+pub(crate) use gmsh::faces;
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
 pub use source::{HalfPlane, MeshError, MeshSource, Segment};
 

@@ -58,7 +58,7 @@ pub struct Parts {
     /// `C_o`, n_c × n_u: displacements along the other tangent, at right angles to the first. Every row
     /// is empty in two dimensions.
     pub c_o: Csr,
-    /// `μ`, friction coefficients, n_c.
+    /// `μ`, friction coefficients, n_c; where they change in time, the largest.
     pub mu: Vec<f64>,
     /// `l`, integration weights of the contact nodes, n_c, m (m² in space): `σ = p / l` (32). Stresses and the
     /// constants of the paper need them, the equations do not.
@@ -84,6 +84,8 @@ pub struct Increment<'a> {
     pub force: &'a [f64],
     /// `g`, gaps at the end of the increment, n_c, m; negative for interference.
     pub gap: &'a [f64],
+    /// `μ`, friction coefficients at the end of the increment, n_c: above 0 where those of the problem are, and 0 elsewhere.
+    pub mu: &'a [f64],
     /// `w̄_t`, tangential displacements at the end of the last increment, n_c, m.
     pub w_t_last: &'a [f64],
     /// `w̄_o`, the same along the other tangent, n_c, m.

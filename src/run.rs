@@ -140,6 +140,7 @@ impl<'a> Run<'a> {
             statuses: vec![ContactStatus::Open; contacts],
             force: vec![0.0; problem.displacements()],
             gap: loading.gaps_at(0.0),
+            mu: loading.friction().map_or_else(|| problem.mu().to_vec(), |friction| friction.at(0.0)),
             w_t_last: vec![0.0; contacts],
             w_o_last: vec![0.0; contacts],
         }

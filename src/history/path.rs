@@ -36,6 +36,7 @@ pub(super) struct Path<'a> {
     force: Vec<f64>,
     condensed_force: Vec<f64>,
     gap: Vec<f64>,
+    mu: Vec<f64>,
     w_t_last: Vec<f64>,
     w_o_last: Vec<f64>,
     /// `w̄_t` and `w̄_o` of the next part.
@@ -66,6 +67,7 @@ impl<'a> Path<'a> {
             force: vec![0.0; problem.displacements()],
             condensed_force: vec![0.0; condensed.map_or(0, |condensed| condensed.problem.displacements())],
             gap: vec![0.0; n_c],
+            mu: problem.mu().to_vec(),
             w_t_last: vec![0.0; n_c],
             w_o_last: vec![0.0; n_c],
             w_t: vec![0.0; n_c],
@@ -75,8 +77,8 @@ impl<'a> Path<'a> {
 
     /// What drove the part tried last.
     pub(super) fn data(&self) -> Increment<'_> {
-        let Path { force, gap, w_t_last, w_o_last, .. } = self;
-        Increment { force, gap, w_t_last, w_o_last }
+        let Path { force, gap, mu, w_t_last, w_o_last, .. } = self;
+        Increment { force, gap, mu, w_t_last, w_o_last }
     }
 
     /// Goes on to `time`, in parts if need be.
@@ -132,6 +134,9 @@ impl<'a> Path<'a> {
         let Path { problem, loading, condensed, settings, .. } = *self;
         loading.force(time, &mut self.force);
         loading.gap_at(time, &mut self.gap);
+        if let Some(friction) = loading.friction() {
+            self.mu = friction.at(time);
+        }
         let from = self.reached.unwrap_or(0.0);
         let tangential = [(&mut self.w_t_last, &self.w_t), (&mut self.w_o_last, &self.w_o)];
         for (k, (last, w)) in tangential.into_iter().enumerate() {
@@ -141,8 +146,13 @@ impl<'a> Path<'a> {
                 *last = w[i] + (now[i] - before[i]);
             }
         }
-        let increment =
-            Increment { force: &self.force, gap: &self.gap, w_t_last: &self.w_t_last, w_o_last: &self.w_o_last };
+        let increment = Increment {
+            force: &self.force,
+            gap: &self.gap,
+            mu: &self.mu,
+            w_t_last: &self.w_t_last,
+            w_o_last: &self.w_o_last,
+        };
         let before = self.scales.with_load(self.problem, &increment);
         let mut force = &self.force;
         if let Some(condensed) = condensed {
@@ -156,7 +166,7 @@ impl<'a> Path<'a> {
             scales: &before,
             tolerance: settings.tolerance,
         };
-        let mut outcome = match driven_motion(problem, &self.force) {
+        let mut outcome = match driven_motion(problem, &self.mu, &self.force) {
             None => self.method.solve(&task, linear, observe)?,
             Some(motion) => Outcome { stop: Stop::NoEquilibrium(motion), ..Outcome::new(f64::NAN) },
         };

@@ -1,7 +1,5 @@
 //! The state of every contact node at the end of an increment.
 
-use std::ops::Range;
-
 use serde::Serialize;
 
 use super::csv;
@@ -82,7 +80,7 @@ impl ContactLine {
             index: step.record.index,
             time: step.record.time,
             dimension: model.mesh.dimension,
-            points: points(model, boundary.nodes.clone(), step),
+            points: points(model, boundary.nodes.iter().copied(), step),
         };
         model.contact_boundaries.iter().map(line).collect()
     }
@@ -151,7 +149,7 @@ const PLACE: [Column; 10] = [
 ];
 
 /// The contact nodes `nodes` at the end of a step.
-pub(super) fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec<ContactPoint> {
+pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Step<'_>) -> Vec<ContactPoint> {
     let (problem, state) = (&model.problem, step.state);
     let drift = [0, 1].map(|k| model.loading.drift_at(step.record.time, k));
     let mut s = 0.0;
@@ -192,7 +190,7 @@ pub(super) fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec
             slip_t,
             slip_o,
             force: model.contact_force(state, i),
-            mu: problem.mu()[i],
+            mu: step.increment.mu[i],
             status: step.statuses[i],
         }
     };

@@ -186,7 +186,7 @@ impl RunReport {
                 nnz_factors: outcome.linear.factor.entries,
                 backward_error: outcome.linear.worst_backward_error,
             },
-            end: ComponentSums::of(model, &outcome.state, 0..model.contacts.len()),
+            end: ComponentSums::of(model, &outcome.state, (0..model.contacts.len()).map(|i| (i, 1.0))),
             boundaries: Resultant::all(model, &outcome.state),
             forces: facts.forces,
             reactions: facts.reactions,

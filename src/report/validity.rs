@@ -70,7 +70,7 @@ impl Validity {
             }
         }
         for boundary in &model.contact_boundaries {
-            for i in boundary.nodes.clone() {
+            for &i in &boundary.nodes {
                 let contact = &model.contacts[i];
                 let pressure = state.p_n[i] / contact.weight;
                 if pressure > self.largest_pressure.as_ref().map_or(0.0, |largest| largest.pressure) {
@@ -95,7 +95,7 @@ impl Validity {
         let mut warn = |kind, message| warnings.push(Warning { kind, message });
         let mut boundaries = model.contact_boundaries.iter();
         // Without a converged increment nothing is known of the contact.
-        let untouched = boundaries.find(|boundary| !self.touched[boundary.nodes.clone()].contains(&true));
+        let untouched = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| self.touched[i]));
         if let (Some(boundary), Some(_)) = (untouched, self.largest) {
             let message = format!(
                 "`{}` never touched its obstacle; `stickslip check` tells where that is and how it moves",

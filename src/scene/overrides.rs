@@ -103,7 +103,7 @@ impl Override {
             Some(Item::ArrayOfTables(list)) => {
                 self.set_in_list(name, *index, list.iter_mut().map(|table| table as &mut dyn TableLike).collect(), rest)
             }
-            Some(Item::Value(Value::Array(list))) if LISTS.contains(&name.as_str()) => {
+            Some(Item::Value(Value::Array(list))) if list.iter().any(Value::is_inline_table) => {
                 let tables = list.iter_mut().filter_map(Value::as_inline_table_mut);
                 self.set_in_list(name, *index, tables.map(|table| table as &mut dyn TableLike).collect(), rest)
             }

@@ -15,6 +15,7 @@ use super::{Scene, SceneError, Time};
 use crate::description::{Contact, Description};
 use crate::fault::{Fault, demand, finite};
 use crate::fem::{Layer, Material, MaterialGroup};
+use crate::formula::Formula;
 
 /// The scene of `document`, which was read from `source`.
 pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneError> {
@@ -84,9 +85,30 @@ fn material(given: document::Material) -> Material {
 }
 
 fn contact(k: usize, given: document::Contact, source: &Source) -> Result<Contact, SceneError> {
-    let document::Contact { boundary, friction, obstacle } = given;
+    let document::Contact { boundary, friction, friction_history, obstacle } = given;
+    let friction = match friction {
+        document::Friction::Number(coefficient) => coefficient.into(),
+        document::Friction::Formula(text) => {
+            let help = "give Coulomb's coefficient, or a formula of x, y and z in m for it, such as \"0.1 + 0.2 * x\"";
+            formula(&text, format!("contact[{k}].friction"), help, source)?.into()
+        }
+    };
     let key = format!("contact[{k}].obstacle");
-    Ok(Contact { boundary, friction, obstacle: obstacle::obstacle(obstacle, &key, source)? })
+    let obstacles = match obstacle {
+        document::Obstacles::One(one) => vec![obstacle::obstacle(*one, &key, source)?],
+        document::Obstacles::Several(all) => (all.into_iter().enumerate())
+            .map(|(j, one)| obstacle::obstacle(one, &format!("{key}[{j}]"), source))
+            .collect::<Result<_, _>>()?,
+    };
+    Ok(Contact { boundary, friction, friction_history: friction_history.map(points), obstacles })
+}
+
+/// The formula at `key`; what is wrong within it is underlined.
+fn formula(text: &str, key: String, help: &str, source: &Source) -> Result<Formula, SceneError> {
+    Formula::parse(text).map_err(|why| {
+        let fault = Fault::new(key, format!("the formula: {why}"), help);
+        source.located_within(fault, text, &why.span)
+    })
 }
 
 fn points(given: Vec<Tuple<f64>>) -> Vec<[f64; 2]> {

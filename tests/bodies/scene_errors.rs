@@ -64,7 +64,7 @@ const KEYS_AND_TYPES: &[Fault] = &[
     ("poisson =", "layers = [[0.1, 1e9]]\npoisson =", "layers =", &["invalid length 2", "3 values"], FORM),
     ("poisson =", "layers = [0.1, 1e9, 0.3]\npoisson =", "layers =", &["`0.1`", "a list"], FORM),
     ("\"y\"]", "\"w\"]", "\"w\"]", &["unknown variant `w`", "`x`"], LISTED),
-    ("\"plane\"", "\"cone\"", "\"cone\"", &["unknown variant `cone`", "`plane`"], LISTED),
+    ("\"plane\"", "\"prism\"", "\"prism\"", &["unknown variant `prism`", "`plane`"], LISTED),
     ("\"bn\"", "\"newton\"", "\"newton\"", &["unknown variant `newton`", "`bn`"], LISTED),
     ("\"paper\"", "\"mine\"", "\"mine\"", &["unknown variant `mine`", "`paper`"], LISTED),
     ("\"paper\"", "\"paper\"\nlinear = \"cg\"", "\"cg\"", &["unknown variant `cg`", "`umfpack`"], LISTED),

@@ -241,6 +241,31 @@ fn check_explains_without_solving() {
     assert_eq!(folder.names(""), ["scene.toml"]);
 }
 
+/// Several obstacles are told one by one, with how many nodes meet each, and how many are beyond the reach of all.
+#[test]
+fn check_tells_every_obstacle() {
+    let check = |obstacle: &str| {
+        let text = edit(&small(), "obstacle = { kind = \"plane\", gap = 1e-5 }", obstacle);
+        let (_folder, scene) = Folder::with_scene(&text);
+        let output = stickslip(&["check", &scene]);
+        assert_exit(&output, 0);
+        stdout(&output).to_string()
+    };
+    let rollers = "obstacle = [{ kind = \"cylinder\", radius = 0.2, apex = [0.5, -1e-5], approach = [[0, 0], [1, 1e-5]] }, \
+                   { kind = \"bore\", radius = 90.0, apex = [1.0, -0.02], direction = \"nearest\" }]";
+    let told = check(rollers);
+    for words in [
+        "contact      bottom: 2 obstacles, mu = 0.4\n",
+        "             cylinder, radius 0.2 m, apex (0.5, -0.00001) m, moves in by 0 m at 0 s, 1e-5 m at 1 s, met by 1 nodes\n",
+        "             bore, radius 90 m, apex (1, -0.02) m, met by 3 nodes\n             gaps to the nearest point",
+    ] {
+        assert!(told.contains(words), "{words}{told}");
+    }
+    let told = check("obstacle = { kind = \"cylinder\", radius = 0.2, apex = [0.5, -1e-5] }");
+    assert!(told.contains("             4 nodes that no obstacle ever reaches stay open\n"), "{told}");
+    assert!(check("obstacle = { kind = \"plane\" }").contains("mu = 0.4"));
+}
+
 /// Every point of a motion is told as that of a load is, and which of them no increment meets.
 #[test]
 fn check_tells_histories() {

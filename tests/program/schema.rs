@@ -215,7 +215,7 @@ fn scenes_are_as_their_schema_says() {
     }
     for (from, to, fault) in [
         ("poisson", "poison", "scene.material: unknown key poison"),
-        ("\"plane\"", "\"plain\"", "scene.contact[0].obstacle.kind"),
+        ("\"plane\"", "\"plain\"", "scene.contact[0].obstacle: fits none"),
         ("friction = 0.4", "friction = -0.4", "scene.contact[0].friction: out of range"),
         ("[time]", "[times]", "scene: unknown key times"),
         ("end = 2.0", "end = \"2\"", "scene.time.end: not of the type"),
