@@ -96,7 +96,7 @@ fn a_probe_beside_the_body_is_told_by_check_and_run() {
         assert_exit(&output, 2);
         let text = stderr(&output).replace("\n  │ ", " ");
         assert!(text.contains("scene.toml:47: the point (2, 0) m is outside of the body"), "{text}");
-        assert!(text.contains("the nearest node is at (1, 0) m"), "{text}");
+        assert!(text.contains("the nearest node is at (1, 0)"), "{text}");
     }
     assert!(!folder.0.join("out").exists());
 }
