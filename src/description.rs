@@ -30,11 +30,13 @@
 mod check;
 mod field;
 mod load;
+mod probe;
 mod spring;
 mod support;
 
 pub use field::Field;
 pub use load::{Action, Load, Where};
+pub use probe::{Probe, ProbePlace};
 pub use spring::Bed;
 pub use support::{Direction, Held, Support};
 

@@ -92,6 +92,15 @@ impl CellKind {
         }
     }
 
+    /// The centre of the reference cell, whose coordinates go from -1 to 1, of a triangle or tetrahedron from 0 to 1.
+    pub fn centre(self) -> [f64; 3] {
+        match self {
+            CellKind::Quadrilateral | CellKind::Hexahedron => [0.0; 3],
+            CellKind::Triangle => [1.0 / 3.0, 1.0 / 3.0, 0.0],
+            CellKind::Tetrahedron => [0.25; 3],
+        }
+    }
+
     /// The number of corners.
     pub fn corners(self) -> usize {
         match self {

@@ -3,6 +3,7 @@
 mod balance;
 mod contact;
 mod element;
+mod energy;
 mod load;
 mod place;
 mod range;

@@ -240,6 +240,13 @@ impl ContactProblem {
         (0..self.contacts()).map(of_node).sum()
     }
 
+    /// The strain energy `½ uᵀ K u` of a state of this problem, J, or J per m of depth.
+    pub(crate) fn strain_energy(&self, state: &State) -> f64 {
+        let mut force = vec![0.0; state.u.len()];
+        self.stiffness().mul(&state.u, &mut force);
+        0.5 * state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>()
+    }
+
     /// The displacements that contact forces act on, ascending. There are none along an obstacle
     /// without friction.
     pub fn contact_displacements(&self) -> Vec<usize> {

@@ -7,6 +7,8 @@
 use super::held::HeldBody;
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
+use super::told::Told;
+use super::walked::{Attempt, Walked};
 use super::whole::Whole;
 use super::{Status, record};
 use crate::condense::Condensed;
@@ -14,7 +16,7 @@ use crate::contact::{KktErrors, KktScales, judge, rounding_level};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Outcome, Stop};
-use crate::problem::{ContactProblem, Increment, State};
+use crate::problem::{ContactProblem, Increment};
 use crate::solvability::driven_motion;
 
 /// The way through a history as far as it has converged, and the data of the part tried last.
@@ -40,30 +42,6 @@ pub(super) struct Path<'a> {
     /// `w̄_t` and `w̄_o` of the next part.
     w_t: Vec<f64>,
     w_o: Vec<f64>,
-}
-
-/// What became of one part.
-pub(super) struct Attempt {
-    pub state: State,
-    pub scales: KktScales,
-    outcome: Outcome,
-    kkt: KktErrors,
-    status: Status,
-}
-
-/// What became of an increment.
-pub(super) struct Walked {
-    /// What the method did in all its parts, the failed ones included.
-    pub solved: Outcome,
-    /// The last part.
-    pub attempt: Attempt,
-    /// The largest errors of the parts that count: all that converged, or the one that failed.
-    pub kkt: KktErrors,
-    pub status: Status,
-    /// How many parts converged.
-    pub parts: usize,
-    /// What friction dissipated in these, J.
-    pub friction_work: f64,
 }
 
 impl<'a> Path<'a> {
@@ -108,43 +86,46 @@ impl<'a> Path<'a> {
         &mut self,
         time: f64,
         linear: &mut Direct,
-        observe: Observe<'_>,
+        told: &mut Told<'_>,
     ) -> Result<Walked, LinearError> {
         let start = self.reached.unwrap_or(0.0);
         let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
         // The ends of the parts to come, the nearest last.
-        let mut ends = vec![time];
+        let mut to_come = vec![time];
         let mut solved: Option<Outcome> = None;
-        let (mut kkt, mut parts, mut friction_work) = (KktErrors::default(), 0, 0.0);
+        let (mut kkt, mut ends, mut friction_work) = (KktErrors::default(), Vec::new(), 0.0);
         loop {
-            let end = ends.last().copied().unwrap_or(time);
+            let end = to_come.last().copied().unwrap_or(time);
             let from = self.reached.unwrap_or(0.0);
             let unknowns = self.method.unknowns().clone();
-            let attempt = self.attempt(end, linear, observe)?;
+            let attempt = self.attempt(end, linear, &mut |iteration| told.iteration(iteration))?;
             let outcome = attempt.outcome.clone();
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
             if attempt.status == Status::Converged {
                 friction_work += self.problem.friction_work(&self.data(), &attempt.state);
                 self.accept(end, &attempt);
-                parts += 1;
                 kkt = kkt.max(&attempt.kkt);
-                ends.pop();
-                if ends.is_empty() {
-                    let status = Status::Converged;
-                    return Ok(Walked { solved: so_far, attempt, kkt, status, parts, friction_work });
+                ends.push(end);
+                to_come.pop();
+                let status = Status::Converged;
+                let walked = Walked { solved: so_far, attempt, kkt, status, ends, friction_work };
+                if to_come.is_empty() {
+                    return Ok(walked);
                 }
+                told.part(end, &self.data(), &walked);
+                (solved, ends) = (Some(walked.solved), walked.ends);
             } else {
                 let half = 0.5 * (end - from);
                 // Between neighbouring numbers there is no time.
                 let no_time = from + half <= from || from + half >= end;
                 if half < smallest || no_time || !self.smaller_may_do(&attempt) {
                     let (kkt, status) = (attempt.kkt, attempt.status);
-                    return Ok(Walked { solved: so_far, attempt, kkt, status, parts, friction_work });
+                    return Ok(Walked { solved: so_far, attempt, kkt, status, ends, friction_work });
                 }
                 self.method.unknowns().copy_from_slice(&unknowns);
-                ends.push(from + half);
+                to_come.push(from + half);
+                solved = Some(so_far);
             }
-            solved = Some(so_far);
         }
     }
 

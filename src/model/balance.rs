@@ -103,6 +103,11 @@ impl Statics {
         let loads = loads.iter().map(acting).collect();
         Statics { rows, shares, springs, loads }
     }
+
+    /// All springs, those of foundations one for each facet.
+    pub(super) fn springs(&self) -> impl Iterator<Item = &Spring> {
+        self.springs.iter().flatten()
+    }
 }
 
 impl Model {

@@ -1,6 +1,6 @@
 //! The resultants of the contact forces.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::contact::ContactBoundary;
 use crate::history::Step;
@@ -9,8 +9,9 @@ use crate::problem::State;
 use crate::vector::cross;
 
 /// What the body does to the obstacles in front of one boundary: the sum of the contact forces, and their components. The forces
-/// on a node that is of several boundaries count in each by its share in the node's area. On several boundaries, and on an obstacle with a normal for each node, normals and tangents point different ways.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// on a node that is of several boundaries count in each by its share in the node's area. On several boundaries, and on an
+/// obstacle with a normal for each node, normals and tangents point different ways.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Resultant {
     /// The boundary.
@@ -26,7 +27,7 @@ pub struct Resultant {
 }
 
 /// Sums of the components of contact forces.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct ComponentSums {
     /// `Σ p_n`, N.

@@ -6,7 +6,7 @@ use super::balance::BalanceRecord;
 use super::explain::Explanation;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
 use super::unknowns::{LeftOut, Unknowns};
-use super::validity::{LargestDisplacement, Validity};
+use super::validity::{LargestDisplacement, LargestPressure, Validity};
 use super::warnings::Warning;
 use crate::auto::{Choice, Faster};
 use crate::contact::RangeLeft;
@@ -54,6 +54,9 @@ pub struct RunReport {
     /// The largest displacement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_displacement: Option<LargestDisplacement>,
+    /// The largest contact pressure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_pressure: Option<LargestPressure>,
     /// The node and time where the contact was furthest out of the range of its linearised gaps, if it left it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_left: Option<RangeLeft>,
@@ -167,6 +170,7 @@ impl RunReport {
             explanation: Explanation::new(solver, model, outcome),
             warnings,
             largest_displacement: validity.largest,
+            largest_pressure: validity.largest_pressure.clone(),
             range_left: validity.range_left,
             unknowns: Unknowns::new(&outcome.layout, solver.method),
             left_out: LeftOut::all(model, facts.condensed),

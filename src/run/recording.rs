@@ -104,6 +104,11 @@ impl RecordedIncrement {
         }
     }
 
+    /// What an observer was shown; `data` is [`RecordedIncrement::data`].
+    pub fn step<'a>(&'a self, data: &'a Increment<'a>) -> Step<'a> {
+        Step { record: &self.record, increment: data, state: &self.state, statuses: &self.statuses }
+    }
+
     /// What drove it, as [`crate::contact::KktErrors::measure`] wants it.
     pub fn data(&self) -> Increment<'_> {
         let RecordedIncrement { force, gap, mu, w_t_last, w_o_last, .. } = self;

@@ -1,7 +1,11 @@
 //! The scene file as it stands.
 
+mod output;
+
 use std::fmt;
 use std::marker::PhantomData;
+
+pub(super) use output::{Output, Probe, Times};
 
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{self, IntoDeserializer, MapAccess, SeqAccess, Visitor};
@@ -380,14 +384,6 @@ pub(super) struct Solver {
     pub r_factor: Option<f64>,
     pub max_iterations: Option<i64>,
     pub tolerance: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Output {
-    pub times: Option<Vec<f64>>,
-    #[serde(default)]
-    pub fields: bool,
 }
 
 impl Document {

@@ -1,6 +1,7 @@
 //! `--set key=value`: changes of a scene before it is read, made in its text, so that every message
 //! points at a line of the text that counts. A key that is added moves the lines below it by one.
 
+use std::fmt;
 use std::str::FromStr;
 
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
@@ -51,6 +52,13 @@ impl FromStr for Override {
         let word = || number().map_or_else(|| Value::from(value), |number: f64| Value::from(number));
         let value = value.parse().unwrap_or_else(|_| word());
         Ok(Override { text: text.to_string(), path, value })
+    }
+}
+
+impl fmt::Display for Override {
+    /// `key=value`, as it is parsed.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
     }
 }
 

@@ -4,13 +4,14 @@
 mod action;
 mod mesh;
 mod obstacle;
+mod output;
 mod solver;
 
 use std::path::Path;
 
 use super::document::{self, Document, Tuple};
 use super::error::Source;
-use super::{Output, Scene, SceneError, Time};
+use super::{Scene, SceneError, Time};
 use crate::description::{Contact, Description};
 use crate::fault::{Fault, demand, finite};
 use crate::fem::{Layer, Material, MaterialGroup};
@@ -34,7 +35,7 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     description.check().map_err(at)?;
     let solver = solver::solver(&document.solver, !description.contacts.is_empty()).map_err(at)?;
     let one_tangent_key = solver::one_tangent_key(solver.method);
-    let output = output(document.output, &time).map_err(at)?;
+    let output = output::output(document.output, &time).map_err(at)?;
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let title = document.title.unwrap_or_else(stem);
     Ok(Scene { title, description, time, solver, one_tangent_key, output, source })
@@ -112,13 +113,4 @@ fn formula(text: &str, key: String, help: &str, source: &Source) -> Result<Formu
 
 fn points(given: Vec<Tuple<f64>>) -> Vec<[f64; 2]> {
     given.into_iter().map(|Tuple(point)| point).collect()
-}
-
-fn output(document::Output { times, fields }: document::Output, time: &Time) -> Result<Output, Fault> {
-    let Some(times) = times else { return Ok(Output { times: vec![time.end], fields }) };
-    if let Some(t) = times.iter().find(|&&t| t.is_nan() || t <= 0.0 || t > time.end) {
-        let message = format!("output.times holds {t}, but the history runs from 0 to {}", time.end);
-        return Err(Fault::new("output.times", message, "give times after 0 and up to time.end, s"));
-    }
-    Ok(Output { times, fields })
 }

@@ -84,6 +84,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "auto",
             "contact",
             "description",
+            "fault",
             "fem",
             "formulation",
             "history",
@@ -111,6 +112,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "uniqueness",
         ],
     ),
+    ("sweep", &["input", "report", "scene"]),
     (
         "compare",
         &["contact", "history", "linear", "mesh", "model", "nonlinear", "problem", "report", "run", "scene", "vector"],

@@ -20,7 +20,10 @@ fn a_good_run_fills_its_folder() {
     let output = stickslip(&["run", &scene, "--json", "--out", &out]);
     assert_exit(&output, 0);
     let lines = ["contact_0002.csv", "contact_0002.svg", "contact_0004.csv", "contact_0004.svg"];
-    assert_eq!(folder.names("new/out"), [&lines[..], &["forces.csv", "increments.csv", "run.json"]].concat());
+    assert_eq!(
+        folder.names("new/out"),
+        [&lines[..], &["forces.csv", "forces.svg", "increments.csv", "iterations.svg", "run.json"]].concat()
+    );
 
     let out = Path::new(&out);
     let (header, rows) = csv(&out.join("increments.csv"));
@@ -34,7 +37,7 @@ fn a_good_run_fills_its_folder() {
 
     for name in ["contact_0002", "contact_0004"] {
         let (header, rows) = csv(&out.join(name).with_extension("csv"));
-        assert_eq!(header, "x,y,p_n,p_t,sigma_n,sigma_t,w_n,w_t,gap,slip_t,f_x,f_y,status");
+        assert_eq!(header, "x,y,p_n,p_t,sigma_n,sigma_t,w_n,w_t,gap,slip_t,f_x,f_y,status,node,n_x,n_y,t_x,t_y");
         assert_eq!(rows.len(), 4);
         for row in &rows {
             assert!(["open", "stick", "slip"].contains(&row[12].as_str()), "{row:?}");
