@@ -193,7 +193,7 @@ pub fn run_with(
         let statuses = statuses_of(problem, &path.data(), &increment.attempt.state, &increment.attempt.scales);
         let (assembly, all) = (increment.solved.assembly_seconds, start.elapsed().as_secs_f64());
         let seconds = Seconds::between(&before, linear.statistics(), assembly, all);
-        let record = record(problem, index, time, &increment, ContactCounts::of(&statuses), seconds);
+        let record = record(problem, path.data().force, index, time, &increment, ContactCounts::of(&statuses), seconds);
         let Walked { solved, attempt, status, .. } = increment;
         let data = path.data();
         let flow =

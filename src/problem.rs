@@ -262,6 +262,16 @@ impl ContactProblem {
         0.5 * state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>()
     }
 
+    /// The same of a state in equilibrium with the external forces `force` (N), half the work of all forces: `½ uᵀ (f - Cᵀ p)`.
+    pub(crate) fn energy_in_equilibrium(&self, force: &[f64], state: &State) -> f64 {
+        let loads: f64 = state.u.iter().zip(force).map(|(u, f)| u * f).sum();
+        let maps = [(self.c_n(), &state.p_n), (self.c_t(), &state.p_t), (self.c_o(), &state.p_o)];
+        let contact = |(map, forces): (&Csr, &Vec<f64>)| -> f64 {
+            forces.iter().enumerate().filter(|(_, p)| **p != 0.0).map(|(i, p)| p * map.dot(i, &state.u)).sum()
+        };
+        0.5 * (loads - maps.into_iter().map(contact).sum::<f64>())
+    }
+
     /// The displacements that contact forces act on, ascending. There are none along an obstacle
     /// without friction.
     pub fn contact_displacements(&self) -> Vec<usize> {

@@ -24,7 +24,8 @@ impl Told<'_> {
     pub(super) fn part(&mut self, time: f64, data: &Increment<'_>, walked: &Walked) {
         let state = &walked.attempt.state;
         let statuses = statuses_of(self.problem, data, state, &walked.attempt.scales);
-        let record = record(self.problem, self.index, time, walked, ContactCounts::of(&statuses), Seconds::default());
+        let counts = ContactCounts::of(&statuses);
+        let record = record(self.problem, data.force, self.index, time, walked, counts, Seconds::default());
         self.observer.part(&Step { record: &record, increment: data, state, statuses: &statuses });
     }
 }
@@ -32,6 +33,7 @@ impl Told<'_> {
 /// What is recorded of an increment, or of it so far.
 pub(super) fn record(
     problem: &ContactProblem,
+    force: &[f64],
     index: usize,
     time: f64,
     walked: &Walked,
@@ -53,7 +55,7 @@ pub(super) fn record(
         backward_error: solved.backward_error,
         contact,
         friction_work: walked.friction_work,
-        strain_energy: problem.strain_energy(&walked.attempt.state),
+        strain_energy: problem.energy_in_equilibrium(force, &walked.attempt.state),
         seconds,
     }
 }
