@@ -28,6 +28,7 @@ use cases::{Study, first_elements};
 use crate::history::{LinearAlgebra, Method, Status};
 use crate::run::RunError;
 use crate::scene::Scene;
+use crate::units::UnitSystem;
 
 /// A way to solve a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -146,6 +147,8 @@ pub struct MeshResult {
 pub struct Comparison {
     /// The scene's title.
     pub title: String,
+    /// The units in which it is told; the numbers here are SI.
+    pub units: UnitSystem,
     /// The error that every law may have; no error of a run means anything below it.
     pub tolerance: f64,
     /// The meshes, from coarse to fine.
@@ -215,10 +218,12 @@ pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> 
     };
     let reference = plan.reference * increments.last().copied().unwrap_or(1);
     let (mut results, mut runs) = (Vec::new(), Vec::new());
+    let mut units = scene.description.system(3);
     for mesh in meshes {
         let named = mesh.map_or("the scene's mesh".to_string(), |mesh| format!("n = {mesh}"));
         progress(format!("{named}, reference with {reference} increments"));
         let study = Study::new(scene, mesh, reference)?;
+        units = study.units();
         for &path in &plan.paths {
             for &increments in &increments {
                 progress(format!("{named}, {path}, {increments} increments"));
@@ -236,7 +241,7 @@ pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> 
         }
     }
     let tolerance = scene.solver.tolerance;
-    Ok(Comparison { title: scene.title.clone(), tolerance, meshes: results, runs })
+    Ok(Comparison { title: scene.title.clone(), units, tolerance, meshes: results, runs })
 }
 
 impl Comparison {

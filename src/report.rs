@@ -13,6 +13,7 @@ mod increments;
 mod map;
 mod plot;
 mod pvd;
+mod quantities;
 mod resultant;
 mod run;
 #[cfg(feature = "cli")]
@@ -35,6 +36,7 @@ pub use fields::fields;
 pub use folder::{ResultFolder, write_file};
 pub use plot::{contact_stresses, stress_chart};
 pub use pvd::series as pvd_series;
+pub use quantities::{column as column_quantity, key as key_quantity};
 pub use resultant::{ComponentSums, ForceRecord, Resultant};
 pub use run::{Facts, Measured, RunReport, SCHEMA_VERSION, Totals};
 #[cfg(feature = "cli")]

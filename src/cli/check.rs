@@ -17,6 +17,7 @@ use stickslip::report::Warning;
 use stickslip::run::{RunError, discretise};
 use stickslip::scene::Scene;
 use stickslip::solvability::{Conditions, rigid_equilibrium};
+use stickslip::units::{Quantity, UnitSystem};
 use stickslip::vector::Vector;
 
 use super::{Failure, SceneArgs};
@@ -42,7 +43,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         scene.time.end / scene.time.increments as f64,
         scene.time.end
     );
-    for kink in histories::stepped_over(&scene) {
+    for kink in histories::stepped_over(&scene, &model.units()) {
         say!("stepped over {kink}: no increment ends there; choose time.increments so that one does");
     }
     say!(
@@ -65,37 +66,41 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 }
 
 fn body(scene: &Scene, model: &Model) {
+    let units = model.units();
+    let length = |x: f64| units.text(Quantity::Length, x);
     let kind = match &scene.description.mesh {
         MeshSource::Block { axes, .. } => {
-            let each = |value: fn(&Segment) -> String, within: &str, between: &str| {
+            let each = |value: &dyn Fn(&Segment) -> String, within: &str, between: &str| {
                 let along = |axis: &Vec<Segment>| match &axis[..] {
                     [segment] => value(segment),
                     all => format!("({})", all.iter().map(value).collect::<Vec<_>>().join(within)),
                 };
                 axes.iter().map(along).collect::<Vec<_>>().join(between)
             };
-            let lengths = each(|segment| format!("{} m", segment.length), " + ", " x ");
-            let elements = each(|segment| segment.elements.to_string(), " + ", " x ");
+            let lengths = each(&|segment| length(segment.length), " + ", " x ");
+            let elements = each(&|segment| segment.elements.to_string(), " + ", " x ");
             let graded = if axes.iter().flatten().all(|segment| segment.grading == 1.0) {
                 String::new()
             } else {
-                format!(" (graded {})", each(|segment| format!("1 : {}", segment.grading), ", ", ", "))
+                format!(" (graded {})", each(&|segment| format!("1 : {}", segment.grading), ", ", ", "))
             };
             format!("block {lengths}, {elements}{graded}")
         }
         MeshSource::HalfPlane(HalfPlane {
             size: [width, height], contact_elements, outer_elements, layers, ..
         }) => {
-            format!("half-plane {width} m x {height} m, ({contact_elements} + {outer_elements}) x {layers}")
+            let (width, height) = (length(*width), length(*height));
+            format!("half-plane {width} x {height}, ({contact_elements} + {outer_elements}) x {layers}")
         }
         MeshSource::Gmsh { file, scale } => {
             // A forgotten scale is seen here. Six digits hide the rounding of a difference.
-            let length = |length: &f64| {
-                let rounded: f64 = format!("{length:.5e}").parse().unwrap_or(*length);
-                format!("{rounded} m")
+            let extent = |x: &f64| {
+                let told = units.of_si(Quantity::Length, *x);
+                let rounded: f64 = format!("{told:.5e}").parse().unwrap_or(told);
+                format!("{rounded} {}", units.name(Quantity::Length))
             };
-            let lengths = model.mesh.extent()[..model.mesh.dimension].iter().map(length).collect::<Vec<_>>();
-            format!("{}, unit {scale} m, {} over all,", file.display(), lengths.join(" x "))
+            let lengths = model.mesh.extent()[..model.mesh.dimension].iter().map(extent).collect::<Vec<_>>();
+            format!("{}, unit {}, {} over all,", file.display(), length(*scale), lengths.join(" x "))
         }
         MeshSource::Given(_) => "given".to_string(),
     };
@@ -122,31 +127,36 @@ fn body(scene: &Scene, model: &Model) {
         (2, Plane::Stress) => "plane stress, unit thickness",
         _ => "three dimensions",
     };
-    say!("material     E = {} Pa, nu = {poisson}, {state}", number(*young));
+    let modulus = |young: f64| told(&units, Quantity::Stress, young);
+    say!("material     E = {}, nu = {poisson}, {state}", modulus(*young));
     for group in groups {
-        say!("group        {}: E = {} Pa, nu = {}", group.name, number(group.young), group.poisson);
+        say!("group        {}: E = {}, nu = {}", group.name, modulus(group.young), group.poisson);
     }
     let height = if model.mesh.dimension == 2 { "y" } else { "z" };
     let mut bottom = 0.0;
     for (layer, top) in layers.iter().zip(scene.description.material.tops()) {
         // A height is a sum of thicknesses; fifteen digits hide its rounding.
+        let top = units.of_si(Quantity::Length, top);
         let top: f64 = format!("{top:.14e}").parse().unwrap_or(top);
-        let young = number(layer.young);
-        say!("layer        {height} = {bottom} to {top} m: E = {young} Pa, nu = {}", layer.poisson);
+        let (unit, young) = (units.name(Quantity::Length), modulus(layer.young));
+        say!("layer        {height} = {bottom} to {top} {unit}: E = {young}, nu = {}", layer.poisson);
         bottom = top;
     }
     for support in &scene.description.supports {
-        say!("support      {}: {}", support.at, holds(support, scene.time.end));
+        say!("support      {}: {}", support.at.place(&units), holds(support, &units, scene.time.end));
     }
     for bed in &scene.description.springs {
         let stiffness = match bed {
-            Bed::Axes { at: Where::Boundary(_), stiffness } => format!("({}) N/m3 along the axes", numbers(stiffness)),
-            Bed::Axes { stiffness, .. } => format!("({}) N/m along the axes", numbers(stiffness)),
+            Bed::Axes { at: Where::Boundary(_), stiffness } => {
+                format!("{} along the axes", vector(&units, Quantity::Foundation, stiffness))
+            }
+            Bed::Axes { stiffness, .. } => format!("{} along the axes", vector(&units, Quantity::Spring, stiffness)),
             Bed::Surface { normal, tangential, .. } => {
-                format!("{} N/m3 along the normal, {} N/m3 across", number(*normal), number(*tangential))
+                let [normal, tangential] = [normal, tangential].map(|x| told(&units, Quantity::Foundation, *x));
+                format!("{normal} along the normal, {tangential} across")
             }
         };
-        say!("spring       {}: {stiffness}", bed.place());
+        say!("spring       {}: {stiffness}", bed.place(&units));
     }
 }
 
@@ -200,12 +210,13 @@ fn frame(model: &Model, obstacle: &PlacedObstacle, direction: GapDirection) -> S
 /// The motions of an obstacle, point by point.
 fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
     let mut motions = Vec::new();
+    let units = model.units();
     if let Some(approach) = &obstacle.approach {
-        let distance = |d: &[f64]| format!("{} m", number(d[0]));
+        let distance = |d: &[f64]| told(&units, Quantity::Length, d[0]);
         motions.push(format!("moves in by {}", points(approach, distance)));
     }
     if obstacle.translation.is_some() {
-        let place = |x: &[f64]| format!("({}) m", numbers(&x[..model.mesh.dimension]));
+        let place = |x: &[f64]| vector(&units, Quantity::Length, &x[..model.mesh.dimension]);
         motions.push(format!("moves by {}", points(&obstacle.path(), place)));
     }
     if let Some(Rotation { history, .. }) = &obstacle.rotation {
@@ -215,19 +226,22 @@ fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
 }
 
 fn shape(model: &Model, shape: &Shape) -> String {
-    let place = |x: &Vector| model.mesh.place(x.components());
+    let units = model.units();
+    let place = |x: &Vector| units.place(x.components());
+    let length = |x: f64| units.text(Quantity::Length, x);
     match shape {
-        Shape::Plane { gap } => format!("plane at {} m", number(*gap)),
-        Shape::PlaneThrough { through } => format!("plane through {} m", place(through)),
-        Shape::Cylinder { radius, apex, .. } => format!("cylinder, radius {radius} m, apex {} m", place(apex)),
-        Shape::Sphere { radius, apex } => format!("sphere, radius {radius} m, apex {} m", place(apex)),
-        Shape::Wedge { apex, angle, .. } => format!("wedge, angle {angle} rad, apex {} m", place(apex)),
+        Shape::Plane { gap } => format!("plane at {}", told(&units, Quantity::Length, *gap)),
+        Shape::PlaneThrough { through } => format!("plane through {}", place(through)),
+        Shape::Cylinder { radius, apex, .. } => format!("cylinder, radius {}, apex {}", length(*radius), place(apex)),
+        Shape::Sphere { radius, apex } => format!("sphere, radius {}, apex {}", length(*radius), place(apex)),
+        Shape::Wedge { apex, angle, .. } => format!("wedge, angle {angle} rad, apex {}", place(apex)),
         Shape::Formula(formula) => format!("gap {}", formula.text()),
-        Shape::Table { file } => format!("gap from {}", file.display()),
+        Shape::Table { file, .. } => format!("gap from {}", file.display()),
     }
 }
 
 fn loads(scene: &Scene, model: &Model) {
+    let units = model.units();
     for (load, case) in scene.description.loads.iter().zip(model.loading.cases()) {
         let sum = model
             .dofs
@@ -235,17 +249,17 @@ fn loads(scene: &Scene, model: &Model) {
             .into_iter()
             .fold([0.0; 3], |sum, force| [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]);
         say!(
-            "load         {}: {}, in all ({}) N on what is free; factor {}",
-            load.action.place(),
-            acts(&load.action),
-            numbers(&sum[..model.mesh.dimension]),
+            "load         {}: {}, in all {} on what is free; factor {}",
+            load.action.place(&units),
+            acts(&load.action, &units),
+            vector(&units, Quantity::Force, &sum[..model.mesh.dimension]),
             points(&load.factors(scene.time.end), |factor| factor[0].to_string())
         );
     }
 }
 
 /// What a support holds, and where it moves that to.
-fn holds(support: &Support, end: f64) -> String {
+fn holds(support: &Support, units: &UnitSystem, end: f64) -> String {
     let direction = |held: &Held| match held.direction {
         Direction::Axis(axis) => format!("{axis:?}").to_lowercase(),
         Direction::Normal => "its normal".to_string(),
@@ -257,19 +271,23 @@ fn holds(support: &Support, end: f64) -> String {
     }
     let to: Vec<f64> = support.held.iter().map(|held| held.displacement).collect();
     let factor = points(&support.factors(end), |factor| factor[0].to_string());
-    format!("{held}, moved by ({}) m; factor {factor}", numbers(&to))
+    format!("{held}, moved by {}; factor {factor}", vector(units, Quantity::Length, &to))
 }
 
 /// What a load does at factor 1.
-fn acts(action: &Action) -> String {
+fn acts(action: &Action, units: &UnitSystem) -> String {
+    // Where there are no other units a traction is told in N/m2, as it is meant.
+    let per_area = if units.is_si() { "N/m2".to_string() } else { units.name(Quantity::Stress) };
+    let stress = |x: f64| units.number(Quantity::Stress, x);
     match action {
         Action::Traction { traction, .. } => {
-            let component = |t: &Field| t.uniform().map_or_else(|| t.to_string(), number);
-            format!("({}) N/m2", traction.iter().map(component).collect::<Vec<_>>().join(", "))
+            let component = |t: &Field| t.uniform().map_or_else(|| t.to_string(), |t| number(stress(t)));
+            format!("({}) {per_area}", traction.iter().map(component).collect::<Vec<_>>().join(", "))
         }
-        Action::Pressure { pressure, .. } => format!("pressure {pressure} N/m2"),
-        Action::Force { force, .. } => format!("({}) N", numbers(force)),
-        Action::Acceleration(acceleration) => format!("({}) m/s2", numbers(acceleration)),
+        Action::Pressure { pressure: Field::Uniform(p), .. } => format!("pressure {:?} {per_area}", stress(*p)),
+        Action::Pressure { pressure, .. } => format!("pressure {pressure} {per_area}"),
+        Action::Force { force, .. } => vector(units, Quantity::Force, force),
+        Action::Acceleration(acceleration) => vector(units, Quantity::Acceleration, acceleration),
         Action::Spin { speed, .. } => format!("turning with {speed} rad/s"),
         Action::Temperature(temperature) => format!("warmed by {temperature} K"),
     }
@@ -286,6 +304,17 @@ fn number(x: f64) -> String {
     if x == 0.0 { "0".to_string() } else { format!("{:e}", (format!("{x:.5e}")).parse().unwrap_or(x)) }
 }
 
+/// A number of SI units in few digits, with the unit it is told in.
+fn told(units: &UnitSystem, quantity: Quantity, x: f64) -> String {
+    format!("{} {}", number(units.of_si(quantity, x)), units.name(quantity))
+}
+
+/// The same of components.
+fn vector(units: &UnitSystem, quantity: Quantity, x: &[f64]) -> String {
+    let told: Vec<f64> = x.iter().map(|x| units.of_si(quantity, *x)).collect();
+    format!("({}) {}", numbers(&told), units.name(quantity))
+}
+
 /// Numbers in few digits, with commas.
 fn numbers(x: &[f64]) -> String {
     x.iter().map(|&x| number(x)).collect::<Vec<_>>().join(", ")
@@ -298,7 +327,7 @@ fn holding(model: &Model) {
     }
     let by = if model.contacts.is_empty() { "nothing holds" } else { "only contact can hold" };
     for motion in &model.rigid_motions {
-        say!("NOT HELD     {by} the body against {motion}");
+        say!("NOT HELD     {by} the body against {}", motion.told(&model.units()));
     }
 }
 
@@ -311,20 +340,21 @@ fn theorem(model: &Model) {
     let mut label = "theorem 3";
     if let Some(motion) = conditions.leaving.as_deref().and_then(|weights| named(model, weights)) {
         say!(
-            "{label:<12} (a) violated: {motion} moves no node towards an obstacle, \
-             so the loads have to keep the body from it; or add a support"
+            "{label:<12} (a) violated: {} moves no node towards an obstacle, \
+             so the loads have to keep the body from it; or add a support",
+            motion.told(&model.units())
         );
         label = "";
     }
     let nodes: BTreeSet<usize> = conditions.dependent.iter().map(|&i| model.contacts[i].node).collect();
     if let Some(&first) = nodes.first() {
-        let place = model.mesh.place(model.mesh.nodes[first]);
+        let place = model.units().place(model.mesh.nodes[first]);
         let others = match nodes.len() - 1 {
             0 => String::new(),
             n => format!(" (and at {n} more)"),
         };
         say!(
-            "{label:<12} (b) violated: the contact rows at {place} m{others} depend on each other, so the contact \
+            "{label:<12} (b) violated: the contact rows at {place}{others} depend on each other, so the contact \
              forces there are not unique; turn a normal, or take away a contact or a support"
         );
     }
@@ -340,8 +370,9 @@ fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
         let driven = rigid_equilibrium(&model.problem, &force)?;
         if let Some(motion) = driven.and_then(|weights| named(model, &weights)) {
             say!(
-                "NO BALANCE   first at t = {time} s: the loads drive {motion}, which no contact force within its \
-                 friction resists; change the loads or add a support"
+                "NO BALANCE   first at t = {time} s: the loads drive {}, which no contact force within its \
+                 friction resists; change the loads or add a support",
+                motion.told(&model.units())
             );
             break;
         }

@@ -92,10 +92,12 @@ pub enum Shape {
     },
     /// Gaps (m) by a formula of the position of the node.
     Formula(Formula),
-    /// Gaps (m) from a CSV file.
+    /// Gaps from a CSV file.
     Table {
         /// The file.
         file: PathBuf,
+        /// The length of the file's unit, m.
+        scale: f64,
     },
 }
 
@@ -214,7 +216,8 @@ impl Shape {
                 point("apex", apex)?;
                 axis.map_or(Ok(()), |axis| direction("axis", axis).map(drop))
             }
-            Shape::Formula(_) | Shape::Table { .. } => Ok(()),
+            Shape::Table { scale, .. } => positive("scale", scale, "give the length of the file's unit in m"),
+            Shape::Formula(_) => Ok(()),
         }
     }
 }
@@ -228,7 +231,7 @@ impl Rotation {
 }
 
 fn check_radius(radius: f64) -> Result<(), Fault> {
-    positive("radius", radius, "give the radius in m")
+    positive("radius", radius, "give the radius in m or as [units] says")
 }
 
 fn point(key: &str, value: Vector) -> Result<(), Fault> {

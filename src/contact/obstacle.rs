@@ -71,7 +71,9 @@ impl ObstacleError {
             ObstacleError::SphereInPlane => "use a cylinder, whose axis is across the plane",
             ObstacleError::NoAxis => "give an axis, such as [0, 1, 0]",
             ObstacleError::SkewAxis => "turn the axis, or give the obstacle a normal at right angles to it",
-            ObstacleError::Table(_) => "give a CSV file with the header x,gap or x,y,gap and numbers in m",
+            ObstacleError::Table(_) => {
+                "give a CSV file with the header x,gap or x,y,gap and numbers in m or as [units] says"
+            }
         }
     }
 }
@@ -118,7 +120,7 @@ impl PlacedObstacle {
                 Surface::Wedge { apex: apex.components(), aside, slope: angle.tan() }
             }
             Shape::Formula(formula) => Surface::Formula(formula.clone()),
-            Shape::Table { file } => Surface::Table(GapTable::read(file)?),
+            Shape::Table { file, scale } => Surface::Table(GapTable::read(file, *scale)?),
         };
         let extent = extent(mesh, boundary);
         Ok(PlacedObstacle {

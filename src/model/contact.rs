@@ -6,6 +6,7 @@ use crate::description::{Contact, Description};
 use crate::fault::Fault;
 use crate::fem::Dofs;
 use crate::mesh::Mesh;
+use crate::units::Quantity;
 use crate::vector::dot;
 
 /// How much of the body an obstacle may take up when the history begins. Strains are about this share, and
@@ -21,6 +22,7 @@ pub(super) fn boundary(
 ) -> Result<(PlacedObstacle, ObstacleMotion, Vec<ContactNode>), Fault> {
     let Contact { boundary: name, obstacle: given, .. } = &description.contacts[k];
     let boundary = find(mesh, name, &format!("contact[{k}]"))?;
+    let units = description.system(mesh.dimension);
     let at_obstacle = |message: String, help: &str| Fault::new(format!("contact[{k}].obstacle"), message, help);
     let at_boundary = |message: String, help: &str| Fault::new(format!("contact[{k}].boundary"), message, help);
     let obstacle = PlacedObstacle::new(mesh, boundary, given)
@@ -29,8 +31,8 @@ pub(super) fn boundary(
     let nodes = boundary.nodes();
     if let Some(&node) = nodes.iter().find(|&&node| !obstacle.at(mesh.nodes[node]).gap.is_finite()) {
         let (what, help) = obstacle.out_of_reach();
-        let place = mesh.place(mesh.nodes[node]);
-        return Err(at_obstacle(format!("{what} the contact node at {place} m"), help));
+        let place = units.place(mesh.nodes[node]);
+        return Err(at_obstacle(format!("{what} the contact node at {place}"), help));
     }
     if !obstacle.faces(mesh, boundary) {
         let message = format!("the normal of the obstacle points into the body at `{name}`, or along it");
@@ -42,16 +44,18 @@ pub(super) fn boundary(
     if let Some(&node) = nodes.iter().min_by(|a, b| start(**a).total_cmp(&start(**b)))
         && start(node) < -DEEPEST * thickness
     {
-        let place = mesh.place(mesh.nodes[node]);
+        let place = units.place(mesh.nodes[node]);
+        let (unit, told) = (units.name(Quantity::Length), |length| units.number(Quantity::Length, length));
         let message = format!(
-            "the obstacle starts {:e} m inside the body at {place} m, which is {thickness:e} m thick there",
-            -start(node)
+            "the obstacle starts {:e} {unit} inside the body at {place}, which is {:e} {unit} thick there",
+            told(-start(node)),
+            told(thickness)
         );
         return Err(at_obstacle(message, "move the obstacle out, or the part of the motion before time 0"));
     }
     if let Some(node) = unreachable(mesh, dofs, boundary, &obstacle, &motion, &description.times) {
-        let place = mesh.place(mesh.nodes[node]);
-        let message = format!("supports hold the body where the obstacle is or comes to be, at {place} m");
+        let place = units.place(mesh.nodes[node]);
+        let message = format!("supports hold the body where the obstacle is or comes to be, at {place}");
         let help = "use a gap of at least 0, a shorter approach or fewer supports";
         return Err(at_boundary(message, help));
     }
@@ -84,9 +88,9 @@ pub(super) fn no_contradiction(
                 }
                 _ => continue,
             };
-            let [x, y, z] = node.position;
+            let place = description.system(3).place(node.position);
             let message = format!(
-                "the node at ({x}, {y}, {z}) m of `{}` lies in front of two obstacles with {normals}",
+                "the node at {place} of `{}` lies in front of two obstacles with {normals}",
                 description.contacts[k].boundary
             );
             return Err(Fault::new(format!("contact[{k}].obstacle"), message, help));

@@ -5,9 +5,11 @@ use std::ops::Range;
 use serde::Serialize;
 
 use super::csv;
+use super::quantities::cell;
 use crate::contact::{ContactBoundary, ContactStatus};
 use crate::history::Step;
 use crate::model::Model;
+use crate::units::UnitSystem;
 use crate::vector::{minus, norm};
 
 /// One contact node at the end of an increment, SI.
@@ -67,6 +69,8 @@ pub struct ContactLine {
     pub dimension: usize,
     /// One point a node.
     pub points: Vec<ContactPoint>,
+    /// The units of tables and pictures of it.
+    pub units: UnitSystem,
 }
 
 impl ContactLine {
@@ -79,11 +83,12 @@ impl ContactLine {
             time: step.record.time,
             dimension: model.mesh.dimension,
             points: points(model, boundary.nodes.clone(), step),
+            units: model.units(),
         };
         model.contact_boundaries.iter().map(line).collect()
     }
 
-    /// The nodes as CSV, SI units: the columns of the plane, and in three dimensions those of space among them.
+    /// The nodes as CSV: the columns of the plane, and in three dimensions those of space among them.
     pub fn to_csv(&self) -> String {
         let columns: Vec<&Column> = COLUMNS.iter().filter(|column| column.dimension <= self.dimension).collect();
         let header: Vec<&str> = columns.iter().map(|column| column.name).chain(["status"]).collect();
@@ -93,7 +98,11 @@ impl ContactLine {
                 ContactStatus::Stick => "stick",
                 ContactStatus::Slip => "slip",
             };
-            columns.iter().map(|column| csv::number((column.value)(p))).chain([status.to_string()]).collect()
+            columns
+                .iter()
+                .map(|column| cell(&self.units, column.name, (column.value)(p)))
+                .chain([status.to_string()])
+                .collect()
         };
         csv::table(&header, self.points.iter().map(row))
     }
@@ -126,6 +135,12 @@ const COLUMNS: [Column; 18] = [
     Column { name: "f_y", dimension: 2, value: |p| p.force[1] },
     Column { name: "f_z", dimension: 3, value: |p| p.force[2] },
 ];
+
+/// The names of all columns.
+#[cfg(test)]
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    COLUMNS.iter().map(|column| column.name).chain(["status"])
+}
 
 /// The contact nodes `nodes` at the end of a step.
 pub(super) fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec<ContactPoint> {

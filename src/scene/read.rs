@@ -14,13 +14,14 @@ use super::{Output, Scene, SceneError, Time};
 use crate::description::{Contact, Description};
 use crate::fault::{Fault, demand, finite};
 use crate::fem::{Layer, Material, MaterialGroup};
+use crate::units::Units;
 
 /// The scene of `document`, which was read from `source`.
 pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneError> {
     let at = |fault: Fault| source.located(fault);
     let time = time(&document.time).map_err(at)?;
     let contacts: Vec<_> = document.contact.into_iter().enumerate().collect();
-    let description = Description {
+    let given = Description {
         mesh: mesh::source(&document.mesh, &source).map_err(at)?,
         element: document.mesh.element.unwrap_or_default(),
         material: material(document.material),
@@ -29,8 +30,12 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
         springs: keyed("spring", document.spring, |given, key| action::spring(given, key).map_err(at))?,
         loads: keyed("load", document.load, |given, key| action::load(given, key, &source))?,
         times: time.all(),
+        units: Units::SI,
     };
-    description.check().map_err(at)?;
+    // Before and after the conversion: messages quote the numbers of the scene, but what is too large for the solver shows in SI.
+    given.check().map_err(at)?;
+    let description = given.given_in(document.units);
+    description.check().map_err(|fault| at(fault.in_si()))?;
     let solver = solver::solver(&document.solver, !description.contacts.is_empty()).map_err(at)?;
     let one_tangent_key = solver::one_tangent_key(solver.method);
     let output = output(document.output, &time).map_err(at)?;

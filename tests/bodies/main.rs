@@ -22,5 +22,6 @@ mod scene_errors;
 mod scene_loads;
 mod scene_overrides;
 mod scene_values;
+mod units;
 mod verification;
 mod vtu;

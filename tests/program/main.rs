@@ -11,3 +11,4 @@ mod names;
 mod schema;
 mod solvability;
 mod start;
+mod units;

@@ -31,7 +31,7 @@ impl View {
             svg.tile(&corners, shade((k as f64 + 0.5) / STEPS as f64));
         }
         svg.line(&[[from, top], [to, top], [to, bottom], [from, bottom], [from, top]], THIN, BLACK);
-        let most = 1e-6 * self.most_pressure;
+        let most = self.most_pressure;
         for tick in Scale::Linear.ticks([0.0, most].into_iter(), 0.0, (bottom - top) / 40.0).all {
             if let (Some(label), true) = (&tick.label, tick.value <= most) {
                 let y = height(tick.value / most);
@@ -39,7 +39,12 @@ impl View {
                 svg.text([to + 9.0, y], label, NUMBER_SIZE, Anchor::Start);
             }
         }
-        svg.text([to + 62.0, 0.5 * (top + bottom)], "σₙ, normal, MPa", LABEL_SIZE, Anchor::Upwards);
+        svg.text(
+            [to + 62.0, 0.5 * (top + bottom)],
+            &format!("σₙ, normal, {}", self.stress),
+            LABEL_SIZE,
+            Anchor::Upwards,
+        );
     }
 
     /// A row above the surface: what the colours, the markers and the arrows mean.
@@ -53,9 +58,9 @@ impl View {
             entries.push((Sample::Marker(Marker::Circle), "slip".into()));
         }
         if self.friction {
-            let stress = round_stress(1e-6 * self.most_traction);
-            let length = 1e6 * stress / self.most_traction * self.arrow;
-            entries.push((Sample::Arrow(length), format!("σₜ, tangential, {stress} MPa")));
+            let stress = round_stress(self.most_traction);
+            let length = stress / self.most_traction * self.arrow;
+            entries.push((Sample::Arrow(length), format!("σₜ, tangential, {stress} {}", self.stress)));
         }
         let width = |(sample, text): &(Sample, String)| sample.width() + 8.0 + text_width(text, LABEL_SIZE) + 24.0;
         let mut x = 0.5 * (WIDTH - entries.iter().map(width).sum::<f64>() + 24.0);

@@ -88,14 +88,16 @@ fn shape(obstacle: &document::Obstacle, source: &Source) -> Result<Shape, Fault>
         ObstacleKind::Sphere => Shape::Sphere { radius: number("radius", radius)?, apex: apex()? },
         ObstacleKind::Wedge => Shape::Wedge { angle: number("angle", angle)?, apex: apex()?, axis: *axis },
         ObstacleKind::Formula => return needed("formula", None, "kind", whose),
-        ObstacleKind::Table => Shape::Table { file: source.beside(needed("file", file.as_ref(), "kind", whose)?) },
+        ObstacleKind::Table => {
+            Shape::Table { file: source.beside(needed("file", file.as_ref(), "kind", whose)?), scale: 1.0 }
+        }
     })
 }
 
 /// A formula; what is wrong within it is underlined.
 fn formula(text: &str, key: &str, source: &Source) -> Result<Shape, SceneError> {
     Formula::parse(text).map(Shape::Formula).map_err(|why| {
-        let help = "give the gap in m as a formula of x, y and z in m, such as \"0.5 * x^2 / 0.1\"";
+        let help = "give the gap as a formula of x, y and z, in m or as [units] says, such as \"0.5 * x^2 / 0.1\"";
         let fault = Fault::new(format!("{key}.formula"), format!("the formula: {why}"), help);
         source.located_within(fault, text, &why.span)
     })
