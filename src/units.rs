@@ -4,7 +4,7 @@
 mod system;
 mod user;
 
-pub use system::{NamedUnit, Quantity, UnitNames, UnitSystem};
+pub use system::{Quantity, UnitSystem};
 pub use user::{LengthUnit, StressUnit, Units};
 
 /// A unit of force and a unit of length for the unknowns of one run.

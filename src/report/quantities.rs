@@ -9,7 +9,7 @@ use crate::units::{Quantity, UnitSystem};
 use Quantity::{Energy, Force, Length, Moment, Number, Stress};
 
 /// The columns of all tables.
-const COLUMNS: &[(&[&str], Quantity)] = &[
+const COLUMNS: &Table = &[
     (&["index", "time", "status", "iterations", "backtracks", "theta", "backward_error", "parts", "rescued"], Number),
     (&["equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation"], Number),
     (&["open", "stick", "slip"], Number),
@@ -23,22 +23,25 @@ const COLUMNS: &[(&[&str], Quantity)] = &[
 ];
 
 /// The fields of bodies.
-const FIELDS: &[(&[&str], Quantity)] = &[
+const FIELDS: &Table = &[
     (&["displacement", "slip", "gap"], Length),
     (&["contact_pressure", "tangential_traction", "stress", "von_mises"], Stress),
     (&["status", "material"], Number),
 ];
 
 /// The keys of a report below which there is something with a unit of these; doc/results.md has them all.
-const KEYS: &[(&[&str], Quantity)] = &[
+const KEYS: &Table = &[
     (&["position", "length", "linearised", "exact"], Length),
     (&["force", "sum_p_n", "sum_p_t", "sum_p_o"], Force),
     (&["moment"], Moment),
     (&["friction_work"], Energy),
 ];
 
-fn find(table: &[(&[&str], Quantity)], name: &str) -> Option<Quantity> {
-    table.iter().find(|(names, _)| names.iter().any(|known| *known == name)).map(|(_, quantity)| *quantity)
+/// Names with the quantity of what they stand for.
+type Table = [(&'static [&'static str], Quantity)];
+
+fn find<'a>(table: &'a Table, name: &'a str) -> Option<Quantity> {
+    table.iter().find(|(names, _)| names.contains(&name)).map(|(_, quantity)| *quantity)
 }
 
 /// What the column of this name in any table of results is.

@@ -6,6 +6,7 @@ use super::balance::BalanceRecord;
 use super::explain::Explanation;
 use super::quantities;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
+use super::unit_names::UnitNames;
 use super::unknowns::{LeftOut, Unknowns};
 use super::validity::{LargestDisplacement, Validity};
 use super::warnings::Warning;
@@ -209,7 +210,7 @@ impl RunReport {
         let mut report = serde_json::to_value(self)?;
         quantities::tell(&mut report, &self.units);
         if let Some(keys) = report.as_object_mut() {
-            keys.insert("units".to_string(), serde_json::to_value(self.units.names())?);
+            keys.insert("units".to_string(), serde_json::to_value(UnitNames::of(&self.units))?);
         }
         serde_json::to_string_pretty(&report)
     }

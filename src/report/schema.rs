@@ -6,7 +6,7 @@ use schemars::transform::{Transform, transform_subschemas};
 use serde_json::{Value, json};
 
 use super::RunReport;
-use crate::units::UnitNames;
+use super::unit_names::UnitNames;
 
 /// The JSON Schema (draft 2020-12) of [`RunReport`], of `run.json` and of what `--json` prints of a run.
 pub fn run_schema() -> Value {

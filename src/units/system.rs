@@ -1,8 +1,6 @@
 //! What follows from the base units for each kind of quantity.
 
-use serde::Serialize;
-
-use super::user::{Size, Units};
+use super::user::{Size, StressUnit, Units};
 
 /// A kind of physical quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,32 +35,6 @@ pub struct UnitSystem {
     pub units: Units,
     /// The dimension of the body, 2 or 3: in two, forces and what is made of them are per depth.
     pub dimension: usize,
-}
-
-/// The units of a report, by name and in SI units.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct UnitNames {
-    /// Of lengths.
-    pub length: NamedUnit,
-    /// Of stresses.
-    pub stress: NamedUnit,
-    /// Of forces, in two dimensions per depth.
-    pub force: NamedUnit,
-    /// Of moments, in two dimensions per depth.
-    pub moment: NamedUnit,
-    /// Of energies, in two dimensions per depth.
-    pub energy: NamedUnit,
-}
-
-/// A unit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct NamedUnit {
-    /// The name, such as `mm`.
-    pub name: String,
-    /// How many SI units it is.
-    pub si: f64,
 }
 
 /// Units of force that have a name of their own, N.
@@ -104,9 +76,9 @@ impl UnitSystem {
     }
 
     /// The units of pictures: MPa where stresses are in Pa otherwise.
+    #[must_use]
     pub fn of_pictures(self) -> Self {
-        let units =
-            if self.is_si() { Units { stress: super::StressUnit::Megapascal, ..self.units } } else { self.units };
+        let units = if self.is_si() { Units { stress: StressUnit::Megapascal, ..self.units } } else { self.units };
         UnitSystem { units, ..self }
     }
 
@@ -159,7 +131,8 @@ impl UnitSystem {
             .to_string();
         }
         let [area, volume, mass] = [2, 3, 1].map(|b| self.product(1, b));
-        let force = named(area, &FORCES).map_or_else(|| format!("{stress} {length}2"), String::from);
+        let own = named(area, &FORCES);
+        let force = own.map_or_else(|| format!("{stress} {length}2"), String::from);
         let depth = if self.dimension == 2 { format!("/{length}") } else { String::new() };
         match quantity {
             Quantity::Number => String::new(),
@@ -178,25 +151,13 @@ impl UnitSystem {
             Quantity::Acceleration => format!("{length}/s2"),
             Quantity::Foundation => format!("{stress}/{length}"),
             Quantity::Spring if self.dimension == 2 => stress.to_string(),
-            Quantity::Spring => format!("{stress} {length}"),
-        }
-    }
-
-    /// The names and sizes of all units that a report has.
-    pub fn names(&self) -> UnitNames {
-        let named = |quantity| NamedUnit { name: self.name(quantity), si: self.to_si(quantity, 1.0) };
-        UnitNames {
-            length: named(Quantity::Length),
-            stress: named(Quantity::Stress),
-            force: named(Quantity::Force),
-            moment: named(Quantity::Moment),
-            energy: named(Quantity::Energy),
+            Quantity::Spring => own.map_or_else(|| format!("{stress} {length}"), |force| format!("{force}/{length}")),
         }
     }
 
     fn size(&self, quantity: Quantity) -> Size {
         // Per depth there is a length less.
-        let plane = if self.dimension == 2 { 1 } else { 0 };
+        let plane = i32::from(self.dimension == 2);
         let (stress, length) = match quantity {
             Quantity::Number => (0, 0),
             Quantity::Length | Quantity::Acceleration => (0, 1),
@@ -218,7 +179,7 @@ impl UnitSystem {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LengthUnit, StressUnit};
+    use super::super::LengthUnit;
     use super::*;
 
     fn system(length: LengthUnit, stress: StressUnit, dimension: usize) -> UnitSystem {
@@ -235,7 +196,7 @@ mod tests {
             (system(LengthUnit::Millimetre, StressUnit::Megapascal, 3), Density, "t/mm3", 1e12),
             (system(LengthUnit::Millimetre, StressUnit::Megapascal, 3), Acceleration, "mm/s2", 1e-3),
             (system(LengthUnit::Millimetre, StressUnit::Megapascal, 3), Foundation, "MPa/mm", 1e9),
-            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 3), Spring, "MPa mm", 1e3),
+            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 3), Spring, "N/mm", 1e3),
             (system(LengthUnit::Millimetre, StressUnit::Megapascal, 2), Force, "N/mm", 1e3),
             (system(LengthUnit::Millimetre, StressUnit::Megapascal, 2), Moment, "N mm/mm", 1.0),
             (system(LengthUnit::Millimetre, StressUnit::Megapascal, 2), Energy, "mJ/mm", 1.0),
