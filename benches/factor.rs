@@ -65,7 +65,13 @@ fn measure(n: usize, who: Who) -> [f64; 6] {
     let mut formulation = Bdiff::new(problem, scaling, &Conventions::paper(problem.weight().unwrap()));
     let force = model.loading.force_at(1.0, problem).unwrap();
     let w_t_last = vec![0.0; problem.contacts()];
-    formulation.begin(&Increment { force: &force, gap: model.loading.gap(), w_t_last: &w_t_last, w_o_last: &w_t_last });
+    formulation.begin(&Increment {
+        force: &force,
+        gap: model.loading.gap(),
+        mu: model.problem.mu(),
+        w_t_last: &w_t_last,
+        w_o_last: &w_t_last,
+    });
     let mut direct = Direct::new(Box::new(Umfpack::default()));
     direct.analyze(formulation.jacobian().pattern()).unwrap();
 

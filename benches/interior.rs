@@ -74,7 +74,13 @@ fn measure(n: usize) -> [Form; 2] {
     let problem = &model.problem;
     let force = model.loading.force_at(1.0, problem).unwrap();
     let w_t_last = vec![0.0; problem.contacts()];
-    let increment = Increment { force: &force, gap: model.loading.gap(), w_t_last: &w_t_last, w_o_last: &w_t_last };
+    let increment = Increment {
+        force: &force,
+        gap: model.loading.gap(),
+        mu: model.problem.mu(),
+        w_t_last: &w_t_last,
+        w_o_last: &w_t_last,
+    };
     let conventions = Conventions::paper(problem.weight().unwrap());
     let mut systems = FORMS.map(|(form, name)| {
         let mut formulation = Constrained::new(problem, model.scaling(), &conventions, Partition::Products, form);

@@ -18,6 +18,7 @@ mod progress;
 mod run;
 mod schema;
 mod shell;
+mod sweep;
 mod uniqueness;
 
 use std::path::PathBuf;
@@ -50,6 +51,8 @@ enum Command {
     Schema(schema::SchemaArgs),
     /// Compare methods, linear algebra, increments and meshes on a scene: error against time
     Compare(compare::CompareArgs),
+    /// Run a scene with several values of some of its keys, all combinations, on all processors
+    Sweep(sweep::SweepArgs),
     /// Print a scene to start from, with comments
     Init(init::InitArgs),
     /// Print a script that completes the commands in a shell
@@ -79,6 +82,11 @@ struct SceneArgs {
 
 impl SceneArgs {
     fn read(&self) -> Result<Scene, SceneError> {
+        Scene::read(&self.scene, &self.overrides())
+    }
+
+    /// All that is to be changed, in the order in which that is done.
+    fn overrides(&self) -> Vec<Override> {
         // The setting in the scene is that of its own method.
         let other_method = self.method.as_deref().is_some_and(|method| method != "bn");
         let setting = self.setting.as_deref().or(other_method.then_some("default"));
@@ -88,8 +96,7 @@ impl SceneArgs {
             ("solver.linear", self.solver.as_deref()),
         ];
         let options = options.iter().filter_map(|(key, value)| Some(Override::value(key, (*value)?)));
-        let overrides: Vec<Override> = self.overrides.iter().cloned().chain(options).collect();
-        Scene::read(&self.scene, &overrides)
+        self.overrides.iter().cloned().chain(options).collect()
     }
 }
 
@@ -121,12 +128,25 @@ impl From<RunError> for Failure {
     }
 }
 
-impl Command {
+impl Cli {
+    /// The BLAS threads of a run.
+    #[cfg(feature = "umfpack")]
+    fn threads(&self) -> u32 {
+        self.threads
+    }
+
+    #[cfg(not(feature = "umfpack"))]
+    #[allow(clippy::unused_self)]
+    fn threads(&self) -> u32 {
+        1
+    }
+
     fn run(&self) -> Result<ExitCode, Failure> {
-        match self {
+        match &self.command {
             Command::Run(args) => run::run(args),
             Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
             Command::Compare(args) => compare::compare(args),
+            Command::Sweep(args) => sweep::sweep(args, self.threads()),
             Command::Schema(args) => {
                 schema::schema(args);
                 Ok(ExitCode::SUCCESS)
@@ -181,7 +201,7 @@ pub(crate) fn main() -> ExitCode {
             "note: the BLAS in use is not OpenBLAS, BLIS or MKL; factorisations may take several times longer",
         );
     }
-    let code = match bug::caught(|| cli.command.run()) {
+    let code = match bug::caught(|| cli.run()) {
         Ok(Ok(code)) => code,
         Ok(Err(failure)) => output::failure(&failure, json),
         Err(bug) => {

@@ -11,6 +11,7 @@
 mod answers;
 mod cases;
 mod errors;
+mod mesh;
 mod pareto;
 mod picture;
 mod tractions;
@@ -19,11 +20,13 @@ use std::fmt;
 
 pub use answers::{Estimate, Lead};
 pub use errors::{End, MeshErrors, TimeErrors};
+pub use mesh::MeshChoice;
 pub use pareto::front;
 pub use picture::charts;
 pub use tractions::{Interior, Tractions};
 
-use cases::{Study, first_elements};
+use cases::Study;
+use mesh::first_elements;
 
 use crate::history::{LinearAlgebra, Method, Status};
 use crate::run::RunError;
@@ -44,9 +47,8 @@ pub struct SolverPath {
 pub struct Plan {
     /// The ways to solve the scene.
     pub paths: Vec<SolverPath>,
-    /// The first number of elements of each mesh; the others follow in the proportions of the scene. Without any it is the
-    /// scene's own mesh, and nothing else if that comes from a file.
-    pub meshes: Vec<usize>,
+    /// The meshes, at least one.
+    pub meshes: Vec<MeshChoice>,
     /// Increments of a whole history.
     pub increments: Vec<usize>,
     /// The reference has so many times the increments of the finest history. It carries the error of its
@@ -95,8 +97,8 @@ pub struct Iterate {
 pub struct Trial {
     /// The way it was solved.
     pub path: SolverPath,
-    /// The mesh, by [`MeshResult::mesh`].
-    pub mesh: usize,
+    /// The mesh.
+    pub mesh: MeshChoice,
     /// The number of increments asked for.
     pub increments: usize,
     /// The verdict.
@@ -124,8 +126,8 @@ pub struct Trial {
 /// A mesh and its reference, the default BN with many increments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshResult {
-    /// The first number of elements; of a mesh from a file the number of all.
-    pub mesh: usize,
+    /// Which it is.
+    pub mesh: MeshChoice,
     /// n_u.
     pub displacements: usize,
     /// n_c.
@@ -161,9 +163,17 @@ pub struct Comparison {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum CompareError {
     /// Meshes were asked for that only the scene could make.
-    #[error("the mesh of the scene comes from a file, so nothing can be computed on other meshes")]
-    #[diagnostic(help("leave out the meshes (--meshes), or compare scenes with a file each"))]
+    #[error("the mesh of the scene comes from a file, so it has no numbers of elements to change")]
+    #[diagnostic(help("name mesh files (--meshes coarse.msh,fine.msh), or leave the meshes out"))]
     FixedMesh,
+    /// Mesh files were named for a scene that makes its mesh itself.
+    #[error("the scene makes its mesh itself, so it takes no mesh file")]
+    #[diagnostic(help("give numbers of elements (--meshes 20,40), or a scene with mesh.kind = \"gmsh\""))]
+    NoMeshFile,
+    /// There is no mesh to compare on.
+    #[error("the plan has no meshes")]
+    #[diagnostic(help("name one at least"))]
+    NoMesh,
     /// A mesh of the plan could not be built, or a run ended without a report.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -179,7 +189,7 @@ impl fmt::Display for SolverPath {
 impl Plan {
     /// How many histories are computed, the references included.
     pub fn histories(&self) -> usize {
-        self.meshes.len().max(1) * (1 + self.paths.len() * self.increments.len())
+        self.meshes.len() * (1 + self.paths.len() * self.increments.len())
     }
 
     /// A plan for `paths` that takes seconds to minutes: meshes with an eighth, a quarter and half of the scene's
@@ -192,7 +202,9 @@ impl Plan {
         };
         Plan {
             paths,
-            meshes: first_elements(&scene.description.mesh).map_or(Vec::new(), |whole| shares(whole, [8, 4, 2], 2)),
+            meshes: first_elements(&scene.description.mesh).map_or(vec![MeshChoice::Own], |whole| {
+                shares(whole, [8, 4, 2], 2).into_iter().map(MeshChoice::Elements).collect()
+            }),
             increments: shares(scene.time.increments, [4, 2, 1], 1),
             reference: 8,
         }
@@ -202,36 +214,32 @@ impl Plan {
 /// Computes every history of `plan`, one after the other, and tells `progress` before each what it is.
 ///
 /// # Errors
-/// When a mesh of the plan cannot be built or the scene's comes from a file, or the linear algebra cannot go on.
+/// When a mesh of the plan cannot be built or is none of this scene's, or the linear algebra cannot go on.
 pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> Result<Comparison, CompareError> {
-    let sorted = |numbers: &[usize]| {
-        let mut numbers = numbers.to_vec();
-        numbers.sort_unstable();
-        numbers.dedup();
-        numbers
-    };
-    let increments = sorted(&plan.increments);
-    let meshes: Vec<Option<usize>> = match &plan.meshes[..] {
-        [] => vec![None],
-        _ if first_elements(&scene.description.mesh).is_none() => return Err(CompareError::FixedMesh),
-        meshes => sorted(meshes).into_iter().map(Some).collect(),
-    };
+    let mut increments = plan.increments.clone();
+    increments.sort_unstable();
+    increments.dedup();
+    let meshes = mesh::each(&scene.description.mesh, &plan.meshes)?;
     let reference = plan.reference * increments.last().copied().unwrap_or(1);
-    let (mut results, mut runs) = (Vec::new(), Vec::new());
+    let mut studied: Vec<(MeshResult, Vec<Trial>)> = Vec::new();
     let mut units = scene.description.system(3);
     for mesh in meshes {
-        let named = mesh.map_or("the scene's mesh".to_string(), |mesh| format!("n = {mesh}"));
-        progress(format!("{named}, reference with {reference} increments"));
-        let study = Study::new(scene, mesh, reference)?;
+        progress(format!("{mesh}, reference with {reference} increments"));
+        let study = Study::new(scene, mesh.clone(), reference)?;
         units = study.units();
+        let mut runs = Vec::new();
         for &path in &plan.paths {
             for &increments in &increments {
-                progress(format!("{named}, {path}, {increments} increments"));
+                progress(format!("{mesh}, {path}, {increments} increments"));
                 runs.push(study.run(path, increments)?);
             }
         }
-        results.push(study.result());
+        studied.push((study.result(), runs));
     }
+    // Only now it is known how fine those from files are.
+    studied.sort_by_key(|(result, _)| result.displacements);
+    let (mut results, runs): (Vec<MeshResult>, Vec<Vec<Trial>>) = studied.into_iter().unzip();
+    let runs = runs.concat();
     if let Some((finest, coarser)) = results.split_last_mut() {
         let interior = coarser.first().map(|coarsest| coarsest.end.tractions.interior());
         for result in coarser {
@@ -246,12 +254,12 @@ pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> 
 
 impl Comparison {
     /// The runs on a mesh.
-    pub fn on(&self, mesh: usize) -> impl Iterator<Item = &Trial> {
-        self.runs.iter().filter(move |run| run.mesh == mesh)
+    pub fn on<'a>(&'a self, mesh: &'a MeshChoice) -> impl Iterator<Item = &'a Trial> {
+        self.runs.iter().filter(move |run| run.mesh == *mesh)
     }
 
     /// The runs on a mesh that no other beats in time and error in the contact forces, the cheapest first.
-    pub fn front(&self, mesh: usize) -> Vec<&Trial> {
+    pub fn front<'a>(&'a self, mesh: &'a MeshChoice) -> Vec<&'a Trial> {
         let points = |run| Some((run, Trial::point(run, |errors| errors.forces, self.tolerance)?));
         let (runs, points): (Vec<&Trial>, Vec<[f64; 2]>) = self.on(mesh).filter_map(points).unzip();
         front(&points).into_iter().map(|k| runs[k]).collect()

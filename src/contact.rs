@@ -1,8 +1,11 @@
 //! Contact: obstacles, the maps `C_n`, `C_t` and `C_o`, the laws of Signorini and Coulomb, and the error
 //! measure that judges every solution.
 
+mod cone;
 pub mod coulomb;
 mod description;
+mod friction;
+mod front;
 mod gap_table;
 mod kinematics;
 mod kkt;
@@ -10,8 +13,11 @@ mod motion;
 mod obstacle;
 mod range;
 mod surface;
+mod triangles;
 
 pub use description::{GapDirection, Obstacle, Rotation, Shape};
+pub use friction::Friction;
+pub use front::{Meeting, Unclear, meetings};
 pub use gap_table::{GapTable, TableError};
 pub use kinematics::{ContactBoundary, ContactNode, Row, contact_nodes, share_edges, unreachable};
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
@@ -19,3 +25,4 @@ pub(crate) use kkt::{judge, rounding_level, statuses_of};
 pub use motion::{ObstacleMotion, Rates};
 pub use obstacle::{Facing, ObstacleError, PlacedObstacle};
 pub use range::{DeformedNode, RangeLeft, TOLERATED_SHARE, range_left};
+pub use triangles::SurfaceError;

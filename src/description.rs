@@ -30,18 +30,20 @@
 mod check;
 mod field;
 mod load;
+mod probe;
 mod spring;
 mod support;
 mod units;
 
 pub use field::Field;
 pub use load::{Action, Load, Where};
+pub use probe::{Probe, ProbePlace};
 pub use spring::Bed;
 pub use support::{Direction, Held, Support};
 
 use serde::Deserialize;
 
-use crate::contact::Obstacle;
+use crate::contact::{Friction, Obstacle};
 use crate::fem::{Element, Material};
 use crate::mesh::MeshSource;
 use crate::units::{UnitSystem, Units};
@@ -87,10 +89,15 @@ pub enum Axis {
 pub struct Contact {
     /// The boundary.
     pub boundary: String,
-    /// Coulomb's coefficient `μ ≥ 0`.
-    pub friction: f64,
-    /// The obstacle.
-    pub obstacle: Obstacle,
+    /// Coulomb's coefficient. A node that two contacts share, in front of the same normal, has the mean of both, weighted by the
+    /// node's area in each.
+    pub friction: Friction,
+    /// Points `[time (s), factor]` with increasing times, by which the coefficient is multiplied: linear between, constant outside, and
+    /// above 0. Without them the friction stays as it is.
+    pub friction_history: Option<Vec<[f64; 2]>>,
+    /// The obstacles in front of it, at least one. A node meets the one that is nearest when the history begins, of those that
+    /// its outside faces; it never feels another.
+    pub obstacles: Vec<Obstacle>,
 }
 
 impl Description {
@@ -135,10 +142,17 @@ impl Description {
         self
     }
 
-    /// With an `obstacle` in front of `boundary`; `friction` is Coulomb's coefficient.
+    /// With an obstacle or several in front of `boundary`; `friction` is Coulomb's coefficient, a number or a formula.
     #[must_use]
-    pub fn contact(mut self, boundary: &str, friction: f64, obstacle: Obstacle) -> Self {
-        self.contacts.push(Contact { boundary: boundary.to_string(), friction, obstacle });
+    pub fn contact(
+        mut self,
+        boundary: &str,
+        friction: impl Into<Friction>,
+        obstacles: impl Into<Vec<Obstacle>>,
+    ) -> Self {
+        let (friction, obstacles) = (friction.into(), obstacles.into());
+        let boundary = boundary.to_string();
+        self.contacts.push(Contact { boundary, friction, friction_history: None, obstacles });
         self
     }
 

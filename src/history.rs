@@ -5,7 +5,7 @@
 //! | what a history asks of a method ([`IncrementSolver`]), and what it hands over ([`Task`]) | `task.rs` |
 //! | BN; the paper's interior point method; the default one; BN with that for its rescue | `bn.rs`, `ip.rs`, `predictor_corrector.rs`, `rescue.rs` |
 //! | which of them a [`Method`] names | `method.rs` |
-//! | from one time to the next, in parts if need be | `path.rs` |
+//! | from one time to the next, in parts if need be, and what is told of them | `path.rs`, `told.rs` |
 //! | the interior at the start of an increment, and at the end of a condensed one | `held.rs`, `whole.rs` |
 //!
 //! ```
@@ -45,6 +45,8 @@ mod settings;
 mod solver;
 mod system;
 mod task;
+mod told;
+mod walked;
 mod whole;
 
 use std::time::Instant;
@@ -66,8 +68,10 @@ use crate::nonlinear::{Flow, Stop};
 use crate::problem::error::{expect_each, expect_finite, expect_increasing};
 use crate::problem::{ContactProblem, ProblemError, State};
 use held::HeldBody;
-use path::{Path, Walked};
+use path::Path;
 use system::statistics;
+use told::{Told, record};
+use walked::Walked;
 
 /// The result of a history.
 #[derive(Debug, Clone)]
@@ -177,10 +181,8 @@ pub fn run_with(
         let index = k + 1;
         let start = Instant::now();
         let before = *linear.statistics();
-        let increment = match path.increment(time, &mut linear, &mut |iteration| {
-            let flow = iteration.system.map_or(Flow::Continue, |system| observer.linear_system(index, &system));
-            if flow == Flow::Stop { flow } else { observer.iteration(index, &iteration.record) }
-        }) {
+        let increment = match path.increment(time, &mut linear, &mut Told { problem, index, observer: &mut *observer })
+        {
             Ok(increment) => increment,
             Err(LinearError::OutOfMemory { .. }) => {
                 outcome.status = Status::OutOfMemory;
@@ -191,7 +193,7 @@ pub fn run_with(
         let statuses = statuses_of(problem, &path.data(), &increment.attempt.state, &increment.attempt.scales);
         let (assembly, all) = (increment.solved.assembly_seconds, start.elapsed().as_secs_f64());
         let seconds = Seconds::between(&before, linear.statistics(), assembly, all);
-        let record = record(index, time, &increment, ContactCounts::of(&statuses), seconds);
+        let record = record(problem, index, time, &increment, ContactCounts::of(&statuses), seconds);
         let Walked { solved, attempt, status, .. } = increment;
         let data = path.data();
         let flow =
@@ -218,26 +220,6 @@ pub fn run_with(
         }
     }
     Ok(outcome)
-}
-
-/// What is recorded of an increment.
-fn record(index: usize, time: f64, walked: &Walked, contact: ContactCounts, seconds: Seconds) -> IncrementRecord {
-    let solved = &walked.solved;
-    IncrementRecord {
-        index,
-        time,
-        status: walked.status,
-        parts: walked.parts,
-        rescued: solved.rescued,
-        iterations: solved.iterations,
-        backtracks: solved.backtracks,
-        theta: solved.theta,
-        kkt: walked.kkt,
-        backward_error: solved.backward_error,
-        contact,
-        friction_work: walked.friction_work,
-        seconds,
-    }
 }
 
 /// The ends of increments: at least one, finite, increasing from 0 or later: there the body is undeformed.

@@ -50,6 +50,7 @@ pub mod scene;
 pub mod sets;
 pub mod solvability;
 pub mod sparse;
+pub mod sweep;
 pub mod timeline;
 pub mod uniqueness;
 pub mod units;

@@ -1,8 +1,14 @@
 //! What is prescribed over time: external forces and gaps.
 
+mod bend;
+mod friction;
+
 use std::ops::Range;
 
-use crate::problem::error::{expect_finite, expect_history, expect_increasing, expect_length};
+pub use bend::Bend;
+pub use friction::FrictionHistory;
+
+use crate::problem::error::{expect_finite, expect_history, expect_length};
 use crate::problem::{ContactProblem, ProblemError};
 
 const PER_NODE: &str = "one for each node in front of the obstacle";
@@ -23,14 +29,6 @@ pub struct Motion {
     history: Vec<[f64; 2]>,
 }
 
-/// What the rates of a [`Motion`] leave out of the gaps, as an obstacle that is round passes or one that is oblique turns.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Bend {
-    nodes: Range<usize>,
-    times: Vec<f64>,
-    gap: Vec<Vec<f64>>,
-}
-
 /// The external forces and gaps of a history.
 ///
 /// ```
@@ -48,6 +46,7 @@ pub struct Loading {
     gap: Vec<f64>,
     motions: Vec<Motion>,
     bends: Vec<Bend>,
+    friction: Option<FrictionHistory>,
 }
 
 /// The value at time `t` of a history: linear between its points, constant outside.
@@ -125,46 +124,6 @@ impl Motion {
     }
 }
 
-impl Bend {
-    /// What to add to the gaps of the contact nodes `nodes`, m: a row of `gap` for each of the `times` (s), linear between
-    /// them and constant outside.
-    ///
-    /// # Errors
-    /// When there is not a row for each time and a number for each node, a number is not finite, or the times do not
-    /// increase.
-    pub fn new(nodes: Range<usize>, times: Vec<f64>, gap: Vec<Vec<f64>>) -> Result<Self, ProblemError> {
-        expect_length("gap", times.len(), gap.len(), "one row for each time")?;
-        expect_finite("times", &times)?;
-        expect_increasing("times", times.iter().copied())?;
-        for (k, row) in gap.iter().enumerate() {
-            let name = format!("gap[{k}]");
-            expect_length(&name, nodes.len(), row.len(), PER_NODE)?;
-            expect_finite(&name, row)?;
-        }
-        Ok(Bend { nodes, times, gap })
-    }
-
-    /// The times, s.
-    pub fn times(&self) -> &[f64] {
-        &self.times
-    }
-
-    /// Adds what belongs to time `t` to the `gap` of its nodes.
-    fn add(&self, t: f64, gap: &mut [f64]) {
-        let Some(last) = self.times.len().checked_sub(1) else { return };
-        let after = self.times.partition_point(|time| *time <= t);
-        let (k, share) = match (after.checked_sub(1), self.times.get(after)) {
-            (Some(k), Some(next)) => (k, (t - self.times[k]) / (next - self.times[k])),
-            (Some(_), None) => (last, 0.0),
-            (None, _) => (0, 0.0),
-        };
-        for (i, g) in gap.iter_mut().enumerate() {
-            let here = self.gap[k][i];
-            *g += if share > 0.0 { here + share * (self.gap[k + 1][i] - here) } else { here };
-        }
-    }
-}
-
 impl Loading {
     /// Loads, which add up, and `gap`, the gaps before any obstacle moves, n_c, m.
     ///
@@ -176,7 +135,7 @@ impl Loading {
             expect_length(format!("force of load {k}"), first, case.force.len(), "as many as the first load has")?;
         }
         expect_finite("gap", &gap)?;
-        Ok(Loading { cases, gap, motions: Vec::new(), bends: Vec::new() })
+        Ok(Loading { cases, gap, motions: Vec::new(), bends: Vec::new(), friction: None })
     }
 
     /// The same with obstacles that move. The motions add up, and so does what goes beyond their rates.
@@ -209,6 +168,21 @@ impl Loading {
             }
         }
         Ok(loading)
+    }
+
+    /// The same with friction that changes in time, if it does.
+    ///
+    /// # Errors
+    /// When there is not one coefficient for each gap.
+    pub fn with_friction(self, friction: Option<FrictionHistory>) -> Result<Self, ProblemError> {
+        let nodes = friction.as_ref().map_or(self.gap.len(), FrictionHistory::nodes);
+        expect_length("mu", self.gap.len(), nodes, "one for each gap")?;
+        Ok(Loading { friction, ..self })
+    }
+
+    /// How friction changes in time, if it does.
+    pub fn friction(&self) -> Option<&FrictionHistory> {
+        self.friction.as_ref()
     }
 
     /// The loads.

@@ -12,6 +12,7 @@ mod source;
 
 pub use block::block;
 pub use check::MeshFault;
+pub(crate) use gmsh::faces;
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
 pub use source::{HalfPlane, MeshError, MeshSource, Segment};
 
@@ -88,6 +89,15 @@ impl CellKind {
         match self {
             CellKind::Triangle | CellKind::Quadrilateral => 2,
             CellKind::Tetrahedron | CellKind::Hexahedron => 3,
+        }
+    }
+
+    /// The centre of the reference cell, whose coordinates go from -1 to 1, of a triangle or tetrahedron from 0 to 1.
+    pub fn centre(self) -> [f64; 3] {
+        match self {
+            CellKind::Quadrilateral | CellKind::Hexahedron => [0.0; 3],
+            CellKind::Triangle => [1.0 / 3.0, 1.0 / 3.0, 0.0],
+            CellKind::Tetrahedron => [0.25; 3],
         }
     }
 

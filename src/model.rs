@@ -3,6 +3,7 @@
 mod balance;
 mod contact;
 mod element;
+mod energy;
 mod load;
 mod place;
 mod range;
@@ -13,13 +14,13 @@ pub use balance::{Balance, Wrench};
 
 use std::sync::Arc;
 
-use crate::contact::{ContactBoundary, ContactNode, Facing, ObstacleMotion, PlacedObstacle, Row, share_edges};
+use crate::contact::{ContactBoundary, ContactNode, ObstacleMotion, PlacedObstacle, Row, share_edges};
 use crate::description::Description;
 use crate::fault::Fault;
 use crate::fem::{
     Dofs, Elasticity, Element, HeldRows, InvertedElement, Plane, RigidMotion, Spring, assemble, unresisted_motions,
 };
-use crate::loading::{Bend, LoadCase, Loading, Motion};
+use crate::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::problem::{ContactProblem, Parts, ProblemError};
 use crate::scene::{Scene, SceneError};
@@ -28,6 +29,7 @@ use crate::timeline::within;
 use crate::units::{Scaling, UnitSystem};
 use crate::vector::dot;
 use balance::Statics;
+use contact::Contacts;
 use load::Body;
 use support::Moved;
 
@@ -46,7 +48,7 @@ pub struct Model {
     pub contacts: Vec<ContactNode>,
     /// The boundaries they stand on.
     pub contact_boundaries: Vec<ContactBoundary>,
-    /// The obstacle in front of each of these boundaries, and how it moves.
+    /// The obstacles in front of these boundaries, and how they move.
     pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
     /// The algebraic problem.
     pub problem: ContactProblem,
@@ -127,33 +129,12 @@ impl Model {
         let rows = HeldRows::new(&mesh, &dofs, element, |e| materials[e], &springs)?;
         let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, !springs.is_empty())?;
 
-        let (mut contacts, mut mu) = (Vec::<ContactNode>::new(), Vec::new());
-        let (mut contact_boundaries, mut obstacles) = (Vec::new(), Vec::new());
-        for (k, contact) in description.contacts.iter().enumerate() {
-            let first = contacts.len();
-            let (obstacle, motion, nodes) = contact::boundary(description, &mesh, &dofs, k)?;
-            contact::no_contradiction(description, k, &contacts, &nodes)?;
-            contacts.extend(nodes);
-            mu.resize(contacts.len(), contact.friction);
-            let nodes = first..contacts.len();
-            contact_boundaries.push(ContactBoundary { name: contact.boundary.clone(), nodes });
-            obstacles.push((obstacle, motion));
-        }
+        let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved)?;
+        let friction = contacts.friction_history(description)?;
+        let Contacts { nodes: mut contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
+        let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
         share_edges(&mut contacts, &mu, &dofs);
-        let (mut motions, mut bends) = (Vec::new(), Vec::new());
-        let times: Vec<f64> = [0.0].into_iter().chain(description.times.iter().copied()).collect();
-        for (ContactBoundary { nodes, .. }, (obstacle, motion)) in contact_boundaries.iter().zip(&obstacles) {
-            let contacts = &contacts[nodes.clone()];
-            let positions: Vec<[f64; 3]> = contacts.iter().map(|contact| contact.position).collect();
-            let facings: Vec<Facing> = contacts.iter().map(|contact| contact.facing).collect();
-            for (rates, history) in motion.rates(&positions, &facings) {
-                let (gap, drift) = rates.iter().map(|rates| (rates.gap, rates.drift)).unzip();
-                motions.push(Motion::new(nodes.clone(), gap, drift, history)?);
-            }
-            if let Some(gap) = motion.bends(obstacle, &positions, &facings, &times) {
-                bends.push(Bend::new(nodes.clone(), times.clone(), gap)?);
-            }
-        }
+        let (mut motions, bends) = contact::motions(&contacts, &obstacles, &description.times)?;
         let map = |row: fn(&ContactNode) -> &Row| {
             Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))
         };
@@ -168,17 +149,21 @@ impl Model {
             thermal.extend(on_mesh.thermal_strain.map(|strain| (strain, k)));
             forces.push(on_mesh.forces);
         }
-        // What supports move comes as forces on the rest of the body, and as motions of the obstacles past it.
+        // What supports move beyond the body comes as forces on the rest of it, and as gaps.
         for moved in &moved {
             cases.push(LoadCase::new(dofs.forces(moved.forces(&rows)), moved.history.clone())?);
-            let along = |contact: &ContactNode, n: [f64; 3]| -dot(moved.displacements[contact.node], n);
-            let gap = contacts.iter().map(|contact| along(contact, contact.facing.normal)).collect();
-            let drift = contacts.iter().map(|contact| contact.facing.tangents.map(|t| along(contact, t))).collect();
-            motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
+            let beyond: Vec<_> = contacts.iter().map(|contact| moved.beyond(&rows, contact.node)).collect();
+            if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
+                let against = |(_, beyond): (&ContactNode, &[f64; 3]), n: [f64; 3]| -dot(*beyond, n);
+                let nodes = || contacts.iter().zip(&beyond);
+                let gap = nodes().map(|node| against(node, node.0.facing.normal)).collect();
+                let drift = nodes().map(|node| node.0.facing.tangents.map(|t| against(node, t))).collect();
+                motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
+            }
         }
         let statics = Statics::new(&mesh, rows.clone(), support::shares(&holdings, &rows), beds, &forces);
         let gap = contacts.iter().map(|contact| contact.facing.gap).collect();
-        let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?;
+        let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs);
         let problem = ContactProblem::new(Parts {

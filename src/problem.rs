@@ -58,7 +58,7 @@ pub struct Parts {
     /// `C_o`, n_c × n_u: displacements along the other tangent, at right angles to the first. Every row
     /// is empty in two dimensions.
     pub c_o: Csr,
-    /// `μ`, friction coefficients, n_c.
+    /// `μ`, friction coefficients, n_c; where they change in time, the largest.
     pub mu: Vec<f64>,
     /// `l`, integration weights of the contact nodes, n_c, m (m² in space): `σ = p / l` (32). Stresses and the
     /// constants of the paper need them, the equations do not.
@@ -84,6 +84,8 @@ pub struct Increment<'a> {
     pub force: &'a [f64],
     /// `g`, gaps at the end of the increment, n_c, m; negative for interference.
     pub gap: &'a [f64],
+    /// `μ`, friction coefficients at the end of the increment, n_c: above 0 where those of the problem are, and 0 elsewhere.
+    pub mu: &'a [f64],
     /// `w̄_t`, tangential displacements at the end of the last increment, n_c, m.
     pub w_t_last: &'a [f64],
     /// `w̄_o`, the same along the other tangent, n_c, m.
@@ -236,6 +238,13 @@ impl ContactProblem {
             state.p_t[i] * slip_t + state.p_o[i] * slip_o
         };
         (0..self.contacts()).map(of_node).sum()
+    }
+
+    /// The strain energy `½ uᵀ K u` of a state of this problem, J, or J per m of depth.
+    pub(crate) fn strain_energy(&self, state: &State) -> f64 {
+        let mut force = vec![0.0; state.u.len()];
+        self.stiffness().mul(&state.u, &mut force);
+        0.5 * state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>()
     }
 
     /// The displacements that contact forces act on, ascending. There are none along an obstacle

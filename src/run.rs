@@ -36,10 +36,12 @@ pub use error::RunError;
 pub use recording::{RecordedIncrement, Recording};
 
 use crate::auto::{Choice, Faster};
+use crate::contact::ContactStatus;
 use crate::formulation::Layout;
-use crate::history::{self, HistoryOutcome, Observer, Solver, System};
+use crate::history::{self, HistoryOutcome, IncrementRecord, Observer, Solver, System};
 use crate::linear::{Direct, LinearError};
 use crate::model::Model;
+use crate::problem::State;
 use crate::report::{Facts, Measured, RunReport, available_bytes, cpu_seconds, peak_rss_bytes};
 use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
@@ -127,6 +129,23 @@ impl<'a> Run<'a> {
         &self.choice
     }
 
+    /// The body before the first increment, as increment 0: undeformed and free of contact forces, with the gaps at t = 0.
+    /// Loads and interferences that are there from the start come with the first increment.
+    pub fn undeformed(&self) -> RecordedIncrement {
+        let Model { problem, loading, .. } = &*self.model;
+        let contacts = problem.contacts();
+        RecordedIncrement {
+            record: IncrementRecord::undeformed(contacts),
+            state: State::zero(problem),
+            statuses: vec![ContactStatus::Open; contacts],
+            force: vec![0.0; problem.displacements()],
+            gap: loading.gaps_at(0.0),
+            mu: loading.friction().map_or_else(|| problem.mu().to_vec(), |friction| friction.at(0.0)),
+            w_t_last: vec![0.0; contacts],
+            w_o_last: vec![0.0; contacts],
+        }
+    }
+
     /// Solves the history and reports on it. `observer` sees every iteration and increment, and may stop the run.
     ///
     /// # Errors
@@ -143,8 +162,11 @@ impl<'a> Run<'a> {
         let start = Instant::now();
         let (linear, condensed) = (system.name(), system.condenses());
         let mut watch = Watch::new(&self.model, self.uniqueness, observer);
-        let outcome = self.history_with(system, &mut watch)?;
-        let Watch { validity, forces, reactions, last, .. } = watch;
+        let mut outcome = self.history_with(system, &mut watch)?;
+        let Watch { validity, energies, forces, reactions, last, .. } = watch;
+        for (record, strain_energy) in outcome.records.iter_mut().zip(energies) {
+            record.strain_energy = strain_energy;
+        }
         let critical_friction = match last {
             Some(last) => self.critical_friction(&last, &outcome)?,
             None => None,

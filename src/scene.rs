@@ -25,18 +25,19 @@
 
 mod document;
 mod error;
+mod files;
 mod overrides;
 mod places;
 mod read;
 mod solver;
 mod syntax;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use error::{Located, SceneError};
 pub use overrides::{Override, OverrideSyntax};
 
-use crate::description::Description;
+use crate::description::{Description, Probe};
 use crate::fault::Fault;
 use crate::history::Solver;
 use crate::timeline::equal_increments;
@@ -77,10 +78,36 @@ pub struct Time {
 /// What to write.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {
-    /// Times (s) whose contact lines are written: each at the first increment that reaches it.
+    /// Times (s) whose contact lines are written: each at the first increment that reaches it, 0 before the first.
     pub times: Vec<f64>,
+    /// Besides, those of every so many increments and of the last one are written.
+    pub every: Option<usize>,
     /// Whether the fields of the body are written for the same times.
     pub fields: bool,
+    /// Whether pictures of the deformed body are drawn for the same times.
+    pub deformed: bool,
+    /// How many times as long displacements are drawn there; as long as they can well be seen unless given.
+    pub magnification: Option<f64>,
+    /// Points whose displacements and stresses are written in every increment.
+    pub probes: Vec<Probe>,
+}
+
+impl Output {
+    /// The numbers of the increments that are written, of those that end at `ends` (s), ascending; 0 stands for the body
+    /// before the first.
+    pub fn increments(&self, ends: &[f64]) -> Vec<usize> {
+        // A time computed as end · k / increments may miss the one asked for by a rounding error.
+        let slack = ends.last().map_or(0.0, |end| 1e-9 * end);
+        let reaching =
+            |t: &f64| if *t <= 0.0 { Some(0) } else { Some(1 + ends.iter().position(|end| *end >= t - slack)?) };
+        let mut numbers: Vec<usize> = self.times.iter().filter_map(reaching).collect();
+        if let Some(every) = self.every {
+            numbers.extend((1..=ends.len()).filter(|k| k % every == 0 || *k == ends.len()));
+        }
+        numbers.sort_unstable();
+        numbers.dedup();
+        numbers
+    }
 }
 
 impl Scene {
@@ -120,6 +147,11 @@ impl Scene {
     /// Its text in TOML, with all overrides in place.
     pub fn text(&self) -> &str {
         &self.source.text
+    }
+
+    /// The files that it names: meshes, tables of gaps.
+    pub fn files(&self) -> Vec<PathBuf> {
+        files::files(self.text()).iter().map(|file| self.source.beside(file)).collect()
     }
 
     /// The error of the value at `key`, for what only a later stage can see.

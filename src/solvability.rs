@@ -64,11 +64,11 @@ impl Conditions {
 pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<Option<Vec<f64>>, ProblemError> {
     expect_length("force", problem.displacements(), force.len(), "one for each displacement")?;
     expect_finite("force", force)?;
-    Ok(driven_motion(problem, force))
+    Ok(driven_motion(problem, problem.mu(), force))
 }
 
-/// [`rigid_equilibrium`] of a load that fits.
-pub(crate) fn driven_motion(problem: &ContactProblem, force: &[f64]) -> Option<Vec<f64>> {
+/// [`rigid_equilibrium`] of a load that fits, with the friction coefficients `mu`.
+pub(crate) fn driven_motion(problem: &ContactProblem, mu: &[f64], force: &[f64]) -> Option<Vec<f64>> {
     let free = Free::new(problem);
     let (mut load, mut size) = (Vec::new(), Vec::new());
     for (motion, largest) in problem.free_motions().iter().zip(&free.largest) {
@@ -78,7 +78,8 @@ pub(crate) fn driven_motion(problem: &ContactProblem, force: &[f64]) -> Option<V
         size.push(work.clone().map(f64::abs).sum::<f64>() / largest);
         load.push(work.sum::<f64>() / largest);
     }
-    let cones: Vec<FrictionCone> = (0..problem.contacts()).map(|i| FrictionCone::of(problem, &free, i)).collect();
+    let cones: Vec<FrictionCone> =
+        (0..problem.contacts()).map(|i| FrictionCone::of(problem, mu[i], &free, i)).collect();
     let mut generators: Vec<Vec<f64>> = cones.iter().flat_map(FrictionCone::edges).collect();
     let has_rim = cones.iter().any(|cone| cone.tangents.len() > 1);
     for _ in 0..ROUNDS {
@@ -115,10 +116,10 @@ struct FrictionCone {
 }
 
 impl FrictionCone {
-    fn of(problem: &ContactProblem, free: &Free, i: usize) -> Self {
+    fn of(problem: &ContactProblem, mu: f64, free: &Free, i: usize) -> Self {
         let rows = problem.tangential_maps().map(|map| map.row(i));
         FrictionCone {
-            mu: problem.mu()[i],
+            mu,
             normal: free.felt(problem.c_n().row(i)),
             tangents: rows.into_iter().filter(|row| !row.is_empty()).map(|row| free.felt(row)).collect(),
         }
@@ -248,6 +249,10 @@ mod tests {
     use crate::problem::Parts;
     use crate::sparse::{Csr, Symmetric};
 
+    fn driven(problem: &ContactProblem, force: &[f64]) -> Option<Vec<f64>> {
+        driven_motion(problem, problem.mu(), force)
+    }
+
     type Entries<'a> = &'a [(usize, f64)];
 
     /// A rigid particle or two: displacements that nothing but contact rows tells apart.
@@ -323,7 +328,7 @@ mod tests {
     #[test]
     fn friction_balances_up_to_its_limit() {
         let floor = |mu| problem(&FREE, 2, &[(&[(1, -1.0)], &[(0, 1.0)], mu)]);
-        let balance = |mu, force: [f64; 2]| driven_motion(&floor(mu), &force);
+        let balance = |mu, force: [f64; 2]| driven(&floor(mu), &force);
         assert_eq!(balance(0.4, [4.0, -10.0]), None);
         assert_eq!(balance(0.4, [-3.9, -10.0]), None);
         let slide = balance(0.4, [4.1, -10.0]).unwrap();
@@ -333,14 +338,14 @@ mod tests {
         // No load; a load that is in balance but for rounding; forces and friction of any size.
         assert_eq!(balance(0.0, [0.0, 0.0]), None);
         let pair = problem(&[&[1.0, 1.0]], 2, &[]);
-        assert_eq!(driven_motion(&pair, &[0.1 + 0.2, -0.3]), None);
-        assert_eq!(driven_motion(&pair, &[0.3, -0.2]).unwrap().len(), 1);
+        assert_eq!(driven(&pair, &[0.1 + 0.2, -0.3]), None);
+        assert_eq!(driven(&pair, &[0.3, -0.2]).unwrap().len(), 1);
         for mu in [1e9, 1e18, 1e300] {
             assert_eq!(balance(mu, [1e3, -1e-4]), None, "{mu}");
             assert_eq!(balance(mu, [0.0, -1.0]), None, "{mu}");
             assert!(balance(mu, [0.0, 1.0]).is_some(), "{mu}");
         }
-        assert_eq!(driven_motion(&problem(&[], 2, &[]), &[1.0, 1.0]), None);
+        assert_eq!(driven(&problem(&[], 2, &[]), &[1.0, 1.0]), None);
     }
 
     /// A particle in a plane's friction disk, whose limit is the same whichever way the load points.
@@ -353,10 +358,10 @@ mod tests {
         for angle in [0.0_f64, 0.3, 0.785, 1.0, 2.0, 3.0, 4.4, 5.9] {
             let load = |side: f64| [side * angle.cos(), side * angle.sin(), -10.0];
             for inside in [0.0, 3.0, 3.99, 4.0 * (1.0 - 1e-9)] {
-                assert_eq!(driven_motion(&floor, &load(inside)), None, "{angle} {inside}");
+                assert_eq!(driven(&floor, &load(inside)), None, "{angle} {inside}");
             }
             for outside in [4.0 * (1.0 + 1e-5), 4.1, 100.0] {
-                let slide = driven_motion(&floor, &load(outside)).unwrap();
+                let slide = driven(&floor, &load(outside)).unwrap();
                 // Along the load, and lifting by the friction angle; near the limit the rim is found to the square root of
                 // what an edge may be missed by, relative to the residual.
                 let along = slide[0].hypot(slide[1]);
@@ -364,6 +369,6 @@ mod tests {
                 assert!(slide.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{angle} {outside} {slide:?}");
             }
         }
-        assert!(close(&driven_motion(&floor, &[0.0, 0.0, 1.0]).unwrap(), &[0.0, 0.0, 1.0]));
+        assert!(close(&driven(&floor, &[0.0, 0.0, 1.0]).unwrap(), &[0.0, 0.0, 1.0]));
     }
 }

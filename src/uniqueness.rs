@@ -90,7 +90,7 @@ pub fn critical_friction(
         .filter_map(|i| {
             let mut forces = layout.tangential(i).into_iter().zip([state.p_t[i], state.p_o[i]]);
             let (p_t, force) = forces.find_map(|(place, force)| Some((place?, force)))?;
-            Some(Slider { p_t, p_n: layout.p_n(i), drive: problem.mu()[i] * force.signum() })
+            Some(Slider { p_t, p_n: layout.p_n(i), drive: increment.mu[i] * force.signum() })
         })
         .collect();
     let factor = match sliders.as_slice() {

@@ -84,6 +84,16 @@ pub fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+/// `a + s b`.
+pub fn plus(a: [f64; 3], s: f64, b: [f64; 3]) -> [f64; 3] {
+    [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
+}
+
+/// `a` without its part along the unit vector `axis`.
+pub fn across(a: [f64; 3], axis: [f64; 3]) -> [f64; 3] {
+    plus(a, -dot(a, axis), axis)
+}
+
 /// `|a|`, without overflow.
 pub fn norm(a: [f64; 3]) -> f64 {
     a[0].hypot(a[1]).hypot(a[2])

@@ -5,7 +5,7 @@ mod histories;
 use std::collections::BTreeSet;
 
 use clap::Args;
-use stickslip::contact::{GapDirection, Obstacle, PlacedObstacle, Rotation, Shape};
+use stickslip::contact::{Friction, GapDirection, Obstacle, PlacedObstacle, Rotation, Shape};
 use stickslip::description::{Action, Bed, Direction, Field, Held, Support, Where};
 use stickslip::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::formulation::Layout;
@@ -161,11 +161,33 @@ fn body(scene: &Scene, model: &Model) {
 }
 
 fn contacts(scene: &Scene, model: &Model) {
-    for (contact, (facing, _)) in scene.description.contacts.iter().zip(&model.obstacles) {
-        let mut obstacle = vec![shape(model, &contact.obstacle.shape)];
-        obstacle.extend(motions(model, &contact.obstacle));
-        say!("contact      {}: {}, mu = {}", contact.boundary, obstacle.join(", "), contact.friction);
-        say!("             {}", frame(model, facing, contact.obstacle.direction));
+    for (contact, boundary) in scene.description.contacts.iter().zip(&model.contact_boundaries) {
+        let several = contact.obstacles.len() > 1;
+        let mu = match &contact.friction {
+            Friction::Uniform(mu) => mu.to_string(),
+            Friction::Formula(formula) => formula.text().to_string(),
+        };
+        let changing = contact.friction_history.as_ref().map(|history| points(history, |factor| factor[0].to_string()));
+        let mu = changing.map_or(mu.clone(), |factors| format!("{mu}, times {factors}"));
+        if several {
+            say!("contact      {}: {} obstacles, mu = {mu}", contact.boundary, contact.obstacles.len());
+        }
+        for (given, k) in contact.obstacles.iter().zip(boundary.obstacles.clone()) {
+            let placed = &model.obstacles[k].0;
+            let mut obstacle = vec![shape(model, given, placed)];
+            obstacle.extend(motions(model, given));
+            let obstacle = obstacle.join(", ");
+            if several {
+                let met = model.contacts.iter().filter(|contact| contact.obstacle == k).count();
+                say!("             {obstacle}, met by {met} nodes");
+            } else {
+                say!("contact      {}: {obstacle}, mu = {mu}", contact.boundary);
+            }
+            say!("             {}", frame(model, placed, given.direction));
+        }
+        if boundary.beyond > 0 {
+            say!("             {} nodes that no obstacle ever reaches stay open", boundary.beyond);
+        }
     }
     let layout = Layout::new(&model.problem);
     say!("unknowns     {} displacements u", layout.displacements());
@@ -225,18 +247,25 @@ fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
     motions
 }
 
-fn shape(model: &Model, shape: &Shape) -> String {
+fn shape(model: &Model, given: &Obstacle, placed: &PlacedObstacle) -> String {
     let units = model.units();
     let place = |x: &Vector| units.place(x.components());
     let length = |x: f64| units.text(Quantity::Length, x);
-    match shape {
+    match &given.shape {
         Shape::Plane { gap } => format!("plane at {}", told(&units, Quantity::Length, *gap)),
         Shape::PlaneThrough { through } => format!("plane through {}", place(through)),
         Shape::Cylinder { radius, apex, .. } => format!("cylinder, radius {}, apex {}", length(*radius), place(apex)),
+        Shape::Bore { radius, apex, .. } => format!("bore, radius {}, apex {}", length(*radius), place(apex)),
         Shape::Sphere { radius, apex } => format!("sphere, radius {}, apex {}", length(*radius), place(apex)),
+        Shape::Socket { radius, apex } => format!("socket, radius {}, apex {}", length(*radius), place(apex)),
+        Shape::Cone { apex, half_angle, .. } => format!("cone, half angle {half_angle} rad, apex {}", place(apex)),
         Shape::Wedge { apex, angle, .. } => format!("wedge, angle {angle} rad, apex {}", place(apex)),
         Shape::Formula(formula) => format!("gap {}", formula.text()),
         Shape::Table { file, .. } => format!("gap from {}", file.display()),
+        Shape::Surface { file, scale } => {
+            let triangles = placed.triangles().unwrap_or_default();
+            format!("surface of {triangles} triangles from {}, unit {}", file.display(), length(*scale))
+        }
     }
 }
 

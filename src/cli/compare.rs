@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use stickslip::compare::{self, CompareError, Comparison, End, MeshResult, Phases, Plan, SolverPath, Trial};
+use stickslip::compare::{
+    self, CompareError, Comparison, End, MeshChoice, MeshResult, Phases, Plan, SolverPath, Trial,
+};
 use stickslip::history::{LinearAlgebra, Method, Start, Status};
 use stickslip::linear::{self, SparseLu};
 use stickslip::report::{Table, csv_table, write_file};
@@ -33,10 +35,10 @@ pub(super) struct CompareArgs {
     /// The linear algebra; umfpack, condensed and faer, as far as they are built in, unless given
     #[arg(long, value_delimiter = ',')]
     solvers: Vec<LinearAlgebra>,
-    /// The first number of elements of each mesh, the others in the proportions of the scene; an eighth, a
-    /// quarter and half of the scene's unless given; not for a mesh from a file
-    #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
-    meshes: Vec<u32>,
+    /// The first number of elements of each mesh, the others in the proportions of the scene, an eighth, a
+    /// quarter and half of the scene's unless given; or mesh files, where the scene has one: a.msh,b.msh
+    #[arg(long, value_delimiter = ',')]
+    meshes: Vec<MeshChoice>,
     /// Increments of the whole history; a quarter, half and all of the scene's unless given
     #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     increments: Vec<u32>,
@@ -81,7 +83,7 @@ pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     };
     let comparison = compare::compute(&scene, &plan, &mut progress).map_err(|error| match error {
         CompareError::Run(error) => Failure::from(error),
-        fixed @ CompareError::FixedMesh => Failure::Input(fixed.into()),
+        of_the_plan => Failure::Input(of_the_plan.into()),
     })?;
     bar.finish_and_clear();
 
@@ -124,10 +126,11 @@ fn plan(args: &CompareArgs, solvers: &[LinearAlgebra], scene: &Scene) -> Plan {
         }
     }
     let mut plan = Plan { reference: args.reference as usize, ..Plan::modest(scene, paths) };
-    for (given, numbers) in [(&args.meshes, &mut plan.meshes), (&args.increments, &mut plan.increments)] {
-        if !given.is_empty() {
-            *numbers = given.iter().map(|&number| number as usize).collect();
-        }
+    if !args.meshes.is_empty() {
+        plan.meshes.clone_from(&args.meshes);
+    }
+    if !args.increments.is_empty() {
+        plan.increments = args.increments.iter().map(|&number| number as usize).collect();
     }
     plan
 }
@@ -140,9 +143,9 @@ fn tables(comparison: &Comparison, meshes: &[MeshResult]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "n = {mesh}: {displacements} displacements, {contacts} contact nodes; reference: {increments} increments, \
+            "{mesh}: {displacements} displacements, {contacts} contact nodes; reference: {increments} increments, \
              {status}, {seconds:.2} s\n{}",
-            runs_table(comparison, *mesh)
+            runs_table(comparison, mesh)
         );
     }
     text + "* no other run is better in time and in the error of the forces; times but CPU are wall times, s\n\n"
@@ -154,7 +157,7 @@ const RUN_HEADS: [&str; 18] = [
     "p_n", "p_t", "forces", "work", "",
 ];
 
-fn runs_table(comparison: &Comparison, mesh: usize) -> Table {
+fn runs_table(comparison: &Comparison, mesh: &MeshChoice) -> Table {
     let mut table = Table::new(&RUN_HEADS);
     let front = comparison.front(mesh);
     for run in comparison.on(mesh) {
@@ -193,13 +196,14 @@ fn meshes_table(comparison: &Comparison) -> Table {
     let energies = ["energy", "friction work"].map(|energy| (energy, Quantity::Energy));
     let resultants_told = sums.into_iter().take(if in_space { 3 } else { 2 }).chain(energies);
     let with_units = resultants_told.map(|(head, quantity)| format!("{head}, {}", comparison.units.name(quantity)));
-    let counts = ["n", "n_u", "n_c"].map(String::from).into_iter();
+    let counts = ["mesh", "n_u", "n_c"].map(String::from).into_iter();
     let errors = ["d sum p_n", "d sum p_t", "d energy", "d tractions"].map(String::from);
     let heads: Vec<String> = counts.chain(with_units).chain(errors).collect();
     let mut table = Table::new(&heads.iter().map(String::as_str).collect::<Vec<_>>());
     for result in &comparison.meshes {
         let [p_n, p_t, p_o, energy, work] = resultants(result, &comparison.units);
-        let mut row = [result.mesh, result.displacements, result.contacts].map(|count| count.to_string()).to_vec();
+        let mut row = vec![short(&result.mesh)];
+        row.extend([result.displacements, result.contacts].map(|count| count.to_string()));
         let numbers = [p_n, p_t].into_iter().chain(in_space.then_some(p_o)).chain([energy, work]);
         row.extend(numbers.map(|number| format!("{number:.6e}")));
         let errors = result.errors.map(|errors| [errors.sum_p_n, errors.sum_p_t, errors.energy, errors.tractions]);
@@ -207,6 +211,14 @@ fn meshes_table(comparison: &Comparison) -> Table {
         table.push(row);
     }
     table
+}
+
+/// A mesh as a field of a table: the number of elements alone.
+fn short(mesh: &MeshChoice) -> String {
+    match mesh {
+        MeshChoice::Elements(n) => n.to_string(),
+        MeshChoice::Own | MeshChoice::File(_) => mesh.to_string(),
+    }
 }
 
 /// The sums of the contact forces, the energy and the friction work, in `units`.
@@ -260,7 +272,7 @@ fn runs_csv(comparison: &Comparison) -> String {
         ]);
         let errors = run.errors.map(|errors| [errors.p_n, errors.p_t, errors.forces, errors.work]);
         row.extend(numbers(errors));
-        row.push(comparison.front(run.mesh).contains(&run).to_string());
+        row.push(comparison.front(&run.mesh).contains(&run).to_string());
         row
     };
     csv_table(&RUN_COLUMNS, comparison.runs.iter().map(row))
@@ -268,8 +280,8 @@ fn runs_csv(comparison: &Comparison) -> String {
 
 fn named_path(run: &Trial) -> Vec<String> {
     let SolverPath { method, linear } = run.path;
-    let numbers = [run.mesh, run.increments].map(|number| number.to_string());
-    [method.name().to_string(), method.setting().to_string(), linear.to_string()].into_iter().chain(numbers).collect()
+    let names = [method.name().to_string(), method.setting().to_string(), linear.to_string()];
+    names.into_iter().chain([short(&run.mesh), run.increments.to_string()]).collect()
 }
 
 /// Empty fields for what is not known.
@@ -310,8 +322,9 @@ fn meshes_csv(comparison: &Comparison) -> String {
         "error_tractions",
     ];
     let row = |result: &MeshResult| {
-        let counts = [result.mesh, result.displacements, result.contacts, result.increments];
-        let mut row = counts.map(|count| count.to_string()).to_vec();
+        let counts = [result.displacements, result.contacts, result.increments];
+        let mut row = vec![short(&result.mesh)];
+        row.extend(counts.map(|count| count.to_string()));
         row.push(result.status.to_string());
         row.extend(resultants(result, &comparison.units).map(|number| number.to_string()));
         let errors = result.errors.map(|errors| [errors.sum_p_n, errors.sum_p_t, errors.energy, errors.tractions]);

@@ -1,18 +1,17 @@
 //! `stickslip run`.
 
+mod watcher;
+
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 use stickslip::formulation::{Layout, NewtonSystem};
-use stickslip::history::{Method, Observer, Status, Step};
-use stickslip::linear;
+use stickslip::history::{Method, Status};
 use stickslip::model::Model;
-use stickslip::nonlinear::{Flow, IterationRecord};
 use stickslip::report::{
-    Acting, BalanceRecord, ComponentSums, ContactLine, ContactSurface, ForceRecord, LeftOut, ResultFolder, Resultant,
-    RunReport, Unknowns, Warning, fields,
+    Acting, BalanceRecord, ComponentSums, LeftOut, ProbeTable, ResultFolder, Resultant, RunReport, Unknowns, Warning,
 };
 use stickslip::run::Run;
 use stickslip::scene::Scene;
@@ -20,6 +19,7 @@ use stickslip::units::Quantity;
 
 use super::progress::Progress;
 use super::{Failure, SceneArgs, interrupt, uniqueness};
+use watcher::Watcher;
 
 #[derive(Args)]
 pub(super) struct RunArgs {
@@ -47,7 +47,7 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     if args.uniqueness {
         run = run.with_uniqueness()?;
     }
-    let folder = args.out.as_deref().map(|path| open_folder(path, run.model())).transpose()?;
+    let folder = args.out.as_deref().map(|path| open_folder(path, &scene, run.model())).transpose()?;
     if !args.json {
         print_head(&scene, &run);
         say!("set-up       symbolic analysis");
@@ -55,19 +55,20 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let mut watcher = Watcher {
         model: run.model(),
         title: &scene.title,
-        wanted: wanted_increments(&scene.output.times, run.times()),
-        fields: scene.output.fields,
+        output: &scene.output,
+        wanted: scene.output.increments(run.times()),
         folder,
         progress: Progress::new(run.times().len(), !args.json),
         failed_write: None,
     };
+    watcher.start(&run.undeformed());
     let report = run.solve(&mut watcher);
     watcher.progress.finish();
     let Watcher { folder, failed_write, .. } = watcher;
     let report = report?;
     let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     if let Some(folder) = &folder
-        && let Err(error) = failed_write.map_or_else(|| folder.write("run.json", &json), Err)
+        && let Err(error) = failed_write.map_or_else(|| folder.add_report(&report), Err)
     {
         return Err(disk_failure(folder.path(), &error));
     }
@@ -79,7 +80,9 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
             say!("warning      {}", warning.message);
         }
         if let Some(critical) = &report.critical_friction {
-            say!("uniqueness   {}", uniqueness::explain(critical, run.model().problem.mu()));
+            let (model, end) = (run.model(), run.times().last().copied().unwrap_or_default());
+            let mu = model.loading.friction().map_or(model.problem.mu().to_vec(), |friction| friction.at(end));
+            say!("uniqueness   {}", uniqueness::explain(critical, &mu));
         }
         if let Some(folder) = &folder {
             say!("results      {}", folder.path().display());
@@ -92,67 +95,9 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     })
 }
 
-/// Feeds the display and the folder of results.
-struct Watcher<'a> {
-    model: &'a Model,
-    title: &'a str,
-    /// Increments whose contact lines are written.
-    wanted: Vec<usize>,
-    /// Whether the fields of the body are written, too.
-    fields: bool,
-    folder: Option<ResultFolder>,
-    progress: Progress,
-    failed_write: Option<io::Error>,
-}
-
-impl Observer for Watcher<'_> {
-    /// Not earlier: what the analysis frees should go back to the system.
-    fn ready(&mut self) {
-        linear::process::keep_freed_memory();
-    }
-
-    fn iteration(&mut self, _index: usize, record: &IterationRecord) -> Flow {
-        self.progress.iteration(record.iteration, record.theta);
-        if interrupt::requested() { Flow::Stop } else { Flow::Continue }
-    }
-
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
-        self.progress.increment(step.record);
-        let Some(folder) = &mut self.folder else { return Flow::Continue };
-        let (forces, balance) = (ForceRecord::all(self.model, step), BalanceRecord::new(self.model, step));
-        let mut written = folder.add_increment(step.record).and_then(|()| folder.add_forces(&forces, &balance));
-        // What a failed increment reached is worth a look, too.
-        if self.wanted.contains(&step.record.index) || step.record.status != Status::Converged {
-            for line in ContactLine::all(self.model, step) {
-                written = written.and_then(|()| folder.add_contact_line(&line, self.title));
-            }
-            for surface in ContactSurface::all(self.model, step) {
-                written = written.and_then(|()| folder.add_contact_surface(&surface, self.title));
-            }
-            if self.fields {
-                let grid = fields(self.model, step);
-                written = written.and_then(|()| folder.add_fields(step.record.index, step.record.time, &grid));
-            }
-        }
-        match written {
-            Ok(()) => Flow::Continue,
-            Err(error) => {
-                self.failed_write = Some(error);
-                Flow::Stop
-            }
-        }
-    }
-}
-
-/// The first increment (from 1) that reaches each of the `wanted` times.
-fn wanted_increments(wanted: &[f64], times: &[f64]) -> Vec<usize> {
-    // A time computed as end · k / increments may miss the one asked for by a rounding error.
-    let slack = times.last().map_or(0.0, |end| 1e-9 * end);
-    wanted.iter().filter_map(|t| Some(1 + times.iter().position(|time| *time >= t - slack)?)).collect()
-}
-
-fn open_folder(path: &Path, model: &Model) -> Result<ResultFolder, Failure> {
-    ResultFolder::create(path, model).map_err(|error| write_failure(path, &error))
+fn open_folder(path: &Path, scene: &Scene, model: &Model) -> Result<ResultFolder, Failure> {
+    let probes = ProbeTable::all(model, &scene.output.probes).map_err(|fault| scene.located(fault))?;
+    ResultFolder::create(path, model, probes).map_err(|error| write_failure(path, &error))
 }
 
 /// Results cannot be written at all: the folder is to blame, unless the disk is.

@@ -1,6 +1,6 @@
 //! What a comparison says: the cheapest way to an error, BN beside IP, growth with the mesh.
 
-use super::{Comparison, MeshResult, SolverPath, Trial};
+use super::{Comparison, MeshChoice, MeshResult, SolverPath, Trial};
 use crate::history::{LinearAlgebra, Method, Start, Status};
 
 /// The errors in the contact forces that the answers are about.
@@ -29,15 +29,20 @@ pub struct Lead {
     pub linear: LinearAlgebra,
     /// The setting of both.
     pub setting: &'static str,
-    /// The first number of elements of each mesh, and the CPU time of IP over that of BN: of all histories
+    /// Each mesh, and the CPU time of IP over that of BN: of all histories
     /// that both got through.
-    pub ratios: Vec<(usize, f64)>,
+    pub ratios: Vec<(MeshChoice, f64)>,
 }
 
 impl Comparison {
     /// The run on a mesh that takes least CPU time for an error in the contact forces of at most `target`, of the
     /// paths that are `wanted`.
-    pub fn cheapest(&self, mesh: usize, target: f64, wanted: impl Fn(&SolverPath) -> bool) -> Option<&Trial> {
+    pub fn cheapest<'a>(
+        &'a self,
+        mesh: &'a MeshChoice,
+        target: f64,
+        wanted: impl Fn(&SolverPath) -> bool,
+    ) -> Option<&'a Trial> {
         let near = |run: &&Trial| run.errors.is_some_and(|errors| errors.forces <= target);
         let runs = self.on(mesh).filter(|run| wanted(&run.path)).filter(near);
         runs.min_by(|a, b| a.seconds.cpu.total_cmp(&b.seconds.cpu))
@@ -45,7 +50,7 @@ impl Comparison {
 
     /// The path that would take least for an error of `target` which no run on this mesh reaches, from the two
     /// finest histories of each.
-    pub fn estimate(&self, mesh: usize, target: f64) -> Option<Estimate> {
+    pub fn estimate(&self, mesh: &MeshChoice, target: f64) -> Option<Estimate> {
         let of = |path| {
             let runs: Vec<&Trial> = self.on(mesh).filter(|run| run.path == path && run.errors.is_some()).collect();
             let [.., coarse, fine] = runs[..] else { return None };
@@ -64,7 +69,7 @@ impl Comparison {
         let lead = |bn: SolverPath| {
             let interior = if bn.method.is_of_paper() { Method::paper_ip(Start::Safe) } else { Method::IP };
             let ip = SolverPath { method: interior, ..bn };
-            let ratio = |result: &MeshResult| Some((result.mesh, self.ratio(result.mesh, ip, bn)?));
+            let ratio = |result: &MeshResult| Some((result.mesh.clone(), self.ratio(&result.mesh, ip, bn)?));
             Lead {
                 linear: bn.linear,
                 setting: bn.method.setting(),
@@ -75,7 +80,7 @@ impl Comparison {
     }
 
     /// The CPU time of path `a` over that of `b`, for the histories on a mesh that both got through.
-    fn ratio(&self, mesh: usize, a: SolverPath, b: SolverPath) -> Option<f64> {
+    fn ratio(&self, mesh: &MeshChoice, a: SolverPath, b: SolverPath) -> Option<f64> {
         let solved = |path| self.on(mesh).filter(move |run| run.path == path && run.status == Status::Converged);
         let partner = |run: &Trial| solved(b).find(|other| other.increments == run.increments);
         let pairs = solved(a).filter_map(|run| Some([run.seconds.cpu, partner(run)?.seconds.cpu]));
@@ -89,7 +94,7 @@ impl Comparison {
         let [coarsest, .., finest] = &self.meshes[..] else { return None };
         let most = self.runs.iter().map(|run| run.increments).max()?;
         let solved = |run: &&Trial| run.path == path && run.increments == most && run.status == Status::Converged;
-        let seconds = |result: &MeshResult| Some(self.on(result.mesh).find(solved)?.seconds.cpu);
+        let seconds = |result: &MeshResult| Some(self.on(&result.mesh).find(solved)?.seconds.cpu);
         let size = finest.displacements as f64 / coarsest.displacements as f64;
         Some((seconds(finest)? / seconds(coarsest)?).ln() / size.ln())
     }
@@ -98,7 +103,7 @@ impl Comparison {
     pub fn answers(&self) -> Vec<String> {
         let mut answers = Vec::new();
         for result in &self.meshes {
-            answers.extend(TARGETS.iter().map(|&target| self.about_target(result.mesh, target)));
+            answers.extend(TARGETS.iter().map(|&target| self.about_target(&result.mesh, target)));
         }
         let leads = self.leads();
         answers.extend(leads.iter().filter(|lead| !lead.linear.condenses()).map(Lead::sentence));
@@ -113,10 +118,10 @@ impl Comparison {
         answers
     }
 
-    fn about_target(&self, mesh: usize, target: f64) -> String {
+    fn about_target(&self, mesh: &MeshChoice, target: f64) -> String {
         let describe =
             |run: &Trial| format!("{} with {} increments, {} s", run.path, run.increments, round(run.seconds.cpu));
-        let head = format!("Contact forces to {target:.0e}, n = {mesh}:");
+        let head = format!("Contact forces to {target:.0e}, {mesh}:");
         let whole = |path: &SolverPath| !path.linear.condenses();
         let Some(run) = self.cheapest(mesh, target, |_| true) else {
             let nearest = self.on(mesh).filter_map(|run| Some(run.errors?.forces)).fold(f64::INFINITY, f64::min);
@@ -159,18 +164,32 @@ impl Lead {
     fn sentence(&self) -> String {
         let Lead { linear, setting, ratios } = self;
         let join = |texts: Vec<String>| texts.join(", ");
-        let meshes = join(ratios.iter().map(|(mesh, _)| mesh.to_string()).collect());
         let times = join(ratios.iter().map(|(_, ratio)| format!("{ratio:.2}")).collect());
-        let ahead: Vec<String> = ratios.iter().filter(|lead| lead.1 > 1.0).map(|lead| lead.0.to_string()).collect();
+        let ahead: Vec<&MeshChoice> = ratios.iter().filter(|lead| lead.1 > 1.0).map(|lead| &lead.0).collect();
         let verdict = if ahead.len() == ratios.len() {
             "BN is ahead at every size".to_string()
         } else if ahead.is_empty() {
             "IP is ahead at every size".to_string()
         } else {
-            format!("BN is ahead at n = {} only", join(ahead))
+            format!("BN is ahead {} only", at(&ahead))
         };
-        format!("On {linear}, setting {setting}, IP takes {times} times as long as BN at n = {meshes}: {verdict}.")
+        let meshes = at(&ratios.iter().map(|lead| &lead.0).collect::<Vec<_>>());
+        format!("On {linear}, setting {setting}, IP takes {times} times as long as BN {meshes}: {verdict}.")
     }
+}
+
+/// Where something holds: at n = 10, 20; on a.msh, b.msh.
+fn at(meshes: &[&MeshChoice]) -> String {
+    let names =
+        |name: &dyn Fn(&MeshChoice) -> String| meshes.iter().map(|mesh| name(mesh)).collect::<Vec<_>>().join(", ");
+    let elements = |mesh: &MeshChoice| match mesh {
+        MeshChoice::Elements(n) => Some(n.to_string()),
+        MeshChoice::Own | MeshChoice::File(_) => None,
+    };
+    if meshes.iter().all(|mesh| elements(mesh).is_some()) {
+        return format!("at n = {}", names(&|mesh| elements(mesh).unwrap_or_default()));
+    }
+    format!("on {}", names(&ToString::to_string))
 }
 
 #[cfg(test)]

@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use super::errors::{End, TimeErrors};
+use super::mesh::MeshChoice;
 use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
 use crate::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver, Status, Step};
-use crate::mesh::{HalfPlane, MeshSource, Segment};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::report::cpu_seconds;
@@ -22,7 +22,7 @@ fn reference_path() -> SolverPath {
 pub(super) struct Study {
     scene: Scene,
     model: Model,
-    mesh: usize,
+    mesh: MeshChoice,
     /// Wall and CPU time of the model, s.
     built: [f64; 2],
     reference: Solved,
@@ -38,17 +38,14 @@ struct Solved {
 }
 
 impl Study {
-    /// `scene` with `mesh` elements in the first direction, unless it is to be as it is, and its reference of so many
-    /// increments.
-    pub(super) fn new(scene: &Scene, mesh: Option<usize>, reference: usize) -> Result<Self, RunError> {
+    /// `scene` on `mesh`, and its reference of so many increments.
+    pub(super) fn new(scene: &Scene, mesh: MeshChoice, reference: usize) -> Result<Self, RunError> {
         // The gaps of obstacles that move are exact at the ends of the reference's increments, and so for all histories
         // whose increments those divide.
-        let refined = mesh.map_or(Vec::new(), |mesh| refined(&scene.description.mesh, mesh));
-        let scene = scene.with(&refined)?.with(&[increments_of(reference)])?;
+        let scene = scene.with(&mesh.overrides(&scene.description.mesh))?.with(&[increments_of(reference)])?;
         let (wall, cpu) = (Instant::now(), cpu_seconds());
         let model = Model::new(&scene)?;
         let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
-        let mesh = mesh.or_else(|| first_elements(&scene.description.mesh)).unwrap_or(model.mesh.cells.len());
         let reference = solve(&scene, &model, built, reference_path(), reference)?;
         Ok(Study { scene, model, mesh, built, reference })
     }
@@ -66,7 +63,7 @@ impl Study {
         let sound = outcome.status == Status::Converged && self.reference.outcome.status == Status::Converged;
         Ok(Trial {
             path,
-            mesh: self.mesh,
+            mesh: self.mesh.clone(),
             increments,
             status: outcome.status,
             converged: records.iter().filter(|record| record.status == Status::Converged).count(),
@@ -177,36 +174,6 @@ impl Observer for Recorder {
     }
 }
 
-/// The elements in the first direction, or along the contact zone; none for a mesh that is what it is.
-pub(super) fn first_elements(mesh: &MeshSource) -> Option<usize> {
-    match mesh {
-        MeshSource::Block { axes, .. } => Some(axes[0].iter().map(|segment| segment.elements).sum()),
-        MeshSource::HalfPlane(HalfPlane { contact_elements, .. }) => Some(*contact_elements),
-        MeshSource::Gmsh { .. } | MeshSource::Given(_) => None,
-    }
-}
-
-/// What makes a mesh with `first` of them of this one, the other numbers in proportion.
-fn refined(mesh: &MeshSource, first: usize) -> Vec<Override> {
-    let share = first as f64 / first_elements(mesh).unwrap_or(first) as f64;
-    let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
-    match mesh {
-        MeshSource::Block { axes, .. } => {
-            let along = |axis: &Vec<Segment>| match axis[..] {
-                [segment] => scaled(segment.elements).into(),
-                _ => axis.iter().map(|segment| scaled(segment.elements)).collect::<toml_edit::Value>(),
-            };
-            vec![Override::value("mesh.elements", axes.iter().map(along).collect::<toml_edit::Value>())]
-        }
-        MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => vec![
-            Override::value("mesh.contact_elements", scaled(*contact_elements)),
-            Override::value("mesh.outer_elements", scaled(*outer_elements)),
-            Override::value("mesh.layers", scaled(*layers)),
-        ],
-        MeshSource::Gmsh { .. } | MeshSource::Given(_) => Vec::new(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -220,28 +187,9 @@ mod tests {
         let overrides = ["mesh.contact_elements=4", "mesh.outer_elements=4", "mesh.layers=4", "time.increments=1"];
         let moving = "contact.obstacle.motion.translation=[[0,0,0],[1,0.02,0]]";
         let overrides = overrides.into_iter().chain([moving]).map(|text| text.parse().unwrap()).collect::<Vec<_>>();
-        let study = Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), Some(4), 8).unwrap();
+        let study =
+            Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), MeshChoice::Elements(4), 8).unwrap();
         let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
         assert_eq!(study.model.loading.bends()[0].times(), ends);
-    }
-
-    #[test]
-    fn all_directions_are_refined_in_proportion() {
-        let punch = Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &[]).unwrap();
-        let MeshSource::HalfPlane(finer) = punch.with(&refined(&punch.description.mesh, 60)).unwrap().description.mesh
-        else {
-            panic!()
-        };
-        assert_eq!((finer.contact_elements, finer.outer_elements, finer.layers), (60, 100, 22));
-        let block = "mesh.elements=[40,8]".parse().unwrap();
-        let block = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &[block]).unwrap();
-        let elements = |mesh: MeshSource| -> Vec<usize> {
-            let MeshSource::Block { axes, .. } = mesh else { panic!() };
-            axes.concat().iter().map(|segment| segment.elements).collect()
-        };
-        assert_eq!(elements(block.with(&refined(&block.description.mesh, 2)).unwrap().description.mesh), [2, 1]);
-        let segments = ["mesh.size=[[0.25,0.75],1]", "mesh.elements=[[2,4],4]"].map(|text| text.parse().unwrap());
-        let block = block.with(&segments).unwrap();
-        assert_eq!(elements(block.with(&refined(&block.description.mesh, 12)).unwrap().description.mesh), [4, 8, 8]);
     }
 }

@@ -53,9 +53,6 @@ pub struct MeshErrors {
 impl End {
     /// A `state` of `model` after so much friction `work`.
     pub(super) fn new(model: &Model, state: &State, work: f64) -> Self {
-        let problem = &model.problem;
-        let mut force = vec![0.0; state.u.len()];
-        problem.stiffness().mul(&state.u, &mut force);
         let told = |(i, contact): (usize, &ContactNode)| contact.in_frame([state.p_t[i], state.p_o[i]]);
         let (p_t, p_o) = model.contacts.iter().enumerate().map(told).map(|[p_t, p_o]| (p_t, p_o)).unzip();
         End {
@@ -63,7 +60,7 @@ impl End {
             p_t,
             p_o,
             work,
-            energy: 0.5 * state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>(),
+            energy: model.problem.strain_energy(state),
             tractions: Tractions::new(model, state),
         }
     }

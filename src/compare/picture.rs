@@ -1,6 +1,6 @@
 //! A comparison as charts: error against time, growth with the mesh, the error within an increment.
 
-use super::{Comparison, Iterate, SolverPath, TimeErrors, Trial, front};
+use super::{Comparison, Iterate, MeshChoice, SolverPath, TimeErrors, Trial, front};
 use crate::history::LinearAlgebra;
 use crate::history::Status;
 use crate::linear::SparseLu;
@@ -31,10 +31,10 @@ pub fn charts(comparison: &Comparison) -> Vec<(&'static str, &'static str, Chart
 /// An error of time stepping against time, on the coarsest mesh and on the finest.
 fn precision(comparison: &Comparison, label: &str, error: fn(&TimeErrors) -> f64) -> Chart {
     let meshes = match &comparison.meshes[..] {
-        [coarsest, .., finest] => vec![coarsest.mesh, finest.mesh],
-        meshes => meshes.iter().map(|result| result.mesh).collect(),
+        [coarsest, .., finest] => vec![&coarsest.mesh, &finest.mesh],
+        meshes => meshes.iter().map(|result| &result.mesh).collect(),
     };
-    let panel = |&mesh: &usize| {
+    let panel = |&mesh: &&MeshChoice| {
         let points = |path: SolverPath| {
             let runs = comparison.on(mesh).filter(move |run| run.path == path);
             runs.filter_map(|run| run.point(error, comparison.tolerance)).collect::<Vec<_>>()
@@ -45,7 +45,7 @@ fn precision(comparison: &Comparison, label: &str, error: fn(&TimeErrors) -> f64
         let best: Vec<[f64; 2]> = front(&all).into_iter().map(|k| all[k]).collect();
         let line = Some(Line { dash: Dash::Solid, width: 9.0 });
         curves.push(Curve { label: "Pareto front".into(), points: stroke(best), line, marker: None, colour: GREY });
-        Panel { title: format!("n = {mesh}"), curves }
+        Panel { title: mesh.to_string(), curves }
     };
     Chart {
         title: comparison.title.clone(),
@@ -71,11 +71,11 @@ fn stroke(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 /// Time against displacements, for the most increments.
 fn growth(comparison: &Comparison) -> Chart {
     let most = comparison.runs.iter().map(|run| run.increments).max().unwrap_or(0);
-    let point = |path: SolverPath, mesh: usize, size: usize| {
+    let point = |path: SolverPath, mesh: &MeshChoice, size: usize| {
         let solved = |run: &&Trial| run.path == path && run.increments == most && run.status == Status::Converged;
         Some([size as f64, comparison.on(mesh).find(solved)?.seconds.cpu])
     };
-    let points = |path| comparison.meshes.iter().filter_map(|m| point(path, m.mesh, m.displacements)).collect();
+    let points = |path| comparison.meshes.iter().filter_map(|m| point(path, &m.mesh, m.displacements)).collect();
     let curves = comparison.paths().into_iter().map(|path| curve(path, points(path))).filter(is_drawn).collect();
     Chart {
         title: comparison.title.clone(),
@@ -90,9 +90,11 @@ fn growth(comparison: &Comparison) -> Chart {
 /// The error measure against the time since the last increment, on the finest mesh with the most increments: in
 /// an increment that takes all paths together as many iterations as most do, and in the one that takes most.
 fn increment(comparison: &Comparison) -> Chart {
-    let mesh = comparison.meshes.last().map_or(0, |result| result.mesh);
+    let finest = comparison.meshes.last().map(|result| &result.mesh);
     let most = comparison.runs.iter().map(|run| run.increments).max().unwrap_or(0);
-    let runs: Vec<&Trial> = comparison.on(mesh).filter(|run| run.increments == most).collect();
+    let runs = comparison.runs.iter().filter(|run| Some(&run.mesh) == finest && run.increments == most);
+    let runs: Vec<&Trial> = runs.collect();
+    let mesh = finest.map_or(String::new(), ToString::to_string);
     let effort =
         |k: usize| runs.iter().map(|run| run.iterates.iter().filter(|i| i.increment == k).count()).sum::<usize>();
     let mut by_effort: Vec<usize> = (1..=most).collect();
@@ -110,7 +112,7 @@ fn increment(comparison: &Comparison) -> Chart {
     Chart {
         title: comparison.title.clone(),
         subtitle: format!(
-            "the error measure after each iteration, {most} increments, n = {mesh}; with the setting paper at the end only"
+            "the error measure after each iteration, {most} increments, {mesh}; with the setting paper at the end only"
         ),
         x: Axis { label: "CPU time since the last increment, s".into(), ..seconds() },
         y: Axis { label: "largest error of any law".into(), scale: Scale::Decades },

@@ -55,10 +55,10 @@ impl Tractions {
         };
         let mut pieces = Vec::new();
         for boundary in &model.contact_boundaries {
-            let places: HashMap<usize, usize> = boundary.nodes.clone().map(|i| (model.contacts[i].node, i)).collect();
+            let places: HashMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
             let facets = model.mesh.boundary(&boundary.name).map_or(&[][..], |boundary| &boundary.facets);
             for facet in facets {
-                // A node that supports hold along the normal is no contact node.
+                // A node that supports hold along the normal, or no obstacle reaches, is no contact node.
                 let Some(corners) = facet.iter().map(|node| places.get(node).copied()).collect::<Option<Vec<_>>>()
                 else {
                     continue;

@@ -81,6 +81,31 @@ pub enum Shape {
         /// The point of the sphere nearest to the body, m.
         apex: Vector,
     },
+    /// A cylinder with the body in it, as a shaft in its bore.
+    Bore {
+        /// Radius, m.
+        radius: f64,
+        /// The point of the bore that the normal points to from its axis, m.
+        apex: Vector,
+        /// Direction of its axis; in two dimensions that is z.
+        axis: Option<Vector>,
+    },
+    /// A sphere with the body in it, as a ball in its socket.
+    Socket {
+        /// Radius, m.
+        radius: f64,
+        /// The point of the sphere that the normal points to from its centre, m.
+        apex: Vector,
+    },
+    /// A circular cone with its tip towards the body.
+    Cone {
+        /// The tip, m.
+        apex: Vector,
+        /// The angle between its axis and its surface, rad, between 0 and π/2.
+        half_angle: f64,
+        /// Direction of its axis, from the tip into the cone; without it, the normal.
+        axis: Option<Vector>,
+    },
     /// Two planes that meet in a ridge.
     Wedge {
         /// A point of the ridge, m.
@@ -99,6 +124,19 @@ pub enum Shape {
         /// The length of the file's unit, m.
         scale: f64,
     },
+    /// A surface of triangles, seen counterclockwise by the body: an STL file, or the faces of a Gmsh file.
+    Surface {
+        /// The file.
+        file: PathBuf,
+        /// The length of the file's unit, m.
+        scale: f64,
+    },
+}
+
+impl From<Obstacle> for Vec<Obstacle> {
+    fn from(obstacle: Obstacle) -> Self {
+        vec![obstacle]
+    }
 }
 
 impl Obstacle {
@@ -139,9 +177,12 @@ impl Obstacle {
             let sound = normal.is_some_and(|normal| dot(normal, tangent).abs() <= SKEW);
             demand(sound, "tangent", &given, "at right angles to a given normal", help)?;
         }
-        let round = matches!(self.shape, Shape::Cylinder { .. } | Shape::Sphere { .. } | Shape::Wedge { .. });
-        if self.direction == GapDirection::Nearest && !round {
-            let message = "only a cylinder, a sphere or a wedge has the direction \"nearest\"";
+        let one_normal = matches!(
+            self.shape,
+            Shape::Plane { .. } | Shape::PlaneThrough { .. } | Shape::Formula(_) | Shape::Table { .. }
+        );
+        if self.direction == GapDirection::Nearest && one_normal {
+            let message = "a plane, a formula and a table have no direction \"nearest\"";
             return Err(Fault::new("direction", message, "remove the key: gaps are measured along the normal"));
         }
         if let Some(approach) = &self.approach {
@@ -171,9 +212,12 @@ impl Obstacle {
     pub(super) fn plane_vector(&self) -> Option<&'static str> {
         let (apex, axis, through) = match self.shape {
             Shape::PlaneThrough { through } => (None, None, Some(through)),
-            Shape::Sphere { apex, .. } => (Some(apex), None, None),
-            Shape::Cylinder { apex, axis, .. } | Shape::Wedge { apex, axis, .. } => (Some(apex), axis, None),
-            Shape::Plane { .. } | Shape::Formula(_) | Shape::Table { .. } => (None, None, None),
+            Shape::Sphere { apex, .. } | Shape::Socket { apex, .. } => (Some(apex), None, None),
+            Shape::Cylinder { apex, axis, .. }
+            | Shape::Bore { apex, axis, .. }
+            | Shape::Cone { apex, axis, .. }
+            | Shape::Wedge { apex, axis, .. } => (Some(apex), axis, None),
+            Shape::Plane { .. } | Shape::Formula(_) | Shape::Table { .. } | Shape::Surface { .. } => (None, None, None),
         };
         let rotation = self.rotation.as_ref();
         let flat = |vector: &Vector| vector.dimension() == 2;
@@ -199,27 +243,40 @@ impl Shape {
         match *self {
             Shape::Plane { gap } => finite("gap", gap),
             Shape::PlaneThrough { through } => point("through", through),
-            Shape::Cylinder { radius, apex, axis } => {
+            Shape::Cylinder { radius, apex, axis } | Shape::Bore { radius, apex, axis } => {
                 check_radius(radius)?;
-                point("apex", apex)?;
-                axis.map_or(Ok(()), |axis| direction("axis", axis).map(drop))
+                placed(apex, axis)
             }
-            Shape::Sphere { radius, apex } => {
+            Shape::Sphere { radius, apex } | Shape::Socket { radius, apex } => {
                 check_radius(radius)?;
-                point("apex", apex)
+                placed(apex, None)
+            }
+            Shape::Cone { apex, half_angle, axis } => {
+                let help = "give the angle in rad between the axis and the surface of the cone";
+                acute("half_angle", half_angle, help)?;
+                placed(apex, axis)
             }
             Shape::Wedge { apex, angle, axis } => {
-                finite("angle", angle)?;
-                let sound = angle > 0.0 && angle < std::f64::consts::FRAC_PI_2;
-                let help = "give the angle in rad by which each plane leans away from the body";
-                demand(sound, "angle", &angle, "between 0 and pi/2", help)?;
-                point("apex", apex)?;
-                axis.map_or(Ok(()), |axis| direction("axis", axis).map(drop))
+                acute("angle", angle, "give the angle in rad by which each plane leans away from the body")?;
+                placed(apex, axis)
             }
-            Shape::Table { scale, .. } => positive("scale", scale, "give the length of the file's unit in m"),
+            Shape::Table { scale, .. } | Shape::Surface { scale, .. } => {
+                positive("scale", scale, "give the length of the file's unit in m, or in the unit of [units]")
+            }
             Shape::Formula(_) => Ok(()),
         }
     }
+}
+
+/// Checks where a shape stands.
+fn placed(apex: Vector, axis: Option<Vector>) -> Result<(), Fault> {
+    point("apex", apex)?;
+    axis.map_or(Ok(()), |axis| direction("axis", axis).map(drop))
+}
+
+fn acute(key: &str, angle: f64, help: &str) -> Result<(), Fault> {
+    finite(key, angle)?;
+    demand(angle > 0.0 && angle < std::f64::consts::FRAC_PI_2, key, &angle, "between 0 and pi/2", help)
 }
 
 impl Rotation {

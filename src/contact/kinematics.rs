@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use super::front::Meeting;
 use super::motion::ObstacleMotion;
 use super::obstacle::{Facing, PlacedObstacle};
 use crate::fem::{Dofs, facet_weights};
@@ -24,42 +25,57 @@ pub struct ContactNode {
     /// The rows of `C_t` and `C_o`, along orthonormal tangents. A row is empty where there is no such
     /// direction to slide in: the first before the second never.
     pub tangents: [Row; 2],
+    /// The number of the obstacle that it meets.
+    pub obstacle: usize,
     /// What the node sees of the obstacle; the tangents are those of `C_t` and `C_o`, 0 where there is none.
     pub facing: Facing,
     /// The obstacle's own tangents, along which results are told: they are the same for all nodes in front of a plane.
     pub frame: [[f64; 3]; 2],
-    /// The share of the node in the contact boundary, `∫ N dA`: m in two dimensions (the trapezoidal rule), m² in three.
+    /// The share of the node in the contact boundaries, `∫ N dA`: m in two dimensions (the trapezoidal rule), m² in three.
     pub weight: f64,
 }
 
 /// The contact nodes of one boundary.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ContactBoundary {
     /// The name of the boundary.
     pub name: String,
-    /// The nodes of the boundary among all contact nodes.
-    pub nodes: Range<usize>,
+    /// The nodes of the boundary among all contact nodes, in its order. A node may be of several boundaries.
+    pub nodes: Vec<usize>,
+    /// The share of each node in this boundary, `∫ N dA`, m or m².
+    pub weights: Vec<f64>,
+    /// How many of its nodes no obstacle ever reaches.
+    pub beyond: usize,
+    /// The obstacles in front of it among all.
+    pub obstacles: Range<usize>,
 }
 
-/// The nodes of `boundary` that can move towards the obstacle. A node that supports hold along the
-/// normal carries no contact force and is left out.
-pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, obstacle: &PlacedObstacle) -> Vec<ContactNode> {
-    let nodes = boundary.nodes();
+impl ContactBoundary {
+    /// The nodes of the boundary among all contact nodes, and what part of the forces on each of `contacts` is that of this
+    /// boundary: 1, or by its share in a node that is of several.
+    pub fn parts<'a>(&'a self, contacts: &'a [ContactNode]) -> impl Iterator<Item = (usize, f64)> + 'a {
+        self.nodes.iter().zip(&self.weights).map(|(&i, weight)| (i, weight / contacts[i].weight))
+    }
+}
+
+/// The contact nodes of `met`, nodes of `boundary` in front of obstacles. A node that supports hold along the normal carries no
+/// contact force and is left out.
+pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, met: &[Meeting]) -> Vec<ContactNode> {
     let mut weights = vec![0.0; mesh.nodes.len()];
     for facet in &boundary.facets {
         for (&node, weight) in facet.iter().zip(facet_weights(mesh, facet)) {
             weights[node] += weight;
         }
     }
-    (nodes.iter())
-        .map(|&node| {
-            let mut facing = obstacle.at(mesh.nodes[node]);
+    (met.iter())
+        .map(|&Meeting { node, obstacle, mut facing }| {
             let frame = facing.tangents;
             let tangents = tangents(&dofs.held(node).collect::<Vec<_>>(), &facing);
             facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
             let normal = row(dofs, node, facing.normal);
             let tangents = facing.tangents.map(|tangent| row(dofs, node, tangent));
-            ContactNode { node, position: mesh.nodes[node], normal, tangents, facing, frame, weight: weights[node] }
+            let (position, weight) = (mesh.nodes[node], weights[node]);
+            ContactNode { node, position, normal, tangents, obstacle, facing, frame, weight }
         })
         .filter(|contact| !contact.normal.is_empty())
         .collect()
@@ -132,27 +148,29 @@ fn tangents(held: &[[f64; 3]], facing: &Facing) -> Vec<[f64; 3]> {
     }
 }
 
-/// The first node of `boundary` that the obstacle reaches somewhere in its motion, as seen at `times` (s), while supports hold it
-/// there: no displacement can bring it out.
+/// The first node of `met` that its obstacle of `obstacles` reaches somewhere in its motion, as seen at `times` (s), while
+/// supports hold it there, or move it there by `moved` (m) along its normal: no displacement can bring it out.
 pub fn unreachable(
     mesh: &Mesh,
     dofs: &Dofs,
-    boundary: &Boundary,
-    obstacle: &PlacedObstacle,
-    motion: &ObstacleMotion,
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    met: &[Meeting],
     times: &[f64],
+    moved: impl Fn(&Meeting, f64) -> f64,
 ) -> Option<usize> {
-    boundary.nodes().into_iter().find(|&node| {
-        let facing = obstacle.at(mesh.nodes[node]);
-        row(dofs, node, facing.normal).is_empty()
-            && motion.smallest_gap(obstacle, mesh.nodes[node], &facing, times) < 0.0
-    })
+    let caught = met.iter().find(|met| {
+        let Meeting { node, obstacle, facing } = met;
+        let (obstacle, motion) = &obstacles[*obstacle];
+        row(dofs, *node, facing.normal).is_empty()
+            && motion.smallest_gap(obstacle, mesh.nodes[*node], facing, times, |t| moved(met, t)) < 0.0
+    });
+    caught.map(|met| met.node)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{Obstacle, Shape};
+    use crate::contact::{Obstacle, Shape, meetings};
     use crate::mesh::block;
     use crate::vector::Vector;
 
@@ -162,15 +180,20 @@ mod tests {
         let dofs = Dofs::new(&mesh, |node, _| mesh.nodes[node][0] == 0.0);
         let bottom = mesh.boundary("bottom").unwrap();
         let given = Obstacle::plane(1e-5);
-        let plane = PlacedObstacle::new(&mesh, bottom, &given).unwrap();
-        let contacts = contact_nodes(&mesh, &dofs, bottom, &plane);
+        let met = |given: &Obstacle| {
+            let plane = PlacedObstacle::new(&mesh, bottom, given).unwrap();
+            let motion = ObstacleMotion::new(given, plane.normal, 2.0);
+            let obstacles = vec![(plane, motion)];
+            (meetings(&mesh, bottom, &obstacles, &[]).unwrap(), obstacles)
+        };
+        let contacts = contact_nodes(&mesh, &dofs, bottom, &met(&given).0);
         assert_eq!(contacts.iter().map(|c| c.position[0]).collect::<Vec<_>>(), [0.25, 0.5, 0.75, 1.0]);
         assert_eq!(contacts.iter().map(|c| c.weight).collect::<Vec<_>>(), [0.25, 0.25, 0.25, 0.125]);
         let [Some(x), Some(y)] = dofs.node(1)[..] else { panic!() };
         assert_eq!((&contacts[0].normal, &contacts[0].tangents), (&vec![(y, -1.0)], &[vec![(x, 1.0)], vec![]]));
         let reached = |given: &Obstacle| {
-            let plane = PlacedObstacle::new(&mesh, bottom, given).unwrap();
-            unreachable(&mesh, &dofs, bottom, &plane, &ObstacleMotion::new(given, plane.normal, 2.0), &[])
+            let (met, obstacles) = met(given);
+            unreachable(&mesh, &dofs, &obstacles, &met, &[], |_, _| 0.0)
         };
         assert_eq!(reached(&given), None);
         assert_eq!(reached(&given.clone().approaching(&[[0.0, 0.0], [1.0, 2e-5], [2.0, 0.0]])), Some(0));
@@ -186,7 +209,9 @@ mod tests {
         for normal in [None, Some([0.0, 0.6, -0.8]), Some([0.36, 0.48, -0.8])] {
             let given = Obstacle { normal: normal.map(Vector::from), ..Obstacle::plane(0.0) };
             let plane = PlacedObstacle::new(&mesh, bottom, &given).unwrap();
-            let contacts = contact_nodes(&mesh, &dofs, bottom, &plane);
+            let motion = ObstacleMotion::new(&given, plane.normal, 2.0);
+            let met = meetings(&mesh, bottom, &[(plane, motion)], &[]).unwrap();
+            let contacts = contact_nodes(&mesh, &dofs, bottom, &met);
             assert!((contacts.iter().map(|c| c.weight).sum::<f64>() - 1.0).abs() < 1e-15);
             for contact in &contacts {
                 let held = (0..2).filter(|&c| contact.position[c] == 0.0).count();

@@ -177,7 +177,7 @@ fn violations(
         visit(Law::Equilibrium, dof, scales.force(imbalance));
     }
     for i in 0..problem.contacts() {
-        let (p_n, p_t, radius) = (state.p_n[i], friction(state, i), problem.mu()[i] * positive(state.p_n[i]));
+        let (p_n, p_t, radius) = (state.p_n[i], friction(state, i), increment.mu[i] * positive(state.p_n[i]));
         let distance = increment.gap[i] - problem.c_n().dot(i, &state.u);
         visit(Law::Penetration, i, scales.length(positive(-distance)));
         visit(Law::Tension, i, scales.force(positive(-p_n)));
@@ -348,7 +348,7 @@ pub(crate) fn statuses_of(
         if scales.force(positive(state.p_n[i])) <= scales.length(positive(distance)) {
             return ContactStatus::Open;
         }
-        let reserve = positive(problem.mu()[i] * state.p_n[i] - length(friction(state, i)));
+        let reserve = positive(increment.mu[i] * state.p_n[i] - length(friction(state, i)));
         let slip = length(problem.slip(increment, state, i));
         if scales.force(reserve) > scales.length(slip) { ContactStatus::Stick } else { ContactStatus::Slip }
     };

@@ -2,10 +2,9 @@
 
 use super::description::Obstacle;
 use super::obstacle::{Facing, PlacedObstacle};
-use super::surface::{across, plus};
 use crate::loading::piecewise_linear;
 use crate::timeline::within;
-use crate::vector::{axis, cross, dot, minus, unit};
+use crate::vector::{across, axis, cross, dot, minus, plus, unit};
 
 /// How an obstacle moves: a sum of motions in one direction each, times a factor that changes in time.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +53,13 @@ impl ObstacleMotion {
         ObstacleMotion { translations, rotation }
     }
 
+    /// Adds what a body that is carried along by `carried` (m) times the factor of `history` sees: the obstacle comes the other way.
+    pub fn pass(&mut self, carried: [f64; 3], history: &[[f64; 2]]) {
+        if carried != [0.0; 3] {
+            self.translations.push((carried.map(|c| -c), history.to_vec()));
+        }
+    }
+
     /// The motions, each with its history and what it does to the nodes at `positions` (m), which see the
     /// obstacle as `facings` says.
     ///
@@ -88,12 +94,53 @@ impl ObstacleMotion {
         added.fold(facing.gap, |gap, added| gap + added)
     }
 
-    /// The smallest gap (m) of a node at the points of all histories and at `times` (s).
-    pub fn smallest_gap(&self, obstacle: &PlacedObstacle, x: [f64; 3], facing: &Facing, times: &[f64]) -> f64 {
+    /// The smallest gap (m) of a node at the points of all histories and at `times` (s), when the node is `moved` (m) along its
+    /// normal.
+    pub fn smallest_gap(
+        &self,
+        obstacle: &PlacedObstacle,
+        x: [f64; 3],
+        facing: &Facing,
+        times: &[f64],
+        moved: impl Fn(f64) -> f64,
+    ) -> f64 {
+        let gap = |t: f64| self.gap(t, x, facing) + self.bend(obstacle, t, x, facing) - moved(t);
+        self.moments(times).map(gap).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The smallest distance (m) of a node at `x` (m) from the moved obstacle, at the same times; infinite if the obstacle is
+    /// never in front of the node.
+    pub(super) fn nearest_approach(
+        &self,
+        obstacle: &PlacedObstacle,
+        x: [f64; 3],
+        facing: &Facing,
+        times: &[f64],
+    ) -> f64 {
+        self.moments(times).map(|t| self.distance(obstacle, t, x, facing)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the obstacle is not in front of a node at `x` (m) at one of the same times.
+    pub(super) fn loses(&self, obstacle: &PlacedObstacle, x: [f64; 3], facing: &Facing, times: &[f64]) -> bool {
+        self.moves() && self.moments(times).any(|t| self.distance(obstacle, t, x, facing).is_nan())
+    }
+
+    /// 0, the points of all histories, and `times` (s).
+    fn moments(&self, times: &[f64]) -> impl Iterator<Item = f64> {
         let histories = self.translations.iter().map(|(_, history)| history);
         let histories = histories.chain(self.rotation.iter().map(|rotation| &rotation.history));
-        let times = histories.flatten().map(|point| point[0]).chain([0.0]).chain(times.iter().copied());
-        times.map(|t| self.gap(t, x, facing) + self.bend(obstacle, t, x, facing)).fold(f64::INFINITY, f64::min)
+        histories.flatten().map(|point| point[0]).chain([0.0]).chain(times.iter().copied())
+    }
+
+    fn moves(&self) -> bool {
+        self.rotation.is_some() || !self.translations.is_empty()
+    }
+
+    /// The exact distance (m) at time `t` (s) of a node at `x` (m) from the moved obstacle along the node's normal; NaN if it is
+    /// not in front of the node.
+    fn distance(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
+        let (back, n) = self.back(t, x, facing.normal);
+        obstacle.distance(back, n, x)
     }
 
     /// What [`ObstacleMotion::gap`] leaves out (m) at time `t`: the exact distance of a node at `x` (m) from the moved obstacle, along
@@ -103,8 +150,7 @@ impl ObstacleMotion {
         if self.keeps_shape(obstacle, facing.normal) {
             return 0.0;
         }
-        let (back, n) = self.back(t, x, facing.normal);
-        let exact = obstacle.distance(back, n, x);
+        let exact = self.distance(obstacle, t, x, facing);
         let exact = if exact.is_nan() { obstacle.extent() } else { exact };
         let bend = exact - self.gap(t, x, facing);
         // What is below is rounding, as where a plane turns about its normal.

@@ -1,10 +1,14 @@
 //! Rigid obstacles: what each node of a boundary sees of them.
 
+use std::sync::Arc;
+
+use super::cone::Cone;
 use super::description::{GapDirection, Obstacle, Rotation, SKEW, Shape};
 use super::gap_table::{GapTable, TableError};
-use super::surface::{Surface, across};
+use super::surface::{Beyond, Surface};
+use super::triangles::{SurfaceError, Triangles};
 use crate::mesh::{Boundary, Mesh};
-use crate::vector::{Vector, axis_across, cross, dot, norm, unit};
+use crate::vector::{Vector, across, axis_across, cross, dot, norm, unit};
 
 /// An obstacle in front of a part of the boundary. Small displacements: gaps are measured once, in
 /// the undeformed state.
@@ -47,18 +51,24 @@ pub enum ObstacleError {
     /// In three dimensions vectors have three components.
     #[error("{0} of the obstacle has two components, but the body has three dimensions")]
     PlaneVector(&'static str),
-    /// A sphere in two dimensions.
-    #[error("the obstacle is a sphere, but the body has two dimensions")]
-    SphereInPlane,
-    /// A cylinder or wedge in space needs an axis.
-    #[error("a cylinder or wedge in three dimensions needs an axis")]
+    /// A sphere, say, in two dimensions.
+    #[error("the obstacle is a {0}, but the body has two dimensions")]
+    OnlyInSpace(&'static str),
+    /// A cylinder, bore or wedge in space needs an axis.
+    #[error("a cylinder, bore or wedge in three dimensions needs an axis")]
     NoAxis,
     /// An axis that is not at right angles to the normal.
     #[error("the axis of the obstacle is not at right angles to its normal")]
     SkewAxis,
+    /// A cone that opens towards the body.
+    #[error("the axis of the cone points into the body, or along its surface")]
+    ConeTowardsBody,
     /// A table that cannot be used.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// A file of triangles that cannot be used.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
 }
 
 impl ObstacleError {
@@ -68,11 +78,17 @@ impl ObstacleError {
             ObstacleError::NoNormal => "give the obstacle a `normal`",
             ObstacleError::OutOfPlane(_) => "let vectors have two components, and axes be [0, 0, 1] or left out",
             ObstacleError::PlaneVector(_) => "give [x, y, z], and points of a translation as [time, x, y, z]",
-            ObstacleError::SphereInPlane => "use a cylinder, whose axis is across the plane",
+            ObstacleError::OnlyInSpace(_) => {
+                "use a cylinder, bore or wedge, whose axis is across the plane, or a table"
+            }
             ObstacleError::NoAxis => "give an axis, such as [0, 1, 0]",
             ObstacleError::SkewAxis => "turn the axis, or give the obstacle a normal at right angles to it",
+            ObstacleError::ConeTowardsBody => "let the axis point from the tip into the cone, out of the body",
             ObstacleError::Table(_) => {
                 "give a CSV file with the header x,gap or x,y,gap and numbers in m or as [units] says"
+            }
+            ObstacleError::Surface(_) => {
+                "give an STL file or a Gmsh file (MSH 4.1, ASCII) whose faces are counterclockwise seen from the body"
             }
         }
     }
@@ -85,7 +101,7 @@ impl PlacedObstacle {
     /// the axis that is closest to that plane where this is another. The second tangent is normal × first.
     ///
     /// # Errors
-    /// When there is no mean normal, the shape does not suit the dimension, or a table cannot be used.
+    /// When there is no mean normal, the shape does not suit the dimension, or a file cannot be used.
     pub fn new(mesh: &Mesh, boundary: &Boundary, given: &Obstacle) -> Result<Self, ObstacleError> {
         if mesh.dimension == 2 {
             lies_in_plane(given)?;
@@ -104,6 +120,7 @@ impl PlacedObstacle {
             (Some(axis), _) if dot(axis, normal).abs() > SKEW => Err(ObstacleError::SkewAxis),
             (Some(axis), _) => Ok(axis),
         };
+        let flat = mesh.dimension == 2;
         let surface = match &given.shape {
             Shape::Plane { gap } => {
                 let along = boundary.nodes().into_iter().map(|node| dot(normal, mesh.nodes[node]));
@@ -113,14 +130,29 @@ impl PlacedObstacle {
             Shape::Cylinder { radius, apex, axis: given } => {
                 Surface::Round { radius: *radius, apex: apex.components(), axis: Some(axis(*given)?) }
             }
-            Shape::Sphere { .. } if mesh.dimension == 2 => return Err(ObstacleError::SphereInPlane),
+            Shape::Bore { radius, apex, axis: given } => {
+                Surface::Round { radius: -radius, apex: apex.components(), axis: Some(axis(*given)?) }
+            }
+            Shape::Sphere { .. } if flat => return Err(ObstacleError::OnlyInSpace("sphere")),
+            Shape::Socket { .. } if flat => return Err(ObstacleError::OnlyInSpace("socket")),
+            Shape::Cone { .. } if flat => return Err(ObstacleError::OnlyInSpace("cone")),
+            Shape::Surface { .. } if flat => return Err(ObstacleError::OnlyInSpace("surface")),
             Shape::Sphere { radius, apex } => Surface::Round { radius: *radius, apex: apex.components(), axis: None },
+            Shape::Socket { radius, apex } => Surface::Round { radius: -radius, apex: apex.components(), axis: None },
+            Shape::Cone { apex, half_angle, axis: given } => {
+                let axis = along(*given).unwrap_or(normal);
+                if dot(axis, normal) <= SKEW {
+                    return Err(ObstacleError::ConeTowardsBody);
+                }
+                Surface::Cone(Cone { apex: apex.components(), axis, half_angle: *half_angle })
+            }
             Shape::Wedge { apex, angle, axis: given } => {
                 let aside = unit(cross(axis(*given)?, normal));
                 Surface::Wedge { apex: apex.components(), aside, slope: angle.tan() }
             }
             Shape::Formula(formula) => Surface::Formula(formula.clone()),
             Shape::Table { file, scale } => Surface::Table(GapTable::read(file, *scale)?),
+            Shape::Surface { file, scale } => Surface::Triangles(Arc::new(Triangles::read(file, *scale)?)),
         };
         let extent = extent(mesh, boundary);
         Ok(PlacedObstacle {
@@ -154,6 +186,12 @@ impl PlacedObstacle {
         }
     }
 
+    /// What a node with `facing` sees of an obstacle that reaches it once: as long as it does not it is taken to be as far as its
+    /// boundary is long.
+    pub(super) fn in_front(&self, facing: Facing) -> Facing {
+        if facing.gap.is_finite() { facing } else { Facing { gap: self.extent, inward: facing.normal, ..facing } }
+    }
+
     /// The distance (m) along `n` of a point at `x` in the obstacle at rest that came from `reference`; the
     /// gap that is not linearised.
     pub fn distance(&self, x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> f64 {
@@ -178,19 +216,34 @@ impl PlacedObstacle {
         })
     }
 
-    /// What there is at a place the obstacle does not reach, in words.
-    pub fn out_of_reach(&self) -> (&'static str, &'static str) {
-        match self.surface {
-            Surface::Formula(_) => {
-                ("the formula has no finite value at", "mend the formula, or use a smaller boundary")
-            }
-            Surface::Table(_) => {
-                ("the table of gaps does not reach", "extend the table; outside it nothing is assumed")
-            }
-            _ => (
-                "the obstacle does not reach over",
+    /// Why a node that has no distance from the obstacle may not stand there, and what helps, in words; nothing where such a
+    /// node is simply not in front of it.
+    pub fn out_of_reach(&self) -> Option<(&'static str, &'static str)> {
+        match (self.surface.beyond(), &self.surface) {
+            (Beyond::Nothing, _) => None,
+            (Beyond::Obstacle, _) => Some((
+                "the bore or socket is narrower than the body at",
                 "use a larger radius, a smaller boundary or direction = \"nearest\"",
-            ),
+            )),
+            (Beyond::Unknown, Surface::Table(_)) => {
+                Some(("the table of gaps does not reach", "extend the table; outside it nothing is assumed"))
+            }
+            (Beyond::Unknown, _) => {
+                Some(("the formula has no finite value at", "mend the formula, or use a smaller boundary"))
+            }
+        }
+    }
+
+    /// Whether a line that misses the obstacle runs inside it.
+    pub(crate) fn surrounds(&self) -> bool {
+        self.surface.beyond() == Beyond::Obstacle
+    }
+
+    /// The number of triangles of a surface.
+    pub fn triangles(&self) -> Option<usize> {
+        match &self.surface {
+            Surface::Triangles(triangles) => Some(triangles.count()),
+            _ => None,
         }
     }
 }
@@ -201,7 +254,9 @@ fn lies_in_plane(given: &Obstacle) -> Result<(), ObstacleError> {
     let upright = |axis: Vector| norm(cross(unit(axis.components()), [0.0, 0.0, 1.0])) <= SKEW;
     let (point, axis) = match given.shape {
         Shape::PlaneThrough { through } => (Some(through), None),
-        Shape::Cylinder { apex, axis, .. } | Shape::Wedge { apex, axis, .. } => (Some(apex), axis),
+        Shape::Cylinder { apex, axis, .. } | Shape::Bore { apex, axis, .. } | Shape::Wedge { apex, axis, .. } => {
+            (Some(apex), axis)
+        }
         _ => (None, None),
     };
     let turning = given.rotation.as_ref().is_some_and(|Rotation { axis, .. }| axis.is_some_and(|axis| !upright(axis)));

@@ -1,8 +1,12 @@
 //! The surfaces of rigid obstacles: how far they are from a point.
 
+use std::sync::Arc;
+
+use super::cone::Cone;
 use super::gap_table::GapTable;
+use super::triangles::Triangles;
 use crate::formula::Formula;
-use crate::vector::{cross, dot, minus, norm, unit};
+use crate::vector::{across, cross, dot, minus, norm, plus, unit};
 
 /// The surface of an obstacle at rest. `facing` is the unit vector out of the body towards the obstacle,
 /// `N` below.
@@ -10,8 +14,11 @@ use crate::vector::{cross, dot, minus, norm, unit};
 pub(super) enum Surface {
     /// All points with `N·x = level + gap`; two numbers, so that a small gap keeps its digits.
     Plane { level: f64, gap: f64 },
-    /// A cylinder about `axis` (unit), or a sphere without; its nearest point along `N` is `apex`.
+    /// A cylinder about `axis` (unit), or a sphere without; its point nearest along `N` is `apex`. The body is in one whose
+    /// radius is negative: its centre is on the other side of the apex.
     Round { radius: f64, apex: [f64; 3], axis: Option<[f64; 3]> },
+    /// A cone.
+    Cone(Cone),
     /// Two half-planes from a ridge through `apex`, each leaning away from the body by the angle whose
     /// tangent is `slope`, to both sides along `aside` (unit).
     Wedge { apex: [f64; 3], aside: [f64; 3], slope: f64 },
@@ -19,16 +26,19 @@ pub(super) enum Surface {
     Formula(Formula),
     /// Gaps along `N` from a table.
     Table(GapTable),
+    /// Triangles.
+    Triangles(Arc<Triangles>),
 }
 
-/// `a + s b`.
-pub(super) fn plus(a: [f64; 3], s: f64, b: [f64; 3]) -> [f64; 3] {
-    [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
-}
-
-/// `a` without its part along the unit vector `axis`.
-pub(super) fn across(a: [f64; 3], axis: [f64; 3]) -> [f64; 3] {
-    plus(a, -dot(a, axis), axis)
+/// What is where a line misses a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Beyond {
+    /// Nothing: the line passes the obstacle.
+    Nothing,
+    /// The obstacle, so that no distance along the line tells how deep.
+    Obstacle,
+    /// Nobody knows.
+    Unknown,
 }
 
 impl Surface {
@@ -59,8 +69,10 @@ impl Surface {
                     return f64::NAN;
                 }
                 // R - √(R² - s²), without the loss of digits where s is small.
-                (aside / (radius + (radius * radius - aside).sqrt()) - along) / length
+                let sagitta = aside / (radius.abs() + (radius * radius - aside).sqrt());
+                (radius.signum() * sagitta - along) / length
             }
+            Surface::Cone(cone) => cone.along(x, n),
             Surface::Wedge { apex, aside, slope } => {
                 let from = minus(x, *apex);
                 let face = |side: f64| {
@@ -74,6 +86,16 @@ impl Surface {
             }
             Surface::Formula(formula) => field(&|x| formula.at(x)),
             Surface::Table(table) => field(&|x| table.at(x)),
+            Surface::Triangles(triangles) => triangles.entry(x, n).map_or(f64::NAN, |entry| entry.distance),
+        }
+    }
+
+    /// What is where [`Surface::along`] is NaN.
+    pub(super) fn beyond(&self) -> Beyond {
+        match self {
+            Surface::Round { radius, .. } if *radius < 0.0 => Beyond::Obstacle,
+            Surface::Formula(_) | Surface::Table(_) => Beyond::Unknown,
+            _ => Beyond::Nothing,
         }
     }
 
@@ -90,8 +112,12 @@ impl Surface {
         match self {
             Surface::Plane { .. } => facing,
             Surface::Round { radius, apex, axis } => {
-                let to_centre = minus(plus(*apex, *radius, facing), foot);
+                let to_centre = minus(plus(*apex, *radius, facing), foot).map(|c| radius.signum() * c);
                 axis.map_or(to_centre, |axis| across(to_centre, axis))
+            }
+            Surface::Cone(cone) => cone.inward(foot),
+            Surface::Triangles(triangles) => {
+                triangles.entry(x, n).map_or(facing, |entry| triangles.normal(entry.triangle).map(|c| -c))
             }
             Surface::Wedge { apex, aside, slope } => {
                 let side = if dot(minus(foot, *apex), *aside) < 0.0 { -1.0 } else { 1.0 };
@@ -112,7 +138,7 @@ impl Surface {
     }
 
     /// The distance (m) from `x` to the nearest point of the surface, negative inside, and the unit
-    /// vector in which that is.
+    /// vector in which that is; NaN and `facing` beyond the rim of a surface that ends.
     pub(super) fn nearest(&self, facing: [f64; 3], x: [f64; 3]) -> (f64, [f64; 3]) {
         match self {
             Surface::Round { radius, apex, axis } => {
@@ -121,9 +147,14 @@ impl Surface {
                 let to_centre = plus([0.0; 3], -1.0, plus(from, -radius, facing));
                 let distance = norm(to_centre);
                 // |q| - R = (|q|² - R²) / (|q| + R), without the loss of digits near the surface.
-                let gap = (dot(from, from) - 2.0 * radius * dot(from, facing)) / (distance + radius);
-                (gap, to_centre.map(|c| c / distance + 0.0))
+                let gap = (dot(from, from) - 2.0 * radius * dot(from, facing)) / (distance + radius.abs());
+                // In the centre all points are as near.
+                let normal =
+                    if distance > 0.0 { to_centre.map(|c| radius.signum() * c / distance + 0.0) } else { facing };
+                (radius.signum() * gap, normal)
             }
+            Surface::Cone(cone) => cone.nearest(x),
+            Surface::Triangles(triangles) => triangles.nearest(x).unwrap_or((f64::NAN, facing)),
             Surface::Wedge { apex, aside, slope } => {
                 let from = minus(x, *apex);
                 let side = if dot(from, *aside) < 0.0 { -1.0 } else { 1.0 };

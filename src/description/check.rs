@@ -1,9 +1,10 @@
 //! Are the values of a description possible, each by itself and beside each other?
 
 use super::{Contact, Description};
-use crate::fault::{Fault, demand, finite};
+use crate::contact::Obstacle;
+use crate::fault::{Fault, demand};
 use crate::fem::{Element, Plane};
-use crate::timeline::check_times;
+use crate::timeline::{check_points, check_times};
 
 impl Description {
     /// Whether a model can be made of it, as far as that is known without its mesh.
@@ -43,9 +44,24 @@ impl Contact {
             let message = format!("the boundary `{}` has a [[contact]] already", self.boundary);
             return Err(Fault::new("boundary", message, "keep one [[contact]] for each boundary"));
         }
-        finite("friction", self.friction)?;
-        let help = "give Coulomb's coefficient, 0 for a frictionless contact";
-        demand(self.friction >= 0.0, "friction", &self.friction, "0 or more", help)?;
-        self.obstacle.check().map_err(|fault| fault.under("obstacle"))
+        self.friction.check()?;
+        if let Some(history) = &self.friction_history {
+            check_points("friction_history", "factor", history)?;
+            let sound = history.iter().all(|point| point[1] > 0.0);
+            let help = "a node has friction at all times or never: give a small factor, such as 1e-3, in place of 0";
+            demand(sound, "friction_history", history, "of factors above 0", help)?;
+        }
+        let whole = match &self.obstacles[..] {
+            [] => {
+                let message = format!("there is no obstacle in front of `{}`", self.boundary);
+                return Err(Fault::new("obstacle", message, "give an obstacle, or remove the contact"));
+            }
+            [obstacle] => return obstacle.check().map_err(|fault| fault.under("obstacle")),
+            all => all,
+        };
+        let each = |(j, obstacle): (usize, &Obstacle)| {
+            obstacle.check().map_err(|fault| fault.under(&format!("obstacle[{j}]")))
+        };
+        whole.iter().enumerate().try_for_each(each)
     }
 }

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Action, Bed, Contact, Description, Field, Held, Load, Support, Where};
-use crate::contact::{Obstacle, Rotation, Shape};
+use super::{Action, Bed, Contact, Description, Field, Held, Load, Probe, ProbePlace, Support, Where};
+use crate::contact::{Friction, Obstacle, Rotation, Shape};
 use crate::fem::{Layer, Material, MaterialGroup};
 use crate::formula::{Formula, FormulaUnits};
 use crate::mesh::{HalfPlane, Mesh, MeshSource, Segment};
@@ -36,14 +36,7 @@ impl Description {
             element,
             material: si.material(material),
             supports: supports.into_iter().map(|support| si.support(support)).collect(),
-            contacts: contacts
-                .into_iter()
-                .map(|Contact { boundary, friction, obstacle }| Contact {
-                    boundary,
-                    friction,
-                    obstacle: si.obstacle(obstacle),
-                })
-                .collect(),
+            contacts: contacts.into_iter().map(|contact| si.contact(contact)).collect(),
             springs: springs.into_iter().map(|spring| si.spring(spring)).collect(),
             loads: loads
                 .into_iter()
@@ -52,6 +45,20 @@ impl Description {
             times,
             units,
         }
+    }
+}
+
+impl Probe {
+    /// The probe whose coordinates are in `units`, in SI units.
+    #[must_use]
+    pub fn given_in(self, units: Units) -> Self {
+        let si = Si(units);
+        let Probe { name, place } = self;
+        let place = match place {
+            ProbePlace::Point(point) => ProbePlace::Point(si.point(point)),
+            ProbePlace::Line { from, to, count } => ProbePlace::Line { from: si.point(from), to: si.point(to), count },
+        };
+        Probe { name, place }
     }
 }
 
@@ -176,6 +183,16 @@ impl Si {
         }
     }
 
+    fn contact(self, contact: Contact) -> Contact {
+        let Contact { boundary, friction, friction_history, obstacles } = contact;
+        let friction = match friction {
+            Friction::Uniform(coefficient) => Friction::Uniform(coefficient),
+            Friction::Formula(formula) => Friction::Formula(self.formula(Quantity::Number, formula)),
+        };
+        let obstacles = obstacles.into_iter().map(|obstacle| self.obstacle(obstacle)).collect();
+        Contact { boundary, friction, friction_history, obstacles }
+    }
+
     fn obstacle(self, obstacle: Obstacle) -> Obstacle {
         let Obstacle { shape, normal, tangent, direction, approach, translation, rotation } = obstacle;
         let distance = |[time, distance]: [f64; 2]| [time, self.length(distance)];
@@ -202,9 +219,15 @@ impl Si {
             Shape::Cylinder { radius, apex, axis } => {
                 Shape::Cylinder { radius: self.length(radius), apex: self.point(apex), axis }
             }
+            Shape::Bore { radius, apex, axis } => {
+                Shape::Bore { radius: self.length(radius), apex: self.point(apex), axis }
+            }
+            Shape::Socket { radius, apex } => Shape::Socket { radius: self.length(radius), apex: self.point(apex) },
+            Shape::Cone { apex, half_angle, axis } => Shape::Cone { apex: self.point(apex), half_angle, axis },
             Shape::Sphere { radius, apex } => Shape::Sphere { radius: self.length(radius), apex: self.point(apex) },
             Shape::Wedge { apex, angle, axis } => Shape::Wedge { apex: self.point(apex), angle, axis },
             Shape::Formula(formula) => Shape::Formula(self.formula(Quantity::Length, formula)),
+            Shape::Surface { file, scale } => Shape::Surface { file, scale: self.length(scale) },
             Shape::Table { file, scale } => Shape::Table { file, scale: self.length(scale) },
         }
     }

@@ -68,8 +68,13 @@ pub fn thermal_forces(
 /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) that a body under the stress-free `strain` is short of: what its
 /// displacements make, less this, is its stress.
 pub fn thermal_stress(material: &Elasticity, thin: bool, strain: f64) -> [f64; 6] {
-    let across = if thin { 0.0 } else { strain };
-    material.stress([strain, strain, across, 0.0, 0.0, 0.0])
+    material.stress(free_stretch(thin, strain))
+}
+
+/// The stress-free strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` of a material that wants to stretch by `strain` along all axes;
+/// of a thin plate what is across it does not count.
+pub fn free_stretch(thin: bool, strain: f64) -> [f64; 6] {
+    [strain, strain, if thin { 0.0 } else { strain }, 0.0, 0.0, 0.0]
 }
 
 /// The position at which the corners have these shape functions.

@@ -4,13 +4,12 @@ use super::assembly::InvertedElement;
 use super::dofs::Dofs;
 use super::elastic::Elasticity;
 use super::facet::NodalForces;
-use super::rigid::{RigidMotion, all_motions};
 use super::spring::Spring;
 use super::stiffness::element_stiffness;
 use super::strain::Element;
 use crate::mesh::Mesh;
 use crate::sparse::Csr;
-use crate::vector::dot;
+use crate::vector::{axis, dot, minus};
 
 /// The rows of the stiffness of a body, springs included, at the nodes that supports hold: as all nodes have them, with
 /// the components x, y and z.
@@ -73,62 +72,51 @@ impl HeldRows {
     }
 }
 
-/// The rigid motion that comes nearest, in the mean square, to displacements prescribed at nodes: triples of a node, a unit
-/// vector, and the displacement (m) along it.
-pub fn nearest_rigid_motion(mesh: &Mesh, prescribed: &[(usize, [f64; 3], f64)]) -> Option<RigidMotion> {
-    let all = all_motions(mesh);
-    let column =
-        |motion: &RigidMotion| prescribed.iter().map(|(node, n, _)| dot(motion.at(mesh.nodes[*node]), *n)).collect();
-    let mut left: Vec<f64> = prescribed.iter().map(|(.., value)| *value).collect();
-    let mut weights = vec![0.0; all.len()];
-    // Members of an orthonormal basis of the columns, each with its weights of the motions.
-    let mut basis: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
-    for (k, motion) in all.iter().enumerate() {
-        let mut member: Vec<f64> = column(motion);
-        let mut made_of = vec![0.0; all.len()];
-        made_of[k] = 1.0;
+/// The translation (m) that comes nearest, in the mean square, to displacements prescribed at nodes: pairs of a unit vector and
+/// the displacement (m) along it. It is 0 along what none of them feels.
+pub fn nearest_translation(prescribed: impl Iterator<Item = ([f64; 3], f64)> + Clone) -> [f64; 3] {
+    // Gram-Schmidt on the columns of `n · t = value`, twice, with what makes each member of the basis.
+    let mut basis: Vec<(Vec<f64>, [f64; 3])> = Vec::new();
+    for c in 0..3 {
+        let mut member: Vec<f64> = prescribed.clone().map(|(n, _)| n[c]).collect();
+        let mut made_of = axis(c);
         let whole = dot(&member, &member).sqrt();
-        // Twice is enough.
         for (other, of) in basis.iter().chain(&basis) {
             let along = dot(&member, other);
             member.iter_mut().zip(other).for_each(|(x, y)| *x -= along * y);
-            made_of.iter_mut().zip(of).for_each(|(x, y)| *x -= along * y);
+            made_of = minus(made_of, of.map(|x| along * x));
         }
         let rest = dot(&member, &member).sqrt();
         if rest > 1e-6 * whole {
-            member.iter_mut().chain(&mut made_of).for_each(|x| *x /= rest);
-            basis.push((member, made_of));
+            basis.push((member.into_iter().map(|x| x / rest).collect(), made_of.map(|x| x / rest)));
         }
     }
+    let mut left: Vec<f64> = prescribed.map(|(_, value)| value).collect();
+    let mut translation = [0.0; 3];
     for (member, made_of) in basis.iter().chain(&basis) {
         let along = dot(&left, member);
         left.iter_mut().zip(member).for_each(|(x, y)| *x -= along * y);
-        weights.iter_mut().zip(made_of).for_each(|(x, y)| *x += along * y);
+        (0..3).for_each(|c| translation[c] += along * made_of[c]);
     }
-    RigidMotion::combination(&all, &weights)
+    translation
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::block;
-    use crate::vector::axis;
+    use crate::vector::unit;
 
     #[test]
-    fn a_body_that_moves_as_a_whole_is_seen_to() {
-        let mesh = block(&[2.0, 1.0, 1.0], &[2, 1, 1]);
-        let moved = |x: [f64; 3]| [1.0 - 0.2 * x[1], 0.2 * x[0], 3.0];
-        let all: Vec<_> = (0..mesh.nodes.len()).flat_map(|node| (0..3).map(move |c| (node, axis(c)))).collect();
-        let along = |(node, n): (usize, [f64; 3])| (node, n, dot(moved(mesh.nodes[node]), n));
-        // On the plane x = 0 nothing is known of rotations about z and y.
-        for part in
-            [all.clone(), all.into_iter().filter(|(node, n)| mesh.nodes[*node][0] == 0.0 && n[0] == 1.0).collect()]
-        {
-            let prescribed: Vec<_> = part.into_iter().map(along).collect();
-            let motion = nearest_rigid_motion(&mesh, &prescribed).unwrap();
-            for (node, n, value) in prescribed {
-                assert!((dot(motion.at(mesh.nodes[node]), n) - value).abs() < 1e-14);
-            }
-        }
+    fn what_moves_as_a_whole_is_seen_to() {
+        let to = [1.0, -2.0, 3e-3];
+        let along = |n: [f64; 3]| (n, dot(n, to));
+        let oblique = unit([1.0, 1.0, 0.0]);
+        let all = [axis(0), axis(1), axis(2), oblique].map(along);
+        let found = nearest_translation(all.into_iter());
+        assert!((0..3).all(|c| (found[c] - to[c]).abs() < 1e-15), "{found:?}");
+        // Nothing is known of what is across.
+        let found = nearest_translation([along(oblique), along(oblique)].into_iter());
+        assert!((dot(found, oblique) - dot(to, oblique)).abs() < 1e-15 && found[2] == 0.0, "{found:?}");
+        assert_eq!(nearest_translation(std::iter::empty()), [0.0; 3]);
     }
 }

@@ -117,7 +117,7 @@ pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring]) -> Vec<R
 }
 
 /// All rigid motions of a body that nothing holds: translations along the axes, then rotations about them.
-pub(super) fn all_motions(mesh: &Mesh) -> Vec<RigidMotion> {
+fn all_motions(mesh: &Mesh) -> Vec<RigidMotion> {
     let bounds = mesh.bounds();
     let about = bounds.map(|(lo, hi)| 0.5 * (lo + hi));
     let size = norm(bounds.map(|(lo, hi)| hi - lo));

@@ -64,6 +64,12 @@ impl Spring {
         boundary.facets.iter().map(of_facet).collect()
     }
 
+    /// Its energy (J) under `displacements` of all nodes, m.
+    pub fn energy(&self, displacements: &[[f64; 3]]) -> f64 {
+        let u = |k: usize| displacements[k / 3][k % 3];
+        0.5 * self.entries().map(|(row, column, value)| u(row) * value * u(column)).sum::<f64>()
+    }
+
     /// The entries `(row, column, value)` of its stiffness, where `3 · node + component` counts rows and columns.
     pub(super) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let place = |k: usize| 3 * self.nodes[k / 3] + k % 3;

@@ -16,26 +16,65 @@ pub fn centre_stress(
     element: Element,
     material: &Elasticity,
 ) -> Option<[f64; 6]> {
-    let centre = match kind {
-        CellKind::Quadrilateral | CellKind::Hexahedron => [0.0; 3],
-        CellKind::Triangle => [1.0 / 3.0, 1.0 / 3.0, 0.0],
-        CellKind::Tetrahedron => [0.25; 3],
-    };
-    let (at_centre, _) = gradients(kind, centre, corners)?;
+    stress_at(kind, kind.centre(), corners, displacements, element, material)
+}
+
+/// The same at the reference point `point` of the cell.
+pub fn stress_at(
+    kind: CellKind,
+    point: [f64; 3],
+    corners: &[[f64; 3]],
+    displacements: &[[f64; 3]],
+    element: Element,
+    material: &Elasticity,
+) -> Option<[f64; 6]> {
+    let (here, _) = gradients(kind, point, corners)?;
     let points: Vec<_> = quadrature(kind)
         .into_iter()
         .map(|(point, weight)| gradients(kind, point, corners).map(|(gradients, det)| (gradients, det * weight)))
         .collect::<Option<_>>()?;
     let mean = mean_gradients(&points);
     let dilatation = match element {
-        Element::Bilinear => &at_centre,
+        Element::Bilinear => &here,
         Element::BBar => &mean,
     };
-    let columns = strain_columns(kind.dimension(), &at_centre, dilatation);
+    Some(material.stress(strain(kind, &here, dilatation, displacements)))
+}
+
+/// The strain energy `½ ∫ (ε - ε₀) D (ε - ε₀) dV` of a cell as above, J, in two dimensions per unit depth, with the stress-free
+/// strain `free`, ε₀. `None` if the element is inverted or degenerate.
+pub fn strain_energy(
+    kind: CellKind,
+    corners: &[[f64; 3]],
+    displacements: &[[f64; 3]],
+    element: Element,
+    material: &Elasticity,
+    free: [f64; 6],
+) -> Option<f64> {
+    let points: Vec<_> = quadrature(kind)
+        .into_iter()
+        .map(|(point, weight)| gradients(kind, point, corners).map(|(gradients, det)| (gradients, det * weight)))
+        .collect::<Option<_>>()?;
+    let mean = mean_gradients(&points);
+    let at_point = |(gradients, volume): &(Vec<[f64; 3]>, f64)| {
+        let dilatation = match element {
+            Element::Bilinear => gradients,
+            Element::BBar => &mean,
+        };
+        let elastic = strain(kind, gradients, dilatation, displacements);
+        let elastic: [f64; 6] = std::array::from_fn(|k| elastic[k] - free[k]);
+        0.5 * volume * material.stress(elastic).iter().zip(elastic).map(|(s, e)| s * e).sum::<f64>()
+    };
+    Some(points.iter().map(at_point).sum())
+}
+
+/// The strain of `displacements` of the corners, see [`strain_columns`].
+fn strain(kind: CellKind, gradients: &[[f64; 3]], dilatation: &[[f64; 3]], displacements: &[[f64; 3]]) -> [f64; 6] {
+    let columns = strain_columns(kind.dimension(), gradients, dilatation);
     let unknowns = displacements.iter().flat_map(|u| &u[..kind.dimension()]);
     let mut strain = [0.0; 6];
     for (column, u) in columns.iter().zip(unknowns) {
         strain.iter_mut().zip(column).for_each(|(sum, c)| *sum += c * u);
     }
-    Some(material.stress(strain))
+    strain
 }

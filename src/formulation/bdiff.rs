@@ -158,6 +158,10 @@ impl Bdiff {
 
     /// Sets the data of a new increment.
     pub fn begin(&mut self, increment: &Increment<'_>) {
+        if *self.data.mu != *increment.mu {
+            // The rows of slipping nodes have the old coefficient.
+            self.cases.fill(None);
+        }
         self.data.begin(increment);
     }
 

@@ -53,6 +53,9 @@ impl Scaled {
         convert(&mut self.gap, increment.gap, length);
         convert(&mut self.w_t_last, increment.w_t_last, length);
         convert(&mut self.w_o_last, increment.w_o_last, length);
+        if *self.mu != *increment.mu {
+            self.mu = increment.mu.into();
+        }
     }
 
     /// `w_n` of node `i`; `z` begins with `u`.

@@ -32,6 +32,10 @@ pub trait Observer {
         Flow::Continue
     }
 
+    /// After each part of an increment that had to be halved, but the one that ends it. The record is that of the increment
+    /// so far: its `time` is the end of the part, its `parts` the number of the part from 1.
+    fn part(&mut self, _part: &Step<'_>) {}
+
     /// After each increment, the failed one included.
     fn increment(&mut self, _step: &Step<'_>) -> Flow {
         Flow::Continue

@@ -7,6 +7,8 @@
 use super::held::HeldBody;
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
+use super::told::Told;
+use super::walked::{Attempt, Walked};
 use super::whole::Whole;
 use super::{Status, record};
 use crate::condense::Condensed;
@@ -14,7 +16,7 @@ use crate::contact::{KktErrors, KktScales, judge, rounding_level};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Outcome, Stop};
-use crate::problem::{ContactProblem, Increment, State};
+use crate::problem::{ContactProblem, Increment};
 use crate::solvability::driven_motion;
 
 /// The way through a history as far as it has converged, and the data of the part tried last.
@@ -34,35 +36,12 @@ pub(super) struct Path<'a> {
     force: Vec<f64>,
     condensed_force: Vec<f64>,
     gap: Vec<f64>,
+    mu: Vec<f64>,
     w_t_last: Vec<f64>,
     w_o_last: Vec<f64>,
     /// `w̄_t` and `w̄_o` of the next part.
     w_t: Vec<f64>,
     w_o: Vec<f64>,
-}
-
-/// What became of one part.
-pub(super) struct Attempt {
-    pub state: State,
-    pub scales: KktScales,
-    outcome: Outcome,
-    kkt: KktErrors,
-    status: Status,
-}
-
-/// What became of an increment.
-pub(super) struct Walked {
-    /// What the method did in all its parts, the failed ones included.
-    pub solved: Outcome,
-    /// The last part.
-    pub attempt: Attempt,
-    /// The largest errors of the parts that count: all that converged, or the one that failed.
-    pub kkt: KktErrors,
-    pub status: Status,
-    /// How many parts converged.
-    pub parts: usize,
-    /// What friction dissipated in these, J.
-    pub friction_work: f64,
 }
 
 impl<'a> Path<'a> {
@@ -88,6 +67,7 @@ impl<'a> Path<'a> {
             force: vec![0.0; problem.displacements()],
             condensed_force: vec![0.0; condensed.map_or(0, |condensed| condensed.problem.displacements())],
             gap: vec![0.0; n_c],
+            mu: problem.mu().to_vec(),
             w_t_last: vec![0.0; n_c],
             w_o_last: vec![0.0; n_c],
             w_t: vec![0.0; n_c],
@@ -97,8 +77,8 @@ impl<'a> Path<'a> {
 
     /// What drove the part tried last.
     pub(super) fn data(&self) -> Increment<'_> {
-        let Path { force, gap, w_t_last, w_o_last, .. } = self;
-        Increment { force, gap, w_t_last, w_o_last }
+        let Path { force, gap, mu, w_t_last, w_o_last, .. } = self;
+        Increment { force, gap, mu, w_t_last, w_o_last }
     }
 
     /// Goes on to `time`, in parts if need be.
@@ -106,43 +86,46 @@ impl<'a> Path<'a> {
         &mut self,
         time: f64,
         linear: &mut Direct,
-        observe: Observe<'_>,
+        told: &mut Told<'_>,
     ) -> Result<Walked, LinearError> {
         let start = self.reached.unwrap_or(0.0);
         let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
         // The ends of the parts to come, the nearest last.
-        let mut ends = vec![time];
+        let mut to_come = vec![time];
         let mut solved: Option<Outcome> = None;
-        let (mut kkt, mut parts, mut friction_work) = (KktErrors::default(), 0, 0.0);
+        let (mut kkt, mut ends, mut friction_work) = (KktErrors::default(), Vec::new(), 0.0);
         loop {
-            let end = ends.last().copied().unwrap_or(time);
+            let end = to_come.last().copied().unwrap_or(time);
             let from = self.reached.unwrap_or(0.0);
             let unknowns = self.method.unknowns().clone();
-            let attempt = self.attempt(end, linear, observe)?;
+            let attempt = self.attempt(end, linear, &mut |iteration| told.iteration(iteration))?;
             let outcome = attempt.outcome.clone();
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
             if attempt.status == Status::Converged {
                 friction_work += self.problem.friction_work(&self.data(), &attempt.state);
                 self.accept(end, &attempt);
-                parts += 1;
                 kkt = kkt.max(&attempt.kkt);
-                ends.pop();
-                if ends.is_empty() {
-                    let status = Status::Converged;
-                    return Ok(Walked { solved: so_far, attempt, kkt, status, parts, friction_work });
+                ends.push(end);
+                to_come.pop();
+                let status = Status::Converged;
+                let walked = Walked { solved: so_far, attempt, kkt, status, ends, friction_work };
+                if to_come.is_empty() {
+                    return Ok(walked);
                 }
+                told.part(end, &self.data(), &walked);
+                (solved, ends) = (Some(walked.solved), walked.ends);
             } else {
                 let half = 0.5 * (end - from);
                 // Between neighbouring numbers there is no time.
                 let no_time = from + half <= from || from + half >= end;
                 if half < smallest || no_time || !self.smaller_may_do(&attempt) {
                     let (kkt, status) = (attempt.kkt, attempt.status);
-                    return Ok(Walked { solved: so_far, attempt, kkt, status, parts, friction_work });
+                    return Ok(Walked { solved: so_far, attempt, kkt, status, ends, friction_work });
                 }
                 self.method.unknowns().copy_from_slice(&unknowns);
-                ends.push(from + half);
+                to_come.push(from + half);
+                solved = Some(so_far);
             }
-            solved = Some(so_far);
         }
     }
 
@@ -151,6 +134,9 @@ impl<'a> Path<'a> {
         let Path { problem, loading, condensed, settings, .. } = *self;
         loading.force(time, &mut self.force);
         loading.gap_at(time, &mut self.gap);
+        if let Some(friction) = loading.friction() {
+            self.mu = friction.at(time);
+        }
         let from = self.reached.unwrap_or(0.0);
         let tangential = [(&mut self.w_t_last, &self.w_t), (&mut self.w_o_last, &self.w_o)];
         for (k, (last, w)) in tangential.into_iter().enumerate() {
@@ -160,8 +146,13 @@ impl<'a> Path<'a> {
                 *last = w[i] + (now[i] - before[i]);
             }
         }
-        let increment =
-            Increment { force: &self.force, gap: &self.gap, w_t_last: &self.w_t_last, w_o_last: &self.w_o_last };
+        let increment = Increment {
+            force: &self.force,
+            gap: &self.gap,
+            mu: &self.mu,
+            w_t_last: &self.w_t_last,
+            w_o_last: &self.w_o_last,
+        };
         let before = self.scales.with_load(self.problem, &increment);
         let mut force = &self.force;
         if let Some(condensed) = condensed {
@@ -175,7 +166,7 @@ impl<'a> Path<'a> {
             scales: &before,
             tolerance: settings.tolerance,
         };
-        let mut outcome = match driven_motion(problem, &self.force) {
+        let mut outcome = match driven_motion(problem, &self.mu, &self.force) {
             None => self.method.solve(&task, linear, observe)?,
             Some(motion) => Outcome { stop: Stop::NoEquilibrium(motion), ..Outcome::new(f64::NAN) },
         };

@@ -106,6 +106,9 @@ pub struct IncrementRecord {
     pub status: Status,
     /// How many parts of it converged: 1 if it did not have to be halved.
     pub parts: usize,
+    /// The ends of these parts, s; empty if it did not have to be halved.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub part_ends: Vec<f64>,
     /// Whether another method solved it, or a part of it, in place of the one asked for.
     pub rescued: bool,
     /// Linear systems solved (nle), in failed attempts, too.
@@ -122,8 +125,34 @@ pub struct IncrementRecord {
     pub contact: ContactCounts,
     /// The work that friction dissipated in it, in all parts that converged, J; in two dimensions J per m of depth.
     pub friction_work: f64,
+    /// The strain energy `½ uᵀ K u` at its end, J; in two dimensions J per m of depth. A [run](crate::run::Run) tells that of the
+    /// body, which differs where temperature strains it or supports move it.
+    pub strain_energy: f64,
     /// Wall time.
     pub seconds: Seconds,
+}
+
+impl IncrementRecord {
+    /// The record of increment 0: the body at t = 0 with so many contact nodes, before anything is solved.
+    pub(crate) fn undeformed(contacts: usize) -> Self {
+        IncrementRecord {
+            index: 0,
+            time: 0.0,
+            status: Status::Converged,
+            parts: 0,
+            part_ends: Vec::new(),
+            rescued: false,
+            iterations: 0,
+            backtracks: 0,
+            theta: 0.0,
+            kkt: KktErrors::default(),
+            backward_error: 0.0,
+            contact: ContactCounts { open: contacts, ..ContactCounts::default() },
+            friction_work: 0.0,
+            strain_energy: 0.0,
+            seconds: Seconds::default(),
+        }
+    }
 }
 
 /// Converged is what the error measure says, whatever the solver thinks; how the solver ended only

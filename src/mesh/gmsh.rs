@@ -142,3 +142,11 @@ pub fn from_gmsh(name: &str, bytes: &[u8], scale: f64) -> Result<Mesh, MeshFileE
     }
     Ok(mesh)
 }
+
+/// The corners of all faces, triangles and quadrilaterals, in the text of a Gmsh file, in its unit; `name` stands for the file
+/// in messages.
+pub(crate) fn faces(name: &str, bytes: &[u8]) -> Result<Vec<Vec<[f64; 3]>>, GmshError> {
+    let file = read::read(name, bytes)?;
+    let faces = file.blocks.iter().filter(|block| block.kind.dimension() == 2).flat_map(|block| &block.elements);
+    Ok(faces.map(|(_, nodes)| nodes.iter().map(|&node| file.nodes[node]).collect()).collect())
+}

@@ -1,6 +1,6 @@
 //! The sides of cells, and which cells hang together by them.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::{Cell, CellKind, Facet, Mesh};
 use crate::sets::Sets;
@@ -45,6 +45,15 @@ impl Mesh {
         overlapping.sort_unstable();
         overlapping.dedup();
         if overlapping.is_empty() { Ok(sides) } else { Err(overlapping) }
+    }
+
+    /// The surface of the body: the sides that belong to one cell only, each with its outside as [`Facet`] wants it, and the
+    /// number of that cell; in the order of the cells.
+    pub fn surface(&self) -> Vec<(Facet, usize)> {
+        let inward = |facet: &Facet| from_least(facet.iter().rev().copied().collect());
+        let all = || self.cells.iter().enumerate().flat_map(|(e, cell)| cell.facets().into_iter().map(move |f| (f, e)));
+        let known: HashSet<Facet> = all().map(|(facet, _)| from_least(facet)).collect();
+        all().filter(|(facet, _)| !known.contains(&inward(facet))).collect()
     }
 
     /// The parts of the mesh whose cells are joined by whole sides.
@@ -98,6 +107,26 @@ mod tests {
     fn part<const D: usize>(size: &[f64; D], elements: &[usize; D], kept: &[usize]) -> Mesh {
         let whole = block(size, elements);
         Mesh { cells: kept.iter().map(|&e| whole.cells[e].clone()).collect(), ..whole }
+    }
+
+    #[test]
+    fn the_surface_is_what_has_a_cell_on_one_side_only() {
+        let box_of = block(&[2.0, 1.0, 1.0], &[3, 2, 2]);
+        for (mesh, sides, area) in [
+            (block(&[2.0, 1.0], &[3, 2]), 10, 6.0),
+            (block(&[2.0, 1.0], &[3, 2]).into_simplices(), 10, 6.0),
+            (box_of.clone(), 32, 10.0),
+            (box_of.into_simplices(), 64, 10.0),
+        ] {
+            let surface = mesh.surface();
+            assert_eq!(surface.len(), sides);
+            let vectors: Vec<[f64; 3]> = surface.iter().map(|(facet, _)| mesh.area_vector(facet)).collect();
+            let all: f64 = vectors.iter().map(|v| v.iter().map(|c| c * c).sum::<f64>().sqrt()).sum();
+            // The normals of a closed surface balance.
+            assert!((all - area).abs() < 1e-14 * area);
+            assert!((0..3).all(|c| vectors.iter().map(|v| v[c]).sum::<f64>().abs() < 1e-14));
+            assert!(surface.iter().all(|(facet, e)| facet.iter().all(|node| mesh.cells[*e].nodes.contains(node))));
+        }
     }
 
     #[test]

@@ -5,7 +5,6 @@ use std::ops::AddAssign;
 use super::Model;
 use super::support::Moved;
 use crate::fem::{HeldRows, NodalForces, Spring};
-use crate::loading::piecewise_linear;
 use crate::mesh::Mesh;
 use crate::problem::State;
 use crate::vector::{cross, dot, minus, norm};
@@ -104,26 +103,54 @@ impl Statics {
         let loads = loads.iter().map(acting).collect();
         Statics { rows, shares, springs, loads }
     }
+
+    /// All springs, those of foundations one for each facet.
+    pub(super) fn springs(&self) -> impl Iterator<Item = &Spring> {
+        self.springs.iter().flatten()
+    }
 }
 
 impl Model {
-    /// The displacements (m) of all nodes that the unknowns `u` (n_u, m) are at time `t` (s): what supports move is moved.
-    ///
-    /// ```text
-    /// u(x) = Σ u_i N_i + Σ factor(t) U(x)
-    /// ```
+    /// The displacements (m) of all nodes that the unknowns `u` (n_u, m) are at time `t` (s), where supports have moved the body.
     pub fn displacements(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
-        let mut all = self.dofs.displacements(u);
-        for Moved { displacements, history, .. } in &self.moved {
-            add(&mut all, factor(history, t), displacements.iter().copied().enumerate());
+        let mut all = self.strained(t, u);
+        let carried = self.carried(t);
+        if carried != [0.0; 3] {
+            for u in &mut all {
+                (0..3).for_each(|c| u[c] += carried[c]);
+            }
         }
         all
     }
 
-    /// How supports move `node` along `direction` until time `t` (s), beside what its unknowns tell, m.
+    /// The same from where supports have carried the body as a whole, from which gaps count.
+    pub(super) fn strained(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
+        let mut all = self.dofs.displacements(u);
+        for moved in &self.moved {
+            let nodes = self.statics.rows.nodes().iter().copied();
+            add(&mut all, moved.factor(t), nodes.zip(moved.beyond.iter().copied()));
+        }
+        all
+    }
+
+    /// How far supports have carried the body as a whole until time `t` (s), m.
+    fn carried(&self, t: f64) -> [f64; 3] {
+        [0, 1, 2].map(|c| self.moved.iter().map(|moved| moved.factor(t) * moved.carried[c]).sum())
+    }
+
+    /// How far supports have moved contact node `i` along its normal beyond the body, m: its gap counts from there.
+    pub(super) fn beyond(&self, i: usize, t: f64) -> f64 {
+        let contact = &self.contacts[i];
+        let beyond = |moved: &Moved| {
+            moved.factor(t) * dot(moved.beyond(&self.statics.rows, contact.node), contact.facing.normal)
+        };
+        self.moved.iter().map(beyond).sum()
+    }
+
+    /// How supports have moved `node` along `direction` until time `t` (s), beside what its unknowns tell, m.
     pub(crate) fn moved(&self, node: usize, direction: [f64; 3], t: f64) -> f64 {
-        let along = |moved: &Moved| factor(&moved.history, t) * dot(moved.displacements[node], direction);
-        self.moved.iter().map(along).sum()
+        let beyond = |moved: &Moved| moved.factor(t) * dot(moved.beyond(&self.statics.rows, node), direction);
+        dot(self.carried(t), direction) + self.moved.iter().map(beyond).sum::<f64>()
     }
 
     /// The force (N) of the body on the obstacle at contact node `i`, for the contact forces of `state`.
@@ -138,10 +165,7 @@ impl Model {
     /// of its nodes, their contact and their loads leave, `K u + Cᵀ p - f`.
     pub fn balance(&self, t: f64, state: &State) -> Balance {
         let Statics { rows, shares, springs, loads } = &self.statics;
-        let mut strained = self.dofs.displacements(&state.u);
-        for Moved { beyond_rigid, history, .. } in &self.moved {
-            add(&mut strained, factor(history, t), rows.nodes().iter().copied().zip(beyond_rigid.iter().copied()));
-        }
+        let strained = self.strained(t, &state.u);
         let rest = if state.u_rest.is_empty() { Vec::new() } else { self.dofs.displacements(&state.u_rest) };
         let mut forces = rows.forces(&strained, &rest);
         let factors: Vec<f64> = self.loading.cases().iter().take(loads.len()).map(|case| case.factor(t)).collect();
@@ -169,10 +193,9 @@ impl Model {
                 shares.iter().map(share).sum()
             })
             .collect();
-        let displaced = if springs.is_empty() { Vec::new() } else { self.displacements(t, &state.u) };
         let springs: Vec<Wrench> = (springs.iter())
             .map(|springs| {
-                let all = springs.iter().flat_map(|spring| spring.forces(&displaced));
+                let all = springs.iter().flat_map(|spring| spring.forces(&strained));
                 all.map(|(node, force)| {
                     size += norm(force);
                     Wrench::at(self.mesh.nodes[node], force)
@@ -194,10 +217,6 @@ impl Model {
         let moment = minus(left.moment, cross(middle, left.force));
         norm(left.force).max(norm(moment) / self.mesh.size())
     }
-}
-
-fn factor(history: &[[f64; 2]], t: f64) -> f64 {
-    piecewise_linear(history, t).unwrap_or(1.0)
 }
 
 /// Adds `factor` times `terms` at their places.

@@ -1,100 +1,293 @@
-//! The contact nodes of a boundary and what is in front of them, checked.
+//! The contact nodes of all boundaries and what is in front of them, checked.
+
+use std::collections::BTreeMap;
 
 use super::find;
-use crate::contact::{ContactNode, ObstacleMotion, PlacedObstacle, contact_nodes, unreachable};
+use super::support::Moved;
+use crate::contact::{
+    ContactBoundary, ContactNode, Facing, Meeting, ObstacleMotion, PlacedObstacle, Unclear, contact_nodes, meetings,
+    unreachable,
+};
 use crate::description::{Contact, Description};
 use crate::fault::Fault;
-use crate::fem::Dofs;
-use crate::mesh::Mesh;
-use crate::units::Quantity;
+use crate::fem::{Dofs, HeldRows};
+use crate::loading::{Bend, FrictionHistory, Motion};
+use crate::mesh::{Boundary, Mesh};
+use crate::problem::ProblemError;
+use crate::timeline::within;
+use crate::units::{Quantity, UnitSystem};
 use crate::vector::dot;
 
 /// How much of the body an obstacle may take up when the history begins. Strains are about this share, and
 /// far less is no small deformation any more: more is a slip of the pen.
 const DEEPEST: f64 = 0.2;
 
-/// The obstacle of contact `k`, its motion, and the nodes in front of it.
-pub(super) fn boundary(
-    description: &Description,
-    mesh: &Mesh,
-    dofs: &Dofs,
-    k: usize,
-) -> Result<(PlacedObstacle, ObstacleMotion, Vec<ContactNode>), Fault> {
-    let Contact { boundary: name, obstacle: given, .. } = &description.contacts[k];
-    let boundary = find(mesh, name, &format!("contact[{k}]"))?;
-    let units = description.system(mesh.dimension);
-    let at_obstacle = |message: String, help: &str| Fault::new(format!("contact[{k}].obstacle"), message, help);
-    let at_boundary = |message: String, help: &str| Fault::new(format!("contact[{k}].boundary"), message, help);
-    let obstacle = PlacedObstacle::new(mesh, boundary, given)
-        .map_err(|error| at_obstacle(format!("contact at `{name}`: {error}"), error.help()))?;
-    let motion = ObstacleMotion::new(given, obstacle.normal, description.end());
-    let nodes = boundary.nodes();
-    if let Some(&node) = nodes.iter().find(|&&node| !obstacle.at(mesh.nodes[node]).gap.is_finite()) {
-        let (what, help) = obstacle.out_of_reach();
-        let place = units.place(mesh.nodes[node]);
-        return Err(at_obstacle(format!("{what} the contact node at {place}"), help));
-    }
-    if !obstacle.faces(mesh, boundary) {
-        let message = format!("the normal of the obstacle points into the body at `{name}`, or along it");
-        return Err(at_obstacle(message, "let the normal point out of the body"));
-    }
-    let along = || mesh.nodes.iter().map(|x| dot(*x, obstacle.normal));
-    let thickness = along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min);
-    let start = |node: usize| motion.gap(0.0, mesh.nodes[node], &obstacle.at(mesh.nodes[node]));
-    if let Some(&node) = nodes.iter().min_by(|a, b| start(**a).total_cmp(&start(**b)))
-        && start(node) < -DEEPEST * thickness
-    {
-        let place = units.place(mesh.nodes[node]);
-        let (unit, told) = (units.name(Quantity::Length), |length| units.number(Quantity::Length, length));
-        let message = format!(
-            "the obstacle starts {:e} {unit} inside the body at {place}, which is {:e} {unit} thick there",
-            told(-start(node)),
-            told(thickness)
-        );
-        return Err(at_obstacle(message, "move the obstacle out, or the part of the motion before time 0"));
-    }
-    if let Some(node) = unreachable(mesh, dofs, boundary, &obstacle, &motion, &description.times) {
-        let place = units.place(mesh.nodes[node]);
-        let message = format!("supports hold the body where the obstacle is or comes to be, at {place}");
-        let help = "use a gap of at least 0, a shorter approach or fewer supports";
-        return Err(at_boundary(message, help));
-    }
-    let nodes = contact_nodes(mesh, dofs, boundary, &obstacle);
-    if nodes.is_empty() {
-        let message = format!("supports hold every node of the contact boundary `{name}`");
-        return Err(at_boundary(message, "remove the contact or the support"));
-    }
-    Ok((obstacle, motion, nodes))
+/// The body as contacts see it.
+struct Body<'a> {
+    description: &'a Description,
+    mesh: &'a Mesh,
+    dofs: &'a Dofs,
+    rows: &'a HeldRows,
+    moved: &'a [Moved],
 }
 
-/// Refuses a node in front of two obstacles whose normals are opposite, for their forces would cancel, whatever they are; or
-/// the same, for nothing would tell their forces apart.
-pub(super) fn no_contradiction(
-    description: &Description,
-    k: usize,
-    earlier: &[ContactNode],
-    nodes: &[ContactNode],
-) -> Result<(), Fault> {
-    for node in nodes {
-        for other in earlier.iter().filter(|other| other.node == node.node) {
-            // One degree from parallel; a sharper edge of a body cannot be meshed.
-            let along = dot(node.facing.normal, other.facing.normal);
-            let (normals, help) = match along {
-                _ if along < -0.9998 => {
-                    ("opposite normals", "give an obstacle another normal, or let the boundaries share no node")
-                }
-                _ if along > 0.9998 => {
-                    ("the same normal", "make one boundary of both, with one contact, or let them share no node")
-                }
-                _ => continue,
+/// The contacts of a description.
+#[derive(Default)]
+pub(super) struct Contacts {
+    pub nodes: Vec<ContactNode>,
+    /// Coulomb's coefficient of each node.
+    pub mu: Vec<f64>,
+    pub boundaries: Vec<ContactBoundary>,
+    /// The obstacles in front of all boundaries, and how they move.
+    pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
+    /// Coulomb's coefficient at the nodes of each boundary, before those that are of several have the mean.
+    own_mu: Vec<Vec<f64>>,
+    /// The contact nodes at each node of the mesh that has one.
+    at_node: BTreeMap<usize, Vec<usize>>,
+}
+
+impl Contacts {
+    /// The contacts of `description`, boundary by boundary.
+    pub(super) fn new(
+        description: &Description,
+        mesh: &Mesh,
+        dofs: &Dofs,
+        rows: &HeldRows,
+        moved: &[Moved],
+    ) -> Result<Self, Fault> {
+        let mut contacts = Contacts::default();
+        for k in 0..description.contacts.len() {
+            contacts.add(&Body { description, mesh, dofs, rows, moved }, k)?;
+        }
+        Ok(contacts)
+    }
+
+    fn add(&mut self, body: &Body<'_>, k: usize) -> Result<(), Fault> {
+        let Body { description, mesh, dofs, moved, .. } = *body;
+        let contact = &description.contacts[k];
+        let boundary = find(mesh, &contact.boundary, &format!("contact[{k}]"))?;
+        let mut obstacles = placed(contact, description.end(), mesh, boundary, k)?;
+        for (_, motion) in &mut obstacles {
+            for Moved { carried, history, .. } in moved {
+                motion.pass(*carried, history);
+            }
+        }
+        let met = met(contact, body, boundary, &obstacles, k)?;
+        let nodes = contact_nodes(mesh, dofs, boundary, &met);
+        if nodes.is_empty() {
+            let message = if met.len() < boundary.nodes().len() {
+                format!("supports hold every node of `{}` that an obstacle reaches", contact.boundary)
+            } else {
+                format!("supports hold every node of the contact boundary `{}`", contact.boundary)
             };
-            let place = description.system(3).place(node.position);
-            let message = format!(
-                "the node at {place} of `{}` lies in front of two obstacles with {normals}",
-                description.contacts[k].boundary
-            );
+            return Err(Fault::new(format!("contact[{k}].boundary"), message, "remove the contact or the support"));
+        }
+        let first = self.obstacles.len();
+        self.obstacles.extend(obstacles);
+        let mut own = ContactBoundary {
+            name: contact.boundary.clone(),
+            nodes: Vec::with_capacity(nodes.len()),
+            weights: nodes.iter().map(|node| node.weight).collect(),
+            beyond: boundary.nodes().len() - met.len(),
+            obstacles: first..self.obstacles.len(),
+        };
+        let mut own_mu = Vec::with_capacity(nodes.len());
+        let units = description.system(mesh.dimension);
+        for node in nodes {
+            let mu = friction(contact, &units, &node, k)?;
+            own_mu.push(mu);
+            let node = ContactNode { obstacle: first + node.obstacle, ..node };
+            own.nodes.push(self.add_node(node, mu, &contact.boundary, &description.system(3), k)?);
+        }
+        self.boundaries.push(own);
+        self.own_mu.push(own_mu);
+        Ok(())
+    }
+
+    /// How friction changes in time, if that of any contact does: the part of each contact in that of its nodes.
+    pub(super) fn friction_history(&self, description: &Description) -> Result<Option<FrictionHistory>, ProblemError> {
+        let contacts = &description.contacts;
+        if contacts.iter().all(|contact| contact.friction_history.is_none()) {
+            return Ok(None);
+        }
+        let case = |((contact, boundary), own): ((&Contact, &ContactBoundary), &Vec<f64>)| {
+            let mut mu = vec![0.0; self.nodes.len()];
+            boundary.parts(&self.nodes).zip(own).for_each(|((i, part), own)| mu[i] = part * own);
+            let history = contact.friction_history.as_ref().map(|points| within(description.end(), points));
+            (mu, history.unwrap_or_default())
+        };
+        let cases = contacts.iter().zip(&self.boundaries).zip(&self.own_mu).map(case).collect();
+        FrictionHistory::new(self.nodes.len(), cases).map(Some)
+    }
+
+    /// The number of a node of the boundary `name`: that of an earlier boundary in front of the same normal, or a new one.
+    /// Refuses opposite normals, for the forces would cancel, whatever they are.
+    fn add_node(
+        &mut self,
+        node: ContactNode,
+        mu: f64,
+        name: &str,
+        units: &UnitSystem,
+        k: usize,
+    ) -> Result<usize, Fault> {
+        let sharing = self.at_node.entry(node.node).or_default();
+        // One degree from parallel; a sharper edge of a body cannot be meshed.
+        let parallel = |i: &&usize| dot(node.facing.normal, self.nodes[**i].facing.normal).abs() > 0.9998;
+        let Some(&same) = sharing.iter().find(parallel) else {
+            sharing.push(self.nodes.len());
+            self.nodes.push(node);
+            self.mu.push(mu);
+            return Ok(self.nodes.len() - 1);
+        };
+        let earlier = &self.nodes[same];
+        if dot(node.facing.normal, earlier.facing.normal) < 0.0 {
+            let place = units.place(node.position);
+            let message =
+                format!("the node at {place} of `{name}` lies in front of two obstacles with opposite normals");
+            let help = "give an obstacle another normal, or let the boundaries share no node";
             return Err(Fault::new(format!("contact[{k}].obstacle"), message, help));
         }
+        let weight = earlier.weight + node.weight;
+        // Of equal coefficients the mean is that to the last bit.
+        self.mu[same] += (mu - self.mu[same]) * (node.weight / weight);
+        let gap = |node: &ContactNode| self.obstacles[node.obstacle].1.gap(0.0, node.position, &node.facing);
+        let nearest = if gap(&node) < gap(earlier) { node } else { earlier.clone() };
+        self.nodes[same] = ContactNode { weight, ..nearest };
+        Ok(same)
     }
-    Ok(())
+}
+
+/// The key of obstacle `j` of contact `k`.
+fn key(contact: &Contact, k: usize, j: usize) -> String {
+    match contact.obstacles.len() {
+        1 => format!("contact[{k}].obstacle"),
+        _ => format!("contact[{k}].obstacle[{j}]"),
+    }
+}
+
+/// Coulomb's coefficient of `node`.
+fn friction(contact: &Contact, units: &UnitSystem, node: &ContactNode, k: usize) -> Result<f64, Fault> {
+    let mu = contact.friction.at(node.position);
+    if mu.is_finite() && mu >= 0.0 {
+        return Ok(mu);
+    }
+    let place = units.place(node.position);
+    let message = format!("the friction is {mu} at the contact node at {place}, but must be 0 or more");
+    Err(Fault::new(format!("contact[{k}].friction"), message, "mend the formula, such as by max(0, ...)"))
+}
+
+/// The obstacles of contact `k` in front of its `boundary`, and how they move.
+fn placed(
+    contact: &Contact,
+    end: f64,
+    mesh: &Mesh,
+    boundary: &Boundary,
+    k: usize,
+) -> Result<Vec<(PlacedObstacle, ObstacleMotion)>, Fault> {
+    let name = &contact.boundary;
+    let place = |(j, given)| {
+        let obstacle = PlacedObstacle::new(mesh, boundary, given)
+            .map_err(|error| Fault::new(key(contact, k, j), format!("contact at `{name}`: {error}"), error.help()))?;
+        let motion = ObstacleMotion::new(given, obstacle.normal, end);
+        Ok((obstacle, motion))
+    };
+    contact.obstacles.iter().enumerate().map(place).collect()
+}
+
+/// The nodes of contact `k` with the obstacle that each meets.
+fn met(
+    contact: &Contact,
+    body: &Body<'_>,
+    boundary: &Boundary,
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    k: usize,
+) -> Result<Vec<Meeting>, Fault> {
+    let Body { description, mesh, dofs, rows, moved } = *body;
+    let name = &contact.boundary;
+    let at_obstacle = |j: usize, message: String, help: &str| Fault::new(key(contact, k, j), message, help);
+    let units = description.system(mesh.dimension);
+    let place = |node: usize| units.place(mesh.nodes[node]);
+    let times = &description.times;
+    let met = meetings(mesh, boundary, obstacles, times).map_err(|Unclear { node, obstacle, why: (what, help) }| {
+        at_obstacle(obstacle, format!("{what} the contact node at {}", place(node)), help)
+    })?;
+    if let [(obstacle, _)] = obstacles
+        && !obstacle.faces(mesh, boundary)
+    {
+        let message = format!("the normal of the obstacle points into the body at `{name}`, or along it");
+        return Err(at_obstacle(0, message, "let the normal point out of the body"));
+    }
+    if let Some(j) = (0..obstacles.len()).find(|j| met.iter().all(|met| met.obstacle != *j)) {
+        let (message, help) = match obstacles.len() {
+            1 => (
+                format!("the obstacle is in front of no node of `{name}`, now or later"),
+                "move the obstacle, or give it another normal; triangles must be counterclockwise seen from the body",
+            ),
+            _ => (
+                format!(
+                    "no node of `{name}` meets this obstacle: to each another is nearer, or it is in front of none"
+                ),
+                "remove the obstacle or move it, or give it a boundary of its own",
+            ),
+        };
+        return Err(at_obstacle(j, message, help));
+    }
+    let start = |met: &Meeting| obstacles[met.obstacle].1.gap(0.0, mesh.nodes[met.node], &met.facing);
+    for (j, (obstacle, _)) in obstacles.iter().enumerate() {
+        let along = || mesh.nodes.iter().map(|x| dot(*x, obstacle.normal));
+        let thickness = along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min);
+        let own = met.iter().filter(|met| met.obstacle == j);
+        if let Some(deepest) = own.min_by(|a, b| start(a).total_cmp(&start(b)))
+            && start(deepest) < -DEEPEST * thickness
+        {
+            let [depth, thickness] = [-start(deepest), thickness].map(|x| units.number(Quantity::Length, x));
+            let (place, unit) = (place(deepest.node), units.name(Quantity::Length));
+            let message = format!(
+                "the obstacle starts {depth:e} {unit} inside the body at {place}, which is {thickness:e} {unit} thick there"
+            );
+            return Err(at_obstacle(j, message, "move the obstacle out, or the part of the motion before time 0"));
+        }
+    }
+    let beyond = |met: &Meeting, t: f64| {
+        moved.iter().map(|moved| moved.factor(t) * dot(moved.beyond(rows, met.node), met.facing.normal)).sum()
+    };
+    if let Some(node) = unreachable(mesh, dofs, obstacles, &met, times, beyond) {
+        let message = format!("supports hold the body where the obstacle is or comes to be, at {}", place(node));
+        let help = "use a gap of at least 0, a shorter approach or fewer supports";
+        return Err(Fault::new(format!("contact[{k}].boundary"), message, help));
+    }
+    Ok(met)
+}
+
+/// What the motions of `obstacles` do to the contact nodes: rates times histories, and what these leave out at `times` (s). A
+/// node that meets another obstacle has zeros.
+pub(super) fn motions(
+    contacts: &[ContactNode],
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    times: &[f64],
+) -> Result<(Vec<Motion>, Vec<Bend>), ProblemError> {
+    let times: Vec<f64> = [0.0].into_iter().chain(times.iter().copied()).collect();
+    let (mut motions, mut bends) = (Vec::new(), Vec::new());
+    for (k, (obstacle, motion)) in obstacles.iter().enumerate() {
+        let met: Vec<usize> = (0..contacts.len()).filter(|&i| contacts[i].obstacle == k).collect();
+        let (Some(&first), Some(&last)) = (met.first(), met.last()) else { continue };
+        let positions: Vec<[f64; 3]> = met.iter().map(|&i| contacts[i].position).collect();
+        let facings: Vec<Facing> = met.iter().map(|&i| contacts[i].facing).collect();
+        for (rates, history) in motion.rates(&positions, &facings) {
+            let (mut gap, mut drift) = (vec![0.0; last + 1 - first], vec![[0.0; 2]; last + 1 - first]);
+            for (&i, rates) in met.iter().zip(&rates) {
+                (gap[i - first], drift[i - first]) = (rates.gap, rates.drift);
+            }
+            motions.push(Motion::new(first..last + 1, gap, drift, history)?);
+        }
+        if let Some(rows) = motion.bends(obstacle, &positions, &facings, &times) {
+            let spread = |row: Vec<f64>| {
+                let mut gap = vec![0.0; last + 1 - first];
+                met.iter().zip(row).for_each(|(&i, bend)| gap[i - first] = bend);
+                gap
+            };
+            bends.push(Bend::new(first..last + 1, times.clone(), rows.into_iter().map(spread).collect())?);
+        }
+    }
+    Ok((motions, bends))
 }

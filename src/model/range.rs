@@ -8,17 +8,16 @@ impl Model {
     /// contact nodes: the node whose linearised distance from its obstacle is most wrong, if that is too much;
     /// see [`range_left`].
     pub fn range_left(&self, t: f64, u: &[f64], gap: &[f64], statuses: &[ContactStatus]) -> Option<RangeLeft> {
-        let displacements = self.displacements(t, u);
+        let displacements = self.strained(t, u);
         let interference = self.loading.largest_interference();
-        let boundaries = self.contact_boundaries.iter().zip(&self.obstacles);
-        let worst = boundaries.filter_map(|(boundary, (obstacle, motion))| {
-            let deformed = boundary.nodes.clone().map(|i| DeformedNode {
+        let worst = self.obstacles.iter().enumerate().filter_map(|(k, (obstacle, motion))| {
+            let met = (0..self.contacts.len()).filter(|&i| self.contacts[i].obstacle == k);
+            let deformed = met.map(|i| DeformedNode {
                 node: self.contacts[i].node,
                 position: self.contacts[i].position,
                 displacement: displacements[self.contacts[i].node],
                 normal: self.contacts[i].facing.normal,
-                // Of the total displacement, not of what its unknowns are.
-                gap: gap[i] + self.moved(self.contacts[i].node, self.contacts[i].facing.normal, t),
+                gap: gap[i] + self.beyond(i, t),
                 closed: statuses[i] != ContactStatus::Open,
             });
             range_left(obstacle, motion, t, interference, &deformed.collect::<Vec<_>>())

@@ -1,7 +1,7 @@
 //! The stresses of a body from its displacements.
 
 use super::Model;
-use crate::fem::{centre_stress, thermal_stress};
+use crate::fem::{stress_at, thermal_stress};
 use crate::problem::ProblemError;
 use crate::problem::error::expect_length;
 
@@ -14,31 +14,40 @@ impl Model {
     /// When there is not one displacement for each node of the mesh.
     pub fn centre_stresses(&self, t: f64, displacements: &[[f64; 3]]) -> Result<Vec<[f64; 6]>, ProblemError> {
         expect_length("displacements", self.mesh.nodes.len(), displacements.len(), "one for each node of the mesh")?;
-        Ok(self.stresses(t, displacements))
+        Ok(self.stresses(&self.thermal_factors(t), displacements))
     }
 
-    /// [`Model::centre_stresses`] of displacements that fit.
-    pub(crate) fn stresses(&self, t: f64, displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
-        let factors: Vec<f64> = self.thermal.iter().map(|(_, load)| self.loading.cases()[*load].factor(t)).collect();
-        let free_strain =
-            |e: usize| -> f64 { self.thermal.iter().zip(&factors).map(|((of_cell, _), f)| f * of_cell[e]).sum() };
-        let cells = self.mesh.cells.iter().zip(&self.materials).enumerate();
-        cells
-            .map(|(e, (cell, material))| {
-                let corners = self.mesh.points(&cell.nodes);
-                let corner_displacements: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
-                // Assembly has refused cells that have none.
-                let stress = centre_stress(cell.kind, &corners, &corner_displacements, self.element(), material);
-                let mut stress = stress.unwrap_or([f64::NAN; 6]);
-                if !factors.is_empty() {
-                    let free = thermal_stress(material, self.is_thin(), free_strain(e));
-                    stress.iter_mut().zip(free).for_each(|(s, free)| *s -= free);
-                }
-                if self.is_thin() {
-                    stress[2] = 0.0;
-                }
-                stress
-            })
-            .collect()
+    /// [`Model::centre_stresses`] of displacements that fit, with the `factors` of [`Model::thermal_factors`].
+    pub(crate) fn stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
+        let cells = self.mesh.cells.iter().enumerate();
+        cells.map(|(e, cell)| self.stress_in(e, cell.kind.centre(), factors, displacements)).collect()
+    }
+
+    /// The factors of the loads by temperature at time `t` (s).
+    pub(crate) fn thermal_factors(&self, t: f64) -> Vec<f64> {
+        self.thermal.iter().map(|(_, load)| self.loading.cases()[*load].factor(t)).collect()
+    }
+
+    /// The stress-free strain of cell `e`, where loads by temperature have these `factors`; none stand for no such loads.
+    pub(super) fn free_strain(&self, e: usize, factors: &[f64]) -> f64 {
+        self.thermal.iter().zip(factors).map(|((of_cell, _), f)| f * of_cell[e]).sum()
+    }
+
+    /// The stress (Pa) at the reference point `point` of cell `e`.
+    pub(crate) fn stress_in(&self, e: usize, point: [f64; 3], factors: &[f64], displacements: &[[f64; 3]]) -> [f64; 6] {
+        let (cell, material) = (&self.mesh.cells[e], &self.materials[e]);
+        let corners = self.mesh.points(&cell.nodes);
+        let corner_displacements: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
+        // Assembly has refused cells that have none.
+        let stress = stress_at(cell.kind, point, &corners, &corner_displacements, self.element(), material);
+        let mut stress = stress.unwrap_or([f64::NAN; 6]);
+        if !factors.is_empty() {
+            let free = thermal_stress(material, self.is_thin(), self.free_strain(e, factors));
+            stress.iter_mut().zip(free).for_each(|(s, free)| *s -= free);
+        }
+        if self.is_thin() {
+            stress[2] = 0.0;
+        }
+        stress
     }
 }

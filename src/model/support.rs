@@ -4,11 +4,18 @@ use super::find;
 use super::place::{nodes, normals, suits};
 use crate::description::{Axis, Description, Direction, Held, Support, Where};
 use crate::fault::Fault;
-use crate::fem::{Dofs, HeldRows, NodalForces, nearest_rigid_motion};
+use crate::fem::{Dofs, HeldRows, NodalForces, nearest_translation};
+use crate::loading::piecewise_linear;
 use crate::mesh::Mesh;
 use crate::timeline::within;
 use crate::units::UnitSystem;
 use crate::vector::{axis, dot, minus, norm, unit};
+
+/// Displacements that supports prescribe in one place may differ by this share of the largest.
+const SAME: f64 = 1e-9;
+
+/// A few times what rounding makes of a displacement.
+const ROUNDING: f64 = 1e-15;
 
 /// What one support holds: nodes, unit vectors, displacements (m) at factor 1.
 pub(super) type Holding = Vec<(usize, [f64; 3], f64)>;
@@ -68,20 +75,20 @@ pub(super) fn dofs(mesh: &Mesh, holdings: &[Holding]) -> Result<Dofs, Fault> {
     Ok(dofs)
 }
 
-/// A motion of supports that have one history: displacements of the whole body that agree with theirs, from which the unknown
-/// ones count.
+/// A motion of supports that have one history. The body is carried along by the translation that comes nearest to theirs, which
+/// strains nothing: it is as if the obstacles came the other way, and displacements count from where the body then is.
 #[derive(Debug, Clone)]
 pub(super) struct Moved {
-    /// Of all nodes (m) at factor 1: a rigid motion, as near to the supports as there is, and at what is held the rest.
-    pub displacements: Vec<[f64; 3]>,
-    /// That rest, at the nodes of [`HeldRows`].
-    pub beyond_rigid: Vec<[f64; 3]>,
+    /// How far the body is carried along at factor 1, m.
+    pub carried: [f64; 3],
+    /// Where the nodes of [`HeldRows`] are moved beyond that at factor 1, m.
+    pub beyond: Vec<[f64; 3]>,
     /// Points `[time (s), factor]`.
     pub history: Vec<[f64; 2]>,
 }
 
 impl Moved {
-    /// The motions of all supports. A body that is moved as a whole is not strained by it; one that `stands_on_springs` is.
+    /// The motions of all supports. A body that `stands_on_springs` is not carried along: they would be strained.
     pub(super) fn all(
         description: &Description,
         mesh: &Mesh,
@@ -90,61 +97,60 @@ impl Moved {
         rows: &HeldRows,
         stands_on_springs: bool,
     ) -> Result<Vec<Self>, Fault> {
-        let mut moved: Vec<Moved> = Vec::new();
         let supports = || description.supports.iter().zip(holdings).enumerate();
-        let (mut histories, end) = (Vec::<Vec<[f64; 2]>>::new(), description.end());
+        let history = |support: &Support| within(description.end(), &support.factors(description.end()));
+        let mut histories: Vec<Vec<[f64; 2]>> = Vec::new();
         for (_, (support, _)) in supports().filter(|(_, (support, _))| support.moves()) {
-            let history = within(end, &support.factors(end));
-            if !histories.contains(&history) {
-                histories.push(history);
+            if !histories.contains(&history(support)) {
+                histories.push(history(support));
             }
         }
-        for history in histories {
+        let of_history = |of: Vec<[f64; 2]>| {
             // What others hold stays where it is.
-            let part = |(k, (support, holding)): (usize, (&Support, &Holding))| {
-                let moves = support.moves() && within(end, &support.factors(end)) == history;
-                holding.iter().map(move |&(node, n, to)| (k, node, n, if moves { to } else { 0.0 })).collect::<Vec<_>>()
-            };
-            let mut prescribed: Vec<_> = supports().flat_map(part).collect();
+            let mut prescribed = Vec::new();
+            for (k, (support, holding)) in supports() {
+                let moves = support.moves() && history(support) == of;
+                prescribed.extend(holding.iter().map(|&(node, n, to)| (k, node, n, if moves { to } else { 0.0 })));
+            }
             prescribed.sort_by_key(|(_, node, ..)| *node);
-            let rigid = if stands_on_springs {
-                None
-            } else {
-                let values: Vec<_> = prescribed.iter().map(|&(_, node, n, to)| (node, n, to)).collect();
-                nearest_rigid_motion(mesh, &values)
-            };
-            let mut displacements: Vec<[f64; 3]> =
-                mesh.nodes.iter().map(|x| rigid.as_ref().map_or([0.0; 3], |motion| motion.at(*x))).collect();
-            let mut beyond_rigid = vec![[0.0; 3]; rows.nodes().len()];
+            let values = prescribed.iter().map(|(_, _, n, to)| (*n, *to));
+            let carried = if stands_on_springs { [0.0; 3] } else { nearest_translation(values) };
             let size = prescribed.iter().fold(0.0_f64, |m, (.., to)| m.max(to.abs()));
+            let mut beyond = vec![[0.0; 3]; rows.nodes().len()];
             for at_node in prescribed.chunk_by(|a, b| a.1 == b.1) {
                 let node = at_node[0].1;
-                let values: Vec<_> =
-                    at_node.iter().map(|&(_, _, n, to)| (n, to - dot(displacements[node], n))).collect();
+                let values: Vec<_> = at_node.iter().map(|(_, _, n, to)| (*n, to - dot(carried, *n))).collect();
                 let rest = solved(dofs, node, &values);
-                if let Some((k, ..)) = at_node
-                    .iter()
-                    .zip(&values)
-                    .find_map(|((k, ..), (n, to))| ((dot(rest, *n) - to).abs() > 1e-9 * size).then_some((*k, ())))
-                {
+                let missed = |(n, to): &([f64; 3], f64)| (dot(rest, *n) - to).abs() > SAME * size;
+                if let Some(j) = values.iter().position(missed) {
                     let place = description.system(mesh.dimension).place(mesh.nodes[node]);
                     let message = format!("two supports move the node at {place} to different places");
                     let help = "let them agree there, or hold it by one of them";
-                    return Err(Fault::new(format!("support[{k}].displacement"), message, help));
+                    return Err(Fault::new(format!("support[{}].displacement", at_node[j].0), message, help));
                 }
                 if let Ok(held) = rows.nodes().binary_search(&node) {
-                    beyond_rigid[held] = rest;
+                    // What rounding leaves of a body that is carried along as a whole would be strain.
+                    beyond[held] = rest.map(|x| if x.abs() > ROUNDING * size { x } else { 0.0 });
                 }
-                displacements[node] = [0, 1, 2].map(|c| displacements[node][c] + rest[c]);
             }
-            moved.push(Moved { displacements, beyond_rigid, history });
-        }
-        Ok(moved)
+            Ok(Moved { carried, beyond, history: of })
+        };
+        histories.into_iter().map(of_history).collect()
     }
 
     /// The forces (N) on all nodes at factor 1 that take the place of this motion.
     pub(super) fn forces(&self, rows: &HeldRows) -> NodalForces {
-        rows.response(&self.beyond_rigid).into_iter().map(|(node, force)| (node, force.map(|f| -f))).collect()
+        rows.response(&self.beyond).into_iter().map(|(node, force)| (node, force.map(|f| -f))).collect()
+    }
+
+    /// Where `node` is moved beyond the body at factor 1, m.
+    pub(super) fn beyond(&self, rows: &HeldRows, node: usize) -> [f64; 3] {
+        rows.nodes().binary_search(&node).map_or([0.0; 3], |held| self.beyond[held])
+    }
+
+    /// The factor at time `t` (s).
+    pub(super) fn factor(&self, t: f64) -> f64 {
+        piecewise_linear(&self.history, t).unwrap_or(0.0)
     }
 }
 

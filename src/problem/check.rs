@@ -117,7 +117,16 @@ impl Increment<'_> {
             expect_length(name, problem.contacts(), values.len(), PER_CONTACT)?;
             expect_finite(name, values)?;
         }
-        Ok(())
+        expect_length("mu", problem.contacts(), self.mu.len(), PER_CONTACT)?;
+        expect_finite("mu", self.mu)?;
+        let mut pairs = self.mu.iter().zip(problem.mu());
+        match pairs.position(|(now, ever)| !(*now >= 0.0 && (*now > 0.0) == (*ever > 0.0))) {
+            None => Ok(()),
+            Some(i) => {
+                let must = "above 0 where that of the problem is, and 0 elsewhere";
+                Err(ProblemError::Value { array: format!("mu[{i}]"), value: self.mu[i], must })
+            }
+        }
     }
 }
 

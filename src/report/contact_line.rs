@@ -1,7 +1,5 @@
 //! The state of every contact node at the end of an increment.
 
-use std::ops::Range;
-
 use serde::Serialize;
 
 use super::csv;
@@ -15,6 +13,8 @@ use crate::vector::{minus, norm};
 /// One contact node at the end of an increment, SI.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ContactPoint {
+    /// The number of the node in the mesh, from 0.
+    pub node: usize,
     /// Position, m.
     pub x: f64,
     /// Position, m.
@@ -50,6 +50,8 @@ pub struct ContactPoint {
     pub slip_o: f64,
     /// The force of the body on the obstacle, N: normal and tangential ones together.
     pub force: [f64; 3],
+    /// The normal, out of the body, and the two tangents of the obstacle, along which the components are told.
+    pub frame: [[f64; 3]; 3],
     /// Friction coefficient.
     pub mu: f64,
     /// What the node does.
@@ -82,7 +84,7 @@ impl ContactLine {
             index: step.record.index,
             time: step.record.time,
             dimension: model.mesh.dimension,
-            points: points(model, boundary.nodes.clone(), step),
+            points: points(model, boundary.nodes.iter().copied(), step),
             units: model.units(),
         };
         model.contact_boundaries.iter().map(line).collect()
@@ -91,18 +93,21 @@ impl ContactLine {
     /// The nodes as CSV: the columns of the plane, and in three dimensions those of space among them.
     pub fn to_csv(&self) -> String {
         let columns: Vec<&Column> = COLUMNS.iter().filter(|column| column.dimension <= self.dimension).collect();
-        let header: Vec<&str> = columns.iter().map(|column| column.name).chain(["status"]).collect();
+        let place: Vec<&Column> = PLACE.iter().filter(|column| column.dimension <= self.dimension).collect();
+        let names = |columns: &[&Column]| columns.iter().map(|column| column.name).collect::<Vec<_>>();
+        let header = [names(&columns), vec!["status"], names(&place)].concat();
         let row = |p: &ContactPoint| {
             let status = match p.status {
                 ContactStatus::Open => "open",
                 ContactStatus::Stick => "stick",
                 ContactStatus::Slip => "slip",
             };
-            columns
-                .iter()
-                .map(|column| cell(&self.units, column.name, (column.value)(p)))
-                .chain([status.to_string()])
-                .collect()
+            let numbers = |columns: &[&Column]| {
+                columns.iter().map(|column| cell(&self.units, column.name, (column.value)(p))).collect()
+            };
+            let numbers: [Vec<String>; 2] = [numbers(&columns), numbers(&place)];
+            let [values, place] = numbers;
+            [values, vec![status.to_string()], place].concat()
         };
         csv::table(&header, self.points.iter().map(row))
     }
@@ -136,14 +141,28 @@ const COLUMNS: [Column; 18] = [
     Column { name: "f_z", dimension: 3, value: |p| p.force[2] },
 ];
 
+/// Behind the status: which node it is, and the directions of its components.
+const PLACE: [Column; 10] = [
+    Column { name: "node", dimension: 2, value: |p| p.node as f64 },
+    Column { name: "n_x", dimension: 2, value: |p| p.frame[0][0] },
+    Column { name: "n_y", dimension: 2, value: |p| p.frame[0][1] },
+    Column { name: "n_z", dimension: 3, value: |p| p.frame[0][2] },
+    Column { name: "t_x", dimension: 2, value: |p| p.frame[1][0] },
+    Column { name: "t_y", dimension: 2, value: |p| p.frame[1][1] },
+    Column { name: "t_z", dimension: 3, value: |p| p.frame[1][2] },
+    Column { name: "o_x", dimension: 3, value: |p| p.frame[2][0] },
+    Column { name: "o_y", dimension: 3, value: |p| p.frame[2][1] },
+    Column { name: "o_z", dimension: 3, value: |p| p.frame[2][2] },
+];
+
 /// The names of all columns.
 #[cfg(test)]
 pub(super) fn names() -> impl Iterator<Item = &'static str> {
-    COLUMNS.iter().map(|column| column.name).chain(["status"])
+    COLUMNS.iter().chain(&PLACE).map(|column| column.name).chain(["status"])
 }
 
 /// The contact nodes `nodes` at the end of a step.
-pub(super) fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec<ContactPoint> {
+pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Step<'_>) -> Vec<ContactPoint> {
     let (problem, state) = (&model.problem, step.state);
     let drift = [0, 1].map(|k| model.loading.drift_at(step.record.time, k));
     let mut s = 0.0;
@@ -163,7 +182,10 @@ pub(super) fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec
         let [p_t, p_o] = contact.in_frame([state.p_t[i], state.p_o[i]]);
         let [w_t, w_o] = contact.in_frame(w);
         let [slip_t, slip_o] = contact.in_frame([0, 1].map(|k| along[k] - drift[k][i]));
+        let [t, o] = contact.frame;
         ContactPoint {
+            node: contact.node,
+            frame: [contact.facing.normal, t, o],
             x,
             y,
             z,
@@ -181,7 +203,7 @@ pub(super) fn points(model: &Model, nodes: Range<usize>, step: &Step<'_>) -> Vec
             slip_t,
             slip_o,
             force: model.contact_force(state, i),
-            mu: problem.mu()[i],
+            mu: step.increment.mu[i],
             status: step.statuses[i],
         }
     };

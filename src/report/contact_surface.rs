@@ -1,10 +1,10 @@
 //! A contact surface in space at the end of an increment, seen along its normal.
 
-use crate::contact::{ContactBoundary, ContactStatus};
+use crate::contact::{ContactBoundary, ContactStatus, ObstacleMotion, PlacedObstacle};
 use crate::history::Step;
 use crate::model::Model;
 use crate::units::UnitSystem;
-use crate::vector::{axis_across, cross, dot};
+use crate::vector::{axis_across, cross, dot, norm, unit};
 
 /// The nodes and facets of a boundary with contact, projected on the plane at right angles to the obstacle's normal.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,21 +34,20 @@ pub struct SurfaceNode {
     pub pressure: f64,
     /// Tangential contact stress along the axes, Pa: of the body on the obstacle.
     pub traction: [f64; 2],
-    /// What the node does; none if supports keep it from the obstacle.
+    /// What the node does; none if supports keep it from the obstacle, or no obstacle reaches it.
     pub status: Option<ContactStatus>,
 }
 
 impl ContactSurface {
     /// The contact surfaces of a step, one for each boundary with contact; none in two dimensions.
     pub fn all(model: &Model, step: &Step<'_>) -> Vec<Self> {
-        let boundaries = model.contact_boundaries.iter().zip(&model.obstacles);
-        let boundaries = boundaries.filter(|_| model.mesh.dimension == 3);
-        boundaries.filter_map(|(boundary, (obstacle, _))| Self::new(model, step, boundary, obstacle.normal)).collect()
+        let boundaries = model.contact_boundaries.iter().filter(|_| model.mesh.dimension == 3);
+        boundaries.filter_map(|boundary| Self::new(model, step, boundary)).collect()
     }
 
-    fn new(model: &Model, step: &Step<'_>, boundary: &ContactBoundary, normal: [f64; 3]) -> Option<Self> {
+    fn new(model: &Model, step: &Step<'_>, boundary: &ContactBoundary) -> Option<Self> {
         let facets = &model.mesh.boundary(&boundary.name)?.facets;
-        let axes = axes(normal);
+        let axes = axes(view(&model.obstacles[boundary.obstacles.clone()]));
         let along = |v: [f64; 3]| axes.map(|axis| dot(axis, v));
         let mut number = vec![None; model.mesh.nodes.len()];
         let mut nodes = Vec::new();
@@ -59,7 +58,7 @@ impl ContactSurface {
                 nodes.len() - 1
             });
         }
-        for i in boundary.nodes.clone() {
+        for &i in &boundary.nodes {
             let (contact, state) = (&model.contacts[i], step.state);
             let [t, o] = contact.facing.tangents;
             let (p_t, p_o) = (state.p_t[i], state.p_o[i]);
@@ -80,6 +79,16 @@ impl ContactSurface {
         })
     }
 }
+
+/// The normal of the obstacle; of several the mean, or that of the first where they surround the body.
+fn view(obstacles: &[(PlacedObstacle, ObstacleMotion)]) -> [f64; 3] {
+    let first = obstacles[0].0.normal;
+    let sum = obstacles[1..].iter().fold(first, |sum, (other, _)| [0, 1, 2].map(|c| sum[c] + other.normal[c]));
+    if obstacles.len() == 1 || norm(sum) < NOTHING { first } else { unit(sum) }
+}
+
+/// A sum of unit vectors that is shorter is none.
+const NOTHING: f64 = 1e-9;
 
 /// Two axes at right angles to `normal` and to each other, close to the positive axes of space that are most so.
 fn axes(normal: [f64; 3]) -> [[f64; 3]; 2] {

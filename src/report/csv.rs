@@ -25,7 +25,7 @@ fn quoted(text: &str) -> Cow<'_, str> {
 }
 
 /// A number as a field: with an exponent where it would be a row of zeros otherwise.
-pub(super) fn number(x: f64) -> String {
+pub fn number(x: f64) -> String {
     match x {
         // -0 too.
         0.0 => "0".to_string(),

@@ -1,6 +1,8 @@
 //! The fields of a body at the end of an increment: displacement, stress, contact.
 
 use super::contact_line::points;
+use super::deformation::deformation;
+use super::principal::{principal_stresses, von_mises};
 use super::vtu::{Field, Grid, Values};
 use crate::contact::ContactStatus;
 use crate::history::Step;
@@ -13,20 +15,21 @@ use crate::model::Model;
 /// body on the obstacle), `slip` (m, the vector of motion past the obstacle since the beginning), `gap` (m, the distance
 /// that is left), all NaN off the contact; `status`: -1 off the contact, 0 open, 1 stick, 2 slip. A node that meets
 /// two obstacles shows the one that presses more.
-/// Of cells: `stress` (Pa, at the centre, all nine components row by row), `von_mises` (Pa), `material`, a number
-/// from 0 for each group of the mesh and each law in it, in the order of the elements.
+/// Of cells: `stress` (Pa, at the centre, all nine components row by row), `principal_stress` (Pa, the most tensile first),
+/// `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the order of the elements.
 pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     let mesh = &model.mesh;
-    let displacements = model.displacements(step.record.time, &step.state.u);
+    let (displacements, factors) = deformation(model, step);
     let mut point_fields = vec![real("displacement", 3, displacements.iter().flatten().copied().collect())];
     if !model.contacts.is_empty() {
         point_fields.extend(contact_fields(model, step));
     }
-    let stresses = model.stresses(step.record.time, &displacements);
+    let stresses = model.stresses(&factors, &displacements);
     let tensors = stresses.iter().flat_map(|&[xx, yy, zz, xy, yz, zx]| [xx, xy, zx, xy, yy, yz, zx, yz, zz]);
     let cell_fields = vec![
         real("stress", 9, tensors.collect()),
-        real("von_mises", 1, stresses.iter().map(von_mises).collect()),
+        real("principal_stress", 3, stresses.iter().flat_map(|&stress| principal_stresses(stress)).collect()),
+        real("von_mises", 1, stresses.iter().copied().map(von_mises).collect()),
         whole("material", materials(model)),
     ];
     let cells = mesh.cells.iter().map(|cell| (cell.nodes.clone(), vtk(cell.kind))).collect();
@@ -35,7 +38,7 @@ pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
 
 /// The names of all fields.
 #[cfg(test)]
-pub(super) const NAMES: [&str; 9] = [
+pub(super) const NAMES: [&str; 10] = [
     "displacement",
     "contact_pressure",
     "tangential_traction",
@@ -43,6 +46,7 @@ pub(super) const NAMES: [&str; 9] = [
     "gap",
     "status",
     "stress",
+    "principal_stress",
     "von_mises",
     "material",
 ];
@@ -97,11 +101,6 @@ fn real(name: &'static str, components: usize, values: Vec<f64>) -> Field {
 
 fn whole(name: &'static str, values: Vec<i32>) -> Field {
     Field { name, components: 1, values: Values::Whole(values) }
-}
-
-fn von_mises(&[xx, yy, zz, xy, yz, zx]: &[f64; 6]) -> f64 {
-    let direct = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
-    (0.5 * direct + 3.0 * (xy * xy + yz * yz + zx * zx)).sqrt()
 }
 
 /// VTK's number of a kind of cell.

@@ -7,10 +7,14 @@ use std::path::{Path, PathBuf};
 use super::balance::BalanceRecord;
 use super::contact_line::ContactLine;
 use super::contact_surface::ContactSurface;
+use super::deformed::DeformedBody;
+use super::history_chart::history_charts;
+use super::probe::ProbeTable;
 use super::resultant::ForceRecord;
+use super::run::RunReport;
 use super::vtu::Grid;
 use super::{file_names, increments, plot, pvd};
-use crate::history::IncrementRecord;
+use crate::history::{IncrementRecord, Step};
 use crate::model::Model;
 use crate::units::UnitSystem;
 
@@ -25,6 +29,8 @@ pub struct ResultFolder {
     forces: File,
     /// Boundaries with contact, and how the names of their files end.
     boundaries: Vec<(String, String)>,
+    /// The probes, each with its table.
+    probes: Vec<(ProbeTable, File)>,
     /// The files of fields so far, each with its time, s.
     fields: Vec<(f64, String)>,
 }
@@ -35,7 +41,7 @@ impl ResultFolder {
     ///
     /// # Errors
     /// When the folder cannot be made or written, or holds files of these names that no run wrote.
-    pub fn create(path: &Path, model: &Model) -> io::Result<Self> {
+    pub fn create(path: &Path, model: &Model, probes: Vec<ProbeTable>) -> io::Result<Self> {
         if path.exists() && !path.is_dir() {
             return Err(io::ErrorKind::NotADirectory.into());
         }
@@ -67,14 +73,15 @@ impl ResultFolder {
         forces.write_all(increments::forces_header(model.mesh.dimension).as_bytes())?;
         let boundaries = || model.contact_boundaries.iter().map(|boundary| boundary.name.as_str());
         let boundaries = boundaries().map(String::from).zip(file_names::file_names(boundaries())).collect();
-        Ok(ResultFolder {
-            path: path.to_path_buf(),
-            units: model.units(),
-            increments,
-            forces,
-            boundaries,
-            fields: Vec::new(),
-        })
+        let names = file_names::file_names(probes.iter().map(|probe| probe.name.as_str()));
+        let probes = probes.into_iter().zip(names).map(|(probe, name)| {
+            let mut file = table(&format!("probe_{name}.csv"))?;
+            file.write_all(probe.header().as_bytes())?;
+            Ok((probe, file))
+        });
+        let probes = probes.collect::<io::Result<_>>()?;
+        let (path, units) = (path.to_path_buf(), model.units());
+        Ok(ResultFolder { path, units, increments, forces, boundaries, probes, fields: Vec::new() })
     }
 
     /// Where the results are.
@@ -104,7 +111,7 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_contact_line(&self, line: &ContactLine, title: &str) -> io::Result<()> {
-        let name = self.contact_name(line.index, line.boundary.as_deref());
+        let name = self.contact_name(line.index, None, line.boundary.as_deref());
         self.write(&format!("{name}.csv"), &line.to_csv())?;
         if line.dimension == 2 && line.points.len() > 1 {
             self.write(&format!("{name}.svg"), &plot::contact_stresses(line, title).map_err(io::Error::other)?)?;
@@ -112,12 +119,50 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// Writes a contact line at the end of part `part` of its increment, `contact_NNNN-P.csv`.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_part(&self, line: &ContactLine, part: usize) -> io::Result<()> {
+        self.write(
+            &format!("{}.csv", self.contact_name(line.index, Some(part), line.boundary.as_deref())),
+            &line.to_csv(),
+        )
+    }
+
+    /// Appends what the points of a probe have come to at the end of `step` to `probe_NAME.csv`.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_probes(&mut self, model: &Model, step: &Step<'_>) -> io::Result<()> {
+        self.probes.iter_mut().try_for_each(|(probe, file)| append(file, &probe.lines(model, step)))
+    }
+
+    /// Writes the picture of the deformed body, `deformed_NNNN.svg`.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_deformed(&self, body: &DeformedBody, title: &str) -> io::Result<()> {
+        self.write(&format!("deformed_{:04}.svg", body.index), &body.to_svg(title).map_err(io::Error::other)?)
+    }
+
+    /// Writes the report as `run.json`, after what it shows of the history as `forces.svg` and `iterations.svg`.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_report(&self, report: &RunReport) -> io::Result<()> {
+        for (name, chart) in history_charts(report) {
+            self.write(&format!("{name}.svg"), &chart.to_svg().map_err(io::Error::other)?)?;
+        }
+        self.write("run.json", &report.to_json().map_err(io::Error::other)?)
+    }
+
     /// Writes the picture of a contact surface, `contact_NNNN.svg` as for a line.
     ///
     /// # Errors
     /// When the disk refuses.
     pub fn add_contact_surface(&self, surface: &ContactSurface, title: &str) -> io::Result<()> {
-        let name = self.contact_name(surface.index, surface.boundary.as_deref());
+        let name = self.contact_name(surface.index, None, surface.boundary.as_deref());
         self.write(&format!("{name}.svg"), &surface.to_svg(title).map_err(io::Error::other)?)
     }
 
@@ -142,10 +187,11 @@ impl ResultFolder {
     }
 
     /// The name of the files of a contact boundary in an increment; the boundary is named if there are several.
-    fn contact_name(&self, index: usize, boundary: Option<&str>) -> String {
+    fn contact_name(&self, index: usize, part: Option<usize>, boundary: Option<&str>) -> String {
         let file = boundary.and_then(|name| self.boundaries.iter().find(|(boundary, _)| boundary == name));
         let boundary = file.map_or(String::new(), |(_, file)| format!("_{file}"));
-        format!("contact_{index:04}{boundary}")
+        let part = part.map_or(String::new(), |part| format!("-{part}"));
+        format!("contact_{index:04}{part}{boundary}")
     }
 }
 
@@ -176,18 +222,22 @@ pub fn write_file(folder: &Path, name: &str, text: &str) -> io::Result<()> {
 
 /// Whether a run writes a file of this name.
 fn is_ours(name: &str) -> bool {
+    let is_number = |text: &str| text.len() >= 4 && text.bytes().all(|b| b.is_ascii_digit());
     let line = |name: &str| {
         let stem = name.strip_suffix(".csv").or_else(|| name.strip_suffix(".svg"))?;
         let (number, _boundary) = stem.split_once('_').unwrap_or((stem, ""));
-        Some(number.len() >= 4 && number.bytes().all(|b| b.is_ascii_digit()))
+        let (number, part) = number.split_once('-').unwrap_or((number, "1"));
+        Some(is_number(number) && part.bytes().all(|b| b.is_ascii_digit()))
     };
-    let fields = |name: &str| {
-        let number = name.strip_prefix("fields_")?.strip_suffix(".vtu")?;
-        Some(number.len() >= 4 && number.bytes().all(|b| b.is_ascii_digit()))
+    let numbered = |prefix: &str, suffix: &str| {
+        name.strip_prefix(prefix).and_then(|rest| rest.strip_suffix(suffix)).is_some_and(is_number)
     };
-    ["run.json", "increments.csv", "forces.csv", "fields.pvd"].contains(&name)
+    let names = ["run.json", "increments.csv", "forces.csv", "fields.pvd", "forces.svg", "iterations.svg"];
+    names.contains(&name)
         || name.strip_prefix("contact_").and_then(line).unwrap_or(false)
-        || fields(name).unwrap_or(false)
+        || numbered("fields_", ".vtu")
+        || numbered("deformed_", ".svg")
+        || name.strip_prefix("probe_").and_then(|rest| rest.strip_suffix(".csv")).is_some()
 }
 
 #[cfg(test)]
@@ -201,6 +251,12 @@ mod tests {
                 .into_iter()
                 .all(is_ours)
         );
+        assert!(
+            ["contact_0007-3.csv", "contact_0007-12_left.csv", "deformed_0000.svg", "probe_a.csv", "forces.svg"]
+                .into_iter()
+                .all(is_ours)
+        );
+        assert!(!["contact_0007-a.csv", "deformed_x.svg", "probe_a.txt"].into_iter().any(is_ours));
         assert!(is_ours("fields_0001.vtu") && is_ours("fields.pvd") && !is_ours("fields_mine.vtu"));
         assert!(!["contact_.csv", "contact_0001.txt", "contact_mine.csv", "notes.md"].into_iter().any(is_ours));
     }

@@ -17,7 +17,7 @@ pub(super) fn header() -> String {
         &kkt[..],
         &["backward_error", "open", "stick", "slip"],
         &["seconds_assembly", "seconds_factorization", "seconds_solve", "seconds_rest"],
-        &["parts", "rescued", "friction_work"],
+        &["parts", "rescued", "friction_work", "strain_energy"],
     ];
     format!("{FIRST_COLUMNS}{}\n", fields.concat().join(","))
 }
@@ -38,7 +38,9 @@ pub(super) fn line(record: &IncrementRecord, units: &UnitSystem) -> String {
     fields.extend([r.contact.open, r.contact.stick, r.contact.slip].map(|count| count.to_string()));
     let s = r.seconds;
     fields.extend([s.assembly, s.factorization, s.solve, s.rest].map(|seconds| format!("{seconds:.6}")));
-    fields.extend([r.parts.to_string(), r.rescued.to_string(), cell(units, "friction_work", r.friction_work)]);
+    fields.extend([r.parts.to_string(), r.rescued.to_string()]);
+    fields.push(cell(units, "friction_work", r.friction_work));
+    fields.push(cell(units, "strain_energy", r.strain_energy));
     csv::line(&fields)
 }
 

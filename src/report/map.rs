@@ -6,11 +6,11 @@ mod view;
 
 use std::collections::BTreeMap;
 
+use super::colours::shade;
 use super::contact_surface::{ContactSurface, SurfaceNode};
 use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite};
 use crate::contact::ContactStatus;
 use crate::units::Quantity;
-use key::shade;
 use view::View;
 
 const WIDTH: f64 = 960.0;

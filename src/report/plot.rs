@@ -108,6 +108,8 @@ mod tests {
     /// A straight line of `n` nodes, of which those `closed` stick.
     fn points(n: usize, closed: std::ops::Range<usize>) -> Vec<ContactPoint> {
         let point = |k: usize| ContactPoint {
+            node: k,
+            frame: [[0.0; 3]; 3],
             x: k as f64,
             y: 0.0,
             z: 0.0,

@@ -14,18 +14,20 @@ const COLUMNS: &Table = &[
     (&["equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation"], Number),
     (&["open", "stick", "slip"], Number),
     (&["seconds_assembly", "seconds_factorization", "seconds_solve", "seconds_rest"], Number),
-    (&["friction_work", "energy"], Energy),
-    (&["boundary", "kind", "balance"], Number),
+    (&["friction_work", "strain_energy", "energy"], Energy),
+    (&["boundary", "kind", "balance", "point", "node"], Number),
+    (&["n_x", "n_y", "n_z", "t_x", "t_y", "t_z", "o_x", "o_y", "o_z"], Number),
     (&["f_x", "f_y", "f_z", "sum_p_n", "sum_p_t", "sum_p_o", "p_n", "p_t", "p_o"], Force),
     (&["m_x", "m_y", "m_z"], Moment),
-    (&["x", "y", "z", "w_n", "w_t", "w_o", "gap", "slip_t", "slip_o"], Length),
+    (&["x", "y", "z", "w_n", "w_t", "w_o", "gap", "slip_t", "slip_o", "u_x", "u_y", "u_z"], Length),
     (&["sigma_n", "sigma_t", "sigma_o"], Stress),
+    (&["s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"], Stress),
 ];
 
 /// The fields of bodies.
 const FIELDS: &Table = &[
     (&["displacement", "slip", "gap"], Length),
-    (&["contact_pressure", "tangential_traction", "stress", "von_mises"], Stress),
+    (&["contact_pressure", "tangential_traction", "stress", "principal_stress", "von_mises"], Stress),
     (&["status", "material"], Number),
 ];
 
@@ -34,7 +36,8 @@ const KEYS: &Table = &[
     (&["position", "length", "linearised", "exact"], Length),
     (&["force", "sum_p_n", "sum_p_t", "sum_p_o"], Force),
     (&["moment"], Moment),
-    (&["friction_work"], Energy),
+    (&["friction_work", "strain_energy"], Energy),
+    (&["pressure"], Stress),
 ];
 
 /// Names with the quantity of what they stand for.
@@ -91,13 +94,14 @@ fn convert(value: &mut Value, quantity: Quantity, units: &UnitSystem) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{contact_line, fields, increments};
+    use super::super::{contact_line, fields, increments, probe};
     use super::*;
 
     /// A column or field that is not in its table would be told in SI units, whatever its neighbours are told in.
     #[test]
     fn every_column_and_field_has_its_quantity() {
-        let headers = [increments::header(), increments::forces_header(2), increments::forces_header(3)];
+        let of_dimension = |d| [increments::forces_header(d), probe::header(d)];
+        let headers = [vec![increments::header()], of_dimension(2).to_vec(), of_dimension(3).to_vec()].concat();
         let nodes: Vec<&str> = contact_line::names().collect();
         for name in headers.iter().flat_map(|header| header.trim_end().split(',')).chain(nodes) {
             assert!(find(COLUMNS, name).is_some(), "{name}");

@@ -1,8 +1,6 @@
 //! The resultants of the contact forces.
 
-use std::ops::Range;
-
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::contact::ContactBoundary;
 use crate::history::Step;
@@ -10,9 +8,10 @@ use crate::model::Model;
 use crate::problem::State;
 use crate::vector::cross;
 
-/// What the body does to the obstacle in front of one boundary: the sum of the contact forces, and their components. On
-/// several boundaries, and on an obstacle with a normal for each node, normals and tangents point different ways.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// What the body does to the obstacles in front of one boundary: the sum of the contact forces, and their components. The forces
+/// on a node that is of several boundaries count in each by its share in the node's area. On several boundaries, and on an
+/// obstacle with a normal for each node, normals and tangents point different ways.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Resultant {
     /// The boundary.
@@ -28,7 +27,7 @@ pub struct Resultant {
 }
 
 /// Sums of the components of contact forces.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct ComponentSums {
     /// `Σ p_n`, N.
@@ -62,8 +61,8 @@ impl Resultant {
     fn of(model: &Model, state: &State, boundary: &ContactBoundary) -> Self {
         let dimension = model.mesh.dimension;
         let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
-        for i in boundary.nodes.clone() {
-            let f = model.contact_force(state, i);
+        for (i, part) in boundary.parts(&model.contacts) {
+            let f = model.contact_force(state, i).map(|f| part * f);
             let m = cross(model.contacts[i].position, f);
             (0..3).for_each(|c| (force[c] += f[c], moment[c] += m[c]).0);
         }
@@ -71,18 +70,18 @@ impl Resultant {
             boundary: boundary.name.clone(),
             force: force[..dimension].to_vec(),
             moment: if dimension == 2 { vec![moment[2]] } else { moment.to_vec() },
-            sums: ComponentSums::of(model, state, boundary.nodes.clone()),
+            sums: ComponentSums::of(model, state, boundary.parts(&model.contacts)),
         }
     }
 }
 
 impl ComponentSums {
-    /// The sums over the contact nodes `nodes`.
-    pub(super) fn of(model: &Model, state: &State, nodes: Range<usize>) -> Self {
+    /// The sums over contact nodes, each with the part of it that counts.
+    pub(super) fn of(model: &Model, state: &State, parts: impl Iterator<Item = (usize, f64)>) -> Self {
         let mut sums = [0.0; 3];
-        for i in nodes {
+        for (i, part) in parts {
             let [p_t, p_o] = model.contacts[i].in_frame([state.p_t[i], state.p_o[i]]);
-            sums.iter_mut().zip([state.p_n[i], p_t, p_o]).for_each(|(sum, p)| *sum += p);
+            sums.iter_mut().zip([state.p_n[i], p_t, p_o]).for_each(|(sum, p)| *sum += part * p);
         }
         let [sum_p_n, sum_p_t, sum_p_o] = sums;
         ComponentSums { sum_p_n, sum_p_t, sum_p_o: (model.mesh.dimension == 3).then_some(sum_p_o) }

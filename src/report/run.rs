@@ -8,7 +8,7 @@ use super::quantities;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
 use super::unit_names::UnitNames;
 use super::unknowns::{LeftOut, Unknowns};
-use super::validity::{LargestDisplacement, Validity};
+use super::validity::{LargestDisplacement, LargestPressure, Validity};
 use super::warnings::Warning;
 use crate::auto::{Choice, Faster};
 use crate::contact::RangeLeft;
@@ -61,6 +61,9 @@ pub struct RunReport {
     /// The largest displacement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_displacement: Option<LargestDisplacement>,
+    /// The largest contact pressure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_pressure: Option<LargestPressure>,
     /// The node and time where the contact was furthest out of the range of its linearised gaps, if it left it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_left: Option<RangeLeft>,
@@ -175,6 +178,7 @@ impl RunReport {
             explanation: Explanation::new(solver, model, outcome),
             warnings,
             largest_displacement: validity.largest,
+            largest_pressure: validity.largest_pressure.clone(),
             range_left: validity.range_left,
             unknowns: Unknowns::new(&outcome.layout, solver.method),
             left_out: LeftOut::all(model, facts.condensed),
@@ -190,7 +194,7 @@ impl RunReport {
                 nnz_factors: outcome.linear.factor.entries,
                 backward_error: outcome.linear.worst_backward_error,
             },
-            end: ComponentSums::of(model, &outcome.state, 0..model.contacts.len()),
+            end: ComponentSums::of(model, &outcome.state, (0..model.contacts.len()).map(|i| (i, 1.0))),
             boundaries: Resultant::all(model, &outcome.state),
             forces: facts.forces,
             reactions: facts.reactions,

@@ -57,10 +57,11 @@ impl LeftOut {
     pub fn all(model: &Model, condensed: bool) -> Vec<Self> {
         let Model { mesh, problem, contacts, contact_boundaries, .. } = model;
         let tangential = if mesh.dimension == 2 { "p_t" } else { "p_t and p_o" };
-        let claimed = (contact_boundaries.iter())
-            .filter_map(|boundary| mesh.boundary(&boundary.name))
-            .map(|boundary| boundary.nodes().len())
-            .sum::<usize>();
+        let beyond: usize = contact_boundaries.iter().map(|boundary| boundary.beyond).sum();
+        let held = contact_boundaries.iter().filter_map(|boundary| {
+            let all = mesh.boundary(&boundary.name)?.nodes().len();
+            Some(all - boundary.beyond - boundary.nodes.len())
+        });
         let smooth = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu == 0.0);
         let rough = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu > 0.0);
         let free =
@@ -69,7 +70,8 @@ impl LeftOut {
         let counted = [
             (mesh.nodes.len() * mesh.dimension - problem.displacements(), "u", "held by supports"),
             (interior, "u", "within the body: condensed, known once those at the contact are"),
-            (claimed - contacts.len(), "p_n", "at nodes that supports hold along the normal"),
+            (held.sum(), "p_n", "at nodes that supports hold along the normal"),
+            (beyond, "p_n", "at nodes that no obstacle ever reaches"),
             (smooth.map(|(contact, _)| free(contact)).sum(), tangential, "at nodes without friction"),
             (
                 rough.map(|(contact, _)| mesh.dimension - 1 - free(contact)).sum(),

@@ -1,6 +1,6 @@
 //! Whether a solution stays where its equations hold: small displacements, and gaps linearised in the undeformed state.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::warnings::{Warning, WarningKind};
 use crate::contact::{ContactNode, ContactStatus, RangeLeft};
@@ -18,6 +18,8 @@ pub const NOT_SMALL: f64 = 0.1;
 pub struct Validity {
     /// The largest displacement, if there was any increment.
     pub largest: Option<LargestDisplacement>,
+    /// The largest contact pressure, if anything was pressed.
+    pub largest_pressure: Option<LargestPressure>,
     /// Where the linearised gaps were most wrong, if they were out of their range.
     pub range_left: Option<RangeLeft>,
     /// Whether each contact node ever touched its obstacle.
@@ -36,10 +38,24 @@ pub struct LargestDisplacement {
     pub time: f64,
 }
 
+/// The largest contact pressure of a history.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct LargestPressure {
+    /// `σ_n = p_n / l` (32), Pa.
+    pub pressure: f64,
+    /// The boundary of the node.
+    pub boundary: String,
+    /// The node's position, m.
+    pub position: [f64; 3],
+    /// The time, s.
+    pub time: f64,
+}
+
 impl Validity {
     /// Before the first increment of `model`.
     pub fn new(model: &Model) -> Self {
-        Validity { largest: None, range_left: None, touched: vec![false; model.contacts.len()] }
+        Validity { largest: None, largest_pressure: None, range_left: None, touched: vec![false; model.contacts.len()] }
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
@@ -52,6 +68,16 @@ impl Validity {
             let length = norm(u);
             if self.largest.is_none_or(|largest| length > largest.length) {
                 self.largest = Some(LargestDisplacement { length, position: *position, time: record.time });
+            }
+        }
+        for boundary in &model.contact_boundaries {
+            for &i in &boundary.nodes {
+                let contact = &model.contacts[i];
+                let pressure = state.p_n[i] / contact.weight;
+                if pressure > self.largest_pressure.as_ref().map_or(0.0, |largest| largest.pressure) {
+                    let (boundary, position) = (boundary.name.clone(), contact.position);
+                    self.largest_pressure = Some(LargestPressure { pressure, boundary, position, time: record.time });
+                }
             }
         }
         for (touched, status) in self.touched.iter_mut().zip(*statuses) {
@@ -72,7 +98,7 @@ impl Validity {
         let mut warn = |kind, message| warnings.push(Warning { kind, message });
         let mut boundaries = model.contact_boundaries.iter();
         // Without a converged increment nothing is known of the contact.
-        let untouched = boundaries.find(|boundary| !self.touched[boundary.nodes.clone()].contains(&true));
+        let untouched = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| self.touched[i]));
         if let (Some(boundary), Some(_)) = (untouched, self.largest) {
             let message = format!(
                 "`{}` never touched its obstacle; `stickslip check` tells where that is and how it moves",

@@ -3,13 +3,13 @@
 use super::RunError;
 use crate::formulation::Layout;
 use crate::model::Model;
-use crate::report::available_bytes;
+use crate::report::{ProbeTable, available_bytes};
 use crate::scene::Scene;
 
 /// Discretises `scene`.
 ///
 /// # Errors
-/// When the scene contradicts its mesh, when its method knows one tangent a node but nodes slide in a plane, and when
+/// When the scene contradicts its mesh, as a probe outside of the body does, when its method knows one tangent a node but nodes slide in a plane, and when
 /// the matrices would not fit into the memory that is free.
 pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
     has_room(scene.description.mesh.nodes(), available_bytes())?;
@@ -21,6 +21,7 @@ pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
         let help = "leave solver.setting and solver.newton out, or use the method \"bn\"";
         return Err(scene.error_at(key, message, help).into());
     }
+    ProbeTable::all(&model, &scene.output.probes).map_err(|fault| scene.located(fault))?;
     Ok(model)
 }
 

@@ -40,6 +40,8 @@ pub struct RecordedIncrement {
     pub force: Vec<f64>,
     /// `g`, gaps, n_c, m.
     pub gap: Vec<f64>,
+    /// `μ`, friction coefficients, n_c.
+    pub mu: Vec<f64>,
     /// `w̄_t`, tangential displacements at the end of the increment before, n_c, m; of the last part of an increment
     /// that was halved.
     pub w_t_last: Vec<f64>,
@@ -89,21 +91,27 @@ impl Observer for Recording {
 impl RecordedIncrement {
     /// A copy of what an observer is shown.
     pub fn new(step: &Step<'_>) -> Self {
-        let Increment { force, gap, w_t_last, w_o_last } = *step.increment;
+        let Increment { force, gap, mu, w_t_last, w_o_last } = *step.increment;
         RecordedIncrement {
             record: step.record.clone(),
             state: step.state.clone(),
             statuses: step.statuses.to_vec(),
             force: force.to_vec(),
             gap: gap.to_vec(),
+            mu: mu.to_vec(),
             w_t_last: w_t_last.to_vec(),
             w_o_last: w_o_last.to_vec(),
         }
     }
 
+    /// What an observer was shown; `data` is [`RecordedIncrement::data`].
+    pub fn step<'a>(&'a self, data: &'a Increment<'a>) -> Step<'a> {
+        Step { record: &self.record, increment: data, state: &self.state, statuses: &self.statuses }
+    }
+
     /// What drove it, as [`crate::contact::KktErrors::measure`] wants it.
     pub fn data(&self) -> Increment<'_> {
-        let RecordedIncrement { force, gap, w_t_last, w_o_last, .. } = self;
-        Increment { force, gap, w_t_last, w_o_last }
+        let RecordedIncrement { force, gap, mu, w_t_last, w_o_last, .. } = self;
+        Increment { force, gap, mu, w_t_last, w_o_last }
     }
 }

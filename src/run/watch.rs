@@ -1,7 +1,7 @@
 //! What a report needs of the increments, gathered while they go by.
 
 use super::recording::RecordedIncrement;
-use crate::history::{Observer, Status, Step};
+use crate::history::{IncrementRecord, Observer, Status, Step};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
 use crate::report::{BalanceRecord, ForceRecord, Validity};
@@ -11,6 +11,8 @@ pub(super) struct Watch<'a> {
     model: &'a Model,
     observer: &'a mut dyn Observer,
     pub validity: Validity,
+    /// The strain energy at the end of each increment so far, J.
+    pub energies: Vec<f64>,
     /// The resultants of each increment so far.
     pub forces: Vec<ForceRecord>,
     /// What else acted on the body.
@@ -26,11 +28,21 @@ impl<'a> Watch<'a> {
             model,
             observer,
             validity: Validity::new(model),
+            energies: Vec::new(),
             forces: Vec::new(),
             reactions: Vec::new(),
             keeps_last,
             last: None,
         }
+    }
+}
+
+impl Watch<'_> {
+    /// The record of a step with the energy of the body, where a history, which knows the forces of loads and supports only,
+    /// has another.
+    fn record(&self, step: &Step<'_>) -> Option<IncrementRecord> {
+        let strain_energy = self.model.strain_energy(step.record.time, step.state)?;
+        Some(IncrementRecord { strain_energy, ..step.record.clone() })
     }
 }
 
@@ -47,7 +59,15 @@ impl Observer for Watch<'_> {
         self.observer.iteration(index, record)
     }
 
+    fn part(&mut self, part: &Step<'_>) {
+        let record = self.record(part);
+        self.observer.part(&Step { record: record.as_ref().unwrap_or(part.record), ..*part });
+    }
+
     fn increment(&mut self, step: &Step<'_>) -> Flow {
+        let record = self.record(step);
+        let step = &Step { record: record.as_ref().unwrap_or(step.record), ..*step };
+        self.energies.push(step.record.strain_energy);
         self.validity.see(self.model, step);
         self.forces.extend(ForceRecord::all(self.model, step));
         self.reactions.push(BalanceRecord::new(self.model, step));

@@ -1,10 +1,14 @@
 //! The scene file as it stands.
 
+mod output;
+
 use std::fmt;
 use std::marker::PhantomData;
 
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{self, IntoDeserializer, SeqAccess, Visitor};
+pub(super) use output::{Output, Probe, Times};
+
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{self, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::SceneError;
@@ -221,8 +225,73 @@ pub(super) struct Spring {
 #[serde(deny_unknown_fields)]
 pub(super) struct Contact {
     pub boundary: String,
-    pub friction: f64,
-    pub obstacle: Obstacle,
+    pub friction: Friction,
+    pub friction_history: Option<Vec<Tuple<f64>>>,
+    pub obstacle: Obstacles,
+}
+
+/// A number, or a formula of the position.
+pub(super) enum Friction {
+    Number(f64),
+    Formula(String),
+}
+
+impl<'de> Deserialize<'de> for Friction {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(FrictionVisitor)
+    }
+}
+
+struct FrictionVisitor;
+
+impl Visitor<'_> for FrictionVisitor {
+    type Value = Friction;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number or a formula in quotes")
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Self::Value, E> {
+        Ok(Friction::Number(value as f64))
+    }
+
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Self::Value, E> {
+        Ok(Friction::Number(value))
+    }
+
+    fn visit_str<E: de::Error>(self, value: &str) -> Result<Self::Value, E> {
+        Ok(Friction::Formula(value.to_string()))
+    }
+}
+
+/// One obstacle, or a list of several.
+pub(super) enum Obstacles {
+    One(Box<Obstacle>),
+    Several(Vec<Obstacle>),
+}
+
+impl<'de> Deserialize<'de> for Obstacles {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ObstaclesVisitor)
+    }
+}
+
+struct ObstaclesVisitor;
+
+impl<'de> Visitor<'de> for ObstaclesVisitor {
+    type Value = Obstacles;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a table or a list of tables")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        Obstacle::deserialize(MapAccessDeserializer::new(map)).map(|one| Obstacles::One(Box::new(one)))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Self::Value, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(values)).map(Obstacles::Several)
+    }
 }
 
 #[derive(Deserialize)]
@@ -230,10 +299,14 @@ pub(super) struct Contact {
 pub(super) enum ObstacleKind {
     Plane,
     Cylinder,
+    Bore,
     Sphere,
+    Socket,
+    Cone,
     Wedge,
     Formula,
     Table,
+    Surface,
 }
 
 #[derive(Deserialize)]
@@ -246,8 +319,10 @@ pub(super) struct Obstacle {
     pub apex: Option<Vector>,
     pub axis: Option<Vector>,
     pub angle: Option<f64>,
+    pub half_angle: Option<f64>,
     pub formula: Option<String>,
     pub file: Option<String>,
+    pub scale: Option<f64>,
     pub direction: Option<GapDirection>,
     pub approach: Option<Vec<Tuple<f64>>>,
     pub motion: Option<Motion>,
@@ -312,14 +387,6 @@ pub(super) struct Solver {
     pub r_factor: Option<f64>,
     pub max_iterations: Option<i64>,
     pub tolerance: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Output {
-    pub times: Option<Vec<f64>>,
-    #[serde(default)]
-    pub fields: bool,
 }
 
 impl Document {

@@ -1,6 +1,7 @@
 //! `--set key=value`: changes of a scene before it is read, made in its text, so that every message
 //! points at a line of the text that counts. A key that is added moves the lines below it by one.
 
+use std::fmt;
 use std::str::FromStr;
 
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
@@ -54,6 +55,13 @@ impl FromStr for Override {
     }
 }
 
+impl fmt::Display for Override {
+    /// `key=value`, as it is parsed.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
 impl Override {
     /// Sets the key at a plain path, such as `time.increments`, to `value`.
     pub fn value(key: &str, value: impl Into<Value>) -> Self {
@@ -95,7 +103,7 @@ impl Override {
             Some(Item::ArrayOfTables(list)) => {
                 self.set_in_list(name, *index, list.iter_mut().map(|table| table as &mut dyn TableLike).collect(), rest)
             }
-            Some(Item::Value(Value::Array(list))) if LISTS.contains(&name.as_str()) => {
+            Some(Item::Value(Value::Array(list))) if list.iter().any(Value::is_inline_table) => {
                 let tables = list.iter_mut().filter_map(Value::as_inline_table_mut);
                 self.set_in_list(name, *index, tables.map(|table| table as &mut dyn TableLike).collect(), rest)
             }

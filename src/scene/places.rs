@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml_edit::{Document, Item, TableLike, Value};
 
 /// The keys of a text, such as `contact[0].friction`: first the place of the value, then those of what stands under it,
-/// then that of the name itself.
+/// then that of the name itself. The only element of a list stands under the list's own key, too.
 pub(super) struct Places(Vec<(String, Range<usize>)>);
 
 impl Places {
@@ -61,6 +61,9 @@ impl Places {
                     self.0.extend(table.span().map(|span| (key.clone(), span)));
                     self.take_table(table, &key);
                 }
+                if let (1, Some(one)) = (tables.len(), tables.get(0)) {
+                    self.take_table(one, key);
+                }
             }
             Item::Value(Value::Array(values)) => {
                 for (k, value) in values.iter().enumerate() {
@@ -69,6 +72,9 @@ impl Places {
                     if let Some(table) = value.as_inline_table() {
                         self.take_table(table, &key);
                     }
+                }
+                if let (1, Some(Value::InlineTable(one))) = (values.len(), values.get(0)) {
+                    self.take_table(one, key);
                 }
             }
             _ => {
@@ -95,6 +101,8 @@ obstacle = { kind = "plane", motion.rotation.axis = [0, 1] }
 friction = 0.2
 [contact.obstacle]
 gap = 3
+[[load]]
+history = [[0, 1], [1, 2]]
 "#;
 
     #[test]
@@ -111,6 +119,7 @@ gap = 3
             ("contact[0].obstacle.motion.rotation.axis", "[0, 1]"),
             ("contact[1].obstacle", "[contact.obstacle]"),
             ("contact[1].obstacle.gap", "3"),
+            ("load[0].history[1]", "[1, 2]"),
         ] {
             let span = places.span(key);
             assert_eq!(&TEXT[span.clone()], value, "{key}");
@@ -119,6 +128,7 @@ gap = 3
         // What is not there stands for what holds it.
         assert_eq!(&TEXT[places.span("mesh.elements")], "[mesh]");
         assert_eq!(&TEXT[places.span("contact[1].obstacle.axis")], "[contact.obstacle]");
+        assert_eq!(&TEXT[places.span("load.history")], "[[0, 1], [1, 2]]");
         assert_eq!((places.span("solver.method"), places.key(&(0..0)).as_str()), (0..0, ""));
         let two = TEXT.find("2, 3").unwrap();
         assert_eq!(places.key(&(two..two + 1)), "mesh.size[1]");

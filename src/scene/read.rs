@@ -4,16 +4,18 @@
 mod action;
 mod mesh;
 mod obstacle;
+mod output;
 mod solver;
 
 use std::path::Path;
 
 use super::document::{self, Document, Tuple};
 use super::error::Source;
-use super::{Output, Scene, SceneError, Time};
+use super::{Scene, SceneError, Time};
 use crate::description::{Contact, Description};
 use crate::fault::{Fault, demand, finite};
 use crate::fem::{Layer, Material, MaterialGroup};
+use crate::formula::Formula;
 use crate::units::Units;
 
 /// The scene of `document`, which was read from `source`.
@@ -38,7 +40,8 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
     description.check().map_err(|fault| at(fault.in_si()))?;
     let solver = solver::solver(&document.solver, !description.contacts.is_empty()).map_err(at)?;
     let one_tangent_key = solver::one_tangent_key(solver.method);
-    let output = output(document.output, &time).map_err(at)?;
+    let mut output = output::output(document.output, &time).map_err(at)?;
+    output.probes = output.probes.into_iter().map(|probe| probe.given_in(document.units)).collect();
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let title = document.title.unwrap_or_else(stem);
     Ok(Scene { title, description, time, solver, one_tangent_key, output, source })
@@ -88,20 +91,32 @@ fn material(given: document::Material) -> Material {
 }
 
 fn contact(k: usize, given: document::Contact, source: &Source) -> Result<Contact, SceneError> {
-    let document::Contact { boundary, friction, obstacle } = given;
+    let document::Contact { boundary, friction, friction_history, obstacle } = given;
+    let friction = match friction {
+        document::Friction::Number(coefficient) => coefficient.into(),
+        document::Friction::Formula(text) => {
+            let help = "give Coulomb's coefficient, or a formula of x, y and z for it, in m or as [units] says, such as \"0.1 + 0.2 * x\"";
+            formula(&text, format!("contact[{k}].friction"), help, source)?.into()
+        }
+    };
     let key = format!("contact[{k}].obstacle");
-    Ok(Contact { boundary, friction, obstacle: obstacle::obstacle(obstacle, &key, source)? })
+    let obstacles = match obstacle {
+        document::Obstacles::One(one) => vec![obstacle::obstacle(*one, &key, source)?],
+        document::Obstacles::Several(all) => (all.into_iter().enumerate())
+            .map(|(j, one)| obstacle::obstacle(one, &format!("{key}[{j}]"), source))
+            .collect::<Result<_, _>>()?,
+    };
+    Ok(Contact { boundary, friction, friction_history: friction_history.map(points), obstacles })
+}
+
+/// The formula at `key`; what is wrong within it is underlined.
+fn formula(text: &str, key: String, help: &str, source: &Source) -> Result<Formula, SceneError> {
+    Formula::parse(text).map_err(|why| {
+        let fault = Fault::new(key, format!("the formula: {why}"), help);
+        source.located_within(fault, text, &why.span)
+    })
 }
 
 fn points(given: Vec<Tuple<f64>>) -> Vec<[f64; 2]> {
     given.into_iter().map(|Tuple(point)| point).collect()
-}
-
-fn output(document::Output { times, fields }: document::Output, time: &Time) -> Result<Output, Fault> {
-    let Some(times) = times else { return Ok(Output { times: vec![time.end], fields }) };
-    if let Some(t) = times.iter().find(|&&t| t.is_nan() || t <= 0.0 || t > time.end) {
-        let message = format!("output.times holds {t}, but the history runs from 0 to {}", time.end);
-        return Err(Fault::new("output.times", message, "give times after 0 and up to time.end, s"));
-    }
-    Ok(Output { times, fields })
 }

@@ -32,7 +32,13 @@ const KEYS_AND_TYPES: &[Fault] = &[
     ("[100, 100]", "[10.5, 10]", "elements =", &["`10.5`", "a whole number"], FORM),
     ("[2, 1]]", "[2]]", "[2]]", &["invalid length 1", "2 values"], FORM),
     ("increments = 40", "increments = 4.5", "increments =", &["`4.5`", "a whole number"], FORM),
-    ("times = [1.0, 2.0]", "times = 1.0", "times =", &["`1.0`", "a list"], FORM),
+    ("times = [1.0, 2.0]", "times = 1.0", "times =", &["`1.0`", "a list of times or \"all\""], FORM),
+    ("times = [1.0, 2.0]", "times = \"each\"", "times =", &["\"each\"", "a list of times or \"all\""], FORM),
+    ("times = [1.0, 2.0]", "every = 2.5", "every =", &["`2.5`", "a whole number"], FORM),
+    ("times = [1.0, 2.0]", "deformed = 100", "deformed =", &["`100`", "boolean"], FORM),
+    ("times = [1.0, 2.0]", "probes = []", "probes =", &["unknown field `probes`", "`probe`"], REMOVE),
+    ("times = [1.0, 2.0]", "probe = [{ point = [1, 1] }]", "probe =", &["missing field `name`"], ADD),
+    ("times = [1.0, 2.0]", "[output.probe]\nname = 'a'", "[output.probe]", &["a list"], "write `[[output.probe]]`"),
     ("[[support]]", "[support]", "[support]", &["table", "a list", "in `support`"], "write `[[support]]`"),
     ("[[contact]]", "[contact]", "[contact]", &["table", "a list"], "write `[[contact]]`"),
     ("[[load]]                        # Q1", "[load]", "[load]\nboundary", &["duplicate key"], "as `[[load]]`"),
@@ -58,7 +64,7 @@ const KEYS_AND_TYPES: &[Fault] = &[
     ("poisson =", "layers = [[0.1, 1e9]]\npoisson =", "layers =", &["invalid length 2", "3 values"], FORM),
     ("poisson =", "layers = [0.1, 1e9, 0.3]\npoisson =", "layers =", &["`0.1`", "a list"], FORM),
     ("\"y\"]", "\"w\"]", "\"w\"]", &["unknown variant `w`", "`x`"], LISTED),
-    ("\"plane\"", "\"cone\"", "\"cone\"", &["unknown variant `cone`", "`plane`"], LISTED),
+    ("\"plane\"", "\"prism\"", "\"prism\"", &["unknown variant `prism`", "`plane`"], LISTED),
     ("\"bn\"", "\"newton\"", "\"newton\"", &["unknown variant `newton`", "`bn`"], LISTED),
     ("\"paper\"", "\"mine\"", "\"mine\"", &["unknown variant `mine`", "`paper`"], LISTED),
     ("\"paper\"", "\"paper\"\nlinear = \"cg\"", "\"cg\"", &["unknown variant `cg`", "`umfpack`"], LISTED),
@@ -70,6 +76,11 @@ const FULL: &[(&str, &str)] = &[
     ("poisson =", "layers = [[0.1, 1e9, 0.2]]\npoisson ="),
     ("gap = 1e-5", "gap = 1e-5, normal = [0.0, -1.0], tangent = [1.0, 0.0]"),
     ("\"paper\"", "\"paper\"\nmax_iterations = 200\ntolerance = 1e-10"),
+    (
+        "[output]",
+        "[output]\nevery = 2\ndeformed = true\nmagnification = 50\n\
+         probe = [{ name = 'a', point = [1, 0.5] }, { name = 'b', from = [0, 0], to = [1, 1], points = 5 }]",
+    ),
 ];
 
 #[test]
@@ -122,8 +133,8 @@ fn no_number_may_be_nan_or_infinite() {
     let full = FULL.iter().fold(BLOCK.to_string(), |text, (from, to)| edit(&text, from, to));
     assert!(Scene::parse("scene.toml", &full, &[]).is_ok());
     let places = numbers(&full);
-    // Mesh 6, material 5, friction and obstacle 6, loads 2 × (2 + 6), time 2, solver 2, output 2.
-    assert_eq!(places.len(), 39);
+    // Mesh 6, material 5, friction and obstacle 6, loads 2 × (2 + 6), time 2, solver 2, output 2 + 2 + 2 + 5.
+    assert_eq!(places.len(), 48);
     for place in places {
         for value in ["nan", "-nan", "inf", "+inf", "-inf"] {
             let text = [&full[..place.start], value, &full[place.end..]].concat();

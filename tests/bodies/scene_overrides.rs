@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
 use miette::Diagnostic;
-use stickslip::contact::{Obstacle, Shape};
+use stickslip::contact::{Friction, Obstacle, Shape};
 use stickslip::description::Load;
 use stickslip::fem::Plane;
 use stickslip::mesh::{CellKind, MeshSource, Segment};
@@ -49,8 +49,8 @@ fn gap(obstacle: &Obstacle) -> f64 {
 fn lists_and_numbers() {
     let whole = "contact=[{boundary=\"top\", friction=0.25, obstacle={kind=\"plane\", gap=0}}]";
     let contact = &scene(&[whole]).description.contacts[0];
-    assert_eq!((contact.boundary.as_str(), contact.friction), ("top", 0.25));
-    assert_eq!(scene(&["contact.friction=.5"]).description.contacts[0].friction, 0.5);
+    assert_eq!((contact.boundary.as_str(), &contact.friction), ("top", &0.25.into()));
+    assert_eq!(scene(&["contact.friction=.5"]).description.contacts[0].friction, 0.5.into());
     for (set, says) in [("material.young=1e400", "young"), ("time.increments=99999999999999999999", "increments")] {
         let error = parse(BLOCK, &[set]).unwrap_err().to_string();
         assert!(error.contains(says) && !error.contains("string"), "{error}");
@@ -107,13 +107,15 @@ fn bare_words_are_strings() {
 #[test]
 fn one_contact_or_all() {
     let frictions =
-        |sets: &[&str]| two_contacts(sets).description.contacts.iter().map(|c| c.friction).collect::<Vec<_>>();
-    assert_eq!(frictions(&[]), [0.4, 0.2]);
-    assert_eq!(frictions(&["contact.friction=0.7"]), [0.7, 0.7]);
-    assert_eq!(frictions(&["contact[0].friction=0.7"]), [0.7, 0.2]);
-    assert_eq!(frictions(&["contact[1].friction=0.7"]), [0.4, 0.7]);
-    let gaps =
-        |sets: &[&str]| two_contacts(sets).description.contacts.iter().map(|c| gap(&c.obstacle)).collect::<Vec<_>>();
+        |sets: &[&str]| two_contacts(sets).description.contacts.into_iter().map(|c| c.friction).collect::<Vec<_>>();
+    let of = |mu: [f64; 2]| mu.map(Friction::Uniform);
+    assert_eq!(frictions(&[]), of([0.4, 0.2]));
+    assert_eq!(frictions(&["contact.friction=0.7"]), of([0.7, 0.7]));
+    assert_eq!(frictions(&["contact[0].friction=0.7"]), of([0.7, 0.2]));
+    assert_eq!(frictions(&["contact[1].friction=0.7"]), of([0.4, 0.7]));
+    let gaps = |sets: &[&str]| {
+        two_contacts(sets).description.contacts.iter().map(|c| gap(&c.obstacles[0])).collect::<Vec<_>>()
+    };
     assert_eq!(gaps(&["contact.obstacle.gap=3e-5"]), [3e-5, 3e-5]);
     assert_eq!(gaps(&["contact[0].obstacle.gap=3e-5"]), [3e-5, 2e-5]);
     let loads = scene(&["load[1].traction=[1, 2]"]).description.loads;
@@ -127,7 +129,7 @@ fn contacts_in_one_line_are_a_list_too() {
     let inline = "contact = [{ boundary = \"bottom\", friction = 0.4, obstacle = { kind = \"plane\" } }]\n";
     let text = [inline, &without("[[contact]]", Some("[[load]]"))].concat();
     for set in ["contact.friction=0.7", "contact[0].friction=0.7"] {
-        assert_eq!(parse(&text, &[set]).unwrap().description.contacts[0].friction, 0.7);
+        assert_eq!(parse(&text, &[set]).unwrap().description.contacts[0].friction, 0.7.into());
     }
     let error = parse(&text, &["contact[1].friction=0.7"]).unwrap_err().to_string();
     assert!(error.contains("has 1 [[contact]]"), "{error}");
@@ -140,7 +142,7 @@ fn what_the_scene_leaves_out_is_added() {
     let solver = parse(&bare, &["solver.max_iterations=7", "solver.tolerance=1e-6"]).unwrap().solver;
     assert_eq!((solver.max_iterations, solver.tolerance), (7, 1e-6));
     let changed = scene(&["contact.obstacle.normal=[0, -2]"]);
-    let obstacle = &changed.description.contacts[0].obstacle;
+    let obstacle = &changed.description.contacts[0].obstacles[0];
     assert_eq!((gap(obstacle), obstacle.normal), (1e-5, Some([0.0, -2.0].into())));
     // An added table is checked as any other.
     let error = parse(&bare, &["output.times=[5]"]).unwrap_err().to_string();

@@ -263,6 +263,29 @@ const SPACE: &str = r#"
     boundary = "front"
     friction = 0.3
     obstacle = { kind = "plane", gap = 2e-5 }
+    [[contact]]
+    boundary = "right"
+    friction = 0.3
+    [[contact.obstacle]]
+    kind = "socket"
+    radius = 3.0
+    apex = [0.401, 0.1, 0.05]
+    normal = [1, 0, 0]
+    [[contact.obstacle]]
+    kind = "bore"
+    radius = 4.0
+    apex = [0.402, 0.1, 0.05]
+    axis = [0, 0, 1]
+    normal = [1, 0, 0]
+    [[contact.obstacle]]
+    kind = "cone"
+    half_angle = 1.4
+    apex = [0.403, 0.1, 0.05]
+    normal = [1, 0, 0]
+    [[contact.obstacle]]
+    kind = "surface"
+    file = "surface.stl"
+    scale = 0.5
     [[load]]
     point = [0.4, 0.2, 0.1]
     force = [1e3, 2e3, 3e3]
@@ -271,6 +294,11 @@ const SPACE: &str = r#"
     [time]
     end = 1
     increments = 2
+    [[output.probe]]
+    name = "line"
+    from = [0.1, 0.0, 0.0]
+    to = [0.3, 0.2, 0.1]
+    points = 3
 "#;
 
 const SPACE_IN_INCHES: &[(&str, &str)] = &[
@@ -291,7 +319,15 @@ const SPACE_IN_INCHES: &[(&str, &str)] = &[
     ),
     ("[0.2, 0.2001, 0.05]", "[LENGTH(0.2), LENGTH(0.2001), LENGTH(0.05)]"),
     ("gap = 2e-5", "gap = LENGTH(2e-5)"),
+    ("radius = 3.0", "radius = LENGTH(3.0)"),
+    ("[0.401, 0.1, 0.05]", "[LENGTH(0.401), LENGTH(0.1), LENGTH(0.05)]"),
+    ("radius = 4.0", "radius = LENGTH(4.0)"),
+    ("[0.402, 0.1, 0.05]", "[LENGTH(0.402), LENGTH(0.1), LENGTH(0.05)]"),
+    ("[0.403, 0.1, 0.05]", "[LENGTH(0.403), LENGTH(0.1), LENGTH(0.05)]"),
+    ("scale = 0.5", "scale = LENGTH(0.5)"),
     ("point = [0.4, 0.2, 0.1]", "point = [LENGTH(0.4), LENGTH(0.2), LENGTH(0.1)]"),
+    ("from = [0.1, 0.0, 0.0]", "from = [LENGTH(0.1), 0, 0]"),
+    ("to = [0.3, 0.2, 0.1]", "to = [LENGTH(0.3), LENGTH(0.2), LENGTH(0.1)]"),
     ("[1e3, 2e3, 3e3]", "[FORCE(1e3), FORCE(2e3), FORCE(3e3)]"),
     ("-9.81", "LENGTH(-9.81)"),
 ];
@@ -300,6 +336,9 @@ const SPACE_IN_INCHES: &[(&str, &str)] = &[
 fn every_number_of_a_scene_in_space_is_converted() {
     let (si, inches) = (scene(SPACE), scene(&in_inches(SPACE, SPACE_IN_INCHES, 3)));
     assert_same(&inches.description, &si.description);
+    let [si, inches] = [si, inches].map(|scene| numbers(&format!("{:?}", scene.output.probes)));
+    assert_eq!(si.len(), 7);
+    assert!(si.iter().zip(&inches).all(|((_, x), (_, y))| (x - y).abs() <= 4e-16 * x.abs()), "{si:?} {inches:?}");
 }
 
 /// Formulas get coordinates in the unit of length and give values in the unit of what they stand for.
@@ -454,7 +493,7 @@ fn vtu_files_are_in_the_units_of_the_scene() {
         assert_eq!(name, other);
         let unit = match name.as_str() {
             "Points" | "displacement" | "slip" | "gap" => 1e-3,
-            "contact_pressure" | "tangential_traction" | "stress" | "von_mises" => 1e6,
+            "contact_pressure" | "tangential_traction" | "stress" | "principal_stress" | "von_mises" => 1e6,
             "status" | "material" => 1.0,
             other => panic!("what is the unit of {other}?"),
         };

@@ -158,6 +158,44 @@ fn hertz_sphere(n: usize) -> [f64; 3] {
     [p0 / hertz.p0 - 1.0, a / hertz.a - 1.0, distance(&model, p_n, |x| hertz.pressure(radius(x)))]
 }
 
+/// Sneddon's cone with the slope ψ, a quarter of it: the pressure is E* ψ/2 arcosh(a/r) and the force P = π E* ψ a²/2. The
+/// relative error of the force for the a of the second moment, P a²/3, and the distance of the pressure, which has no bound at
+/// the tip.
+fn indenting_cone(n: usize) -> [f64; 2] {
+    let slope = 1e-3_f64;
+    let text = include_str!("../../data/scenes/hertz_sphere.toml");
+    let sphere = "kind = \"sphere\"\nradius = 100.0                  # m";
+    let approach = "[1, 1e-4]";
+    assert!(text.contains(sphere) && text.contains(approach));
+    let half_angle = std::f64::consts::FRAC_PI_2 - slope.atan();
+    let text = text.replace(sphere, &format!("kind = \"cone\"\nhalf_angle = {half_angle}"));
+    // δ = π a ψ/2, for a = 0.1 m.
+    let text = text.replace(approach, "[1, 1.57e-4]");
+    let elements = format!("mesh.elements=[[{n},{n}],[{n},{n}],{}]", 3 * n / 2).parse().unwrap();
+    let scene = Scene::parse("cone.toml", &text, &[elements]).unwrap();
+    let model = Model::new(&scene).unwrap();
+    let outcome = common::run_default(&scene, &model, &mut ());
+    assert_eq!(outcome.status, Status::Converged);
+    let p_n = &outcome.state.p_n;
+    let radius = |x: [f64; 3]| x[0].hypot(x[1]);
+    let moment: f64 = p_n.iter().zip(&model.contacts).map(|(p, contact)| p * radius(contact.position).powi(2)).sum();
+    let a = (3.0 * moment / sum(p_n)).sqrt();
+    let stiffness = YOUNG / (1.0 - 0.09) * slope;
+    let exact = |x: [f64; 3]| if radius(x) < a { 0.5 * stiffness * (a / radius(x)).acosh() } else { 0.0 };
+    println!("{n}: a {a}, {} nodes in contact", p_n.iter().filter(|p| **p > 1.0).count());
+    [4.0 * sum(p_n) / (0.5 * std::f64::consts::PI * stiffness * a * a) - 1.0, distance(&model, p_n, exact)]
+}
+
+#[test]
+fn sneddon_cone() {
+    let elements = [6, 8, 12];
+    let errors = elements.map(indenting_cone);
+    let [force, pressure] = [0, 1].map(|k| errors.map(|errors| errors[k].abs()));
+    println!("{errors:?}, orders {} {}", order(&elements, &force), order(&elements, &pressure));
+    assert!(force[2] < 0.002 && pressure[2] < 0.025, "{errors:?}");
+    assert!(pressure.windows(2).all(|pair| pair[1] < pair[0]), "{errors:?}");
+}
+
 #[test]
 fn hertz_sphere_in_space() {
     assert_converges(&[6, 8, 12, 16], hertz_sphere);

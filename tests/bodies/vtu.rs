@@ -216,6 +216,14 @@ fn bodies_in_space_read_back_as_they_were_computed() {
             assert!(s[1] == s[3] && s[2] == s[6] && s[5] == s[7]);
             assert!((mises - equivalent(s)).abs() < 1e-9 * mises);
         }
+        let (three, principal) = values(&read.data.cell, "principal_stress");
+        assert_eq!((three, principal.len()), (3, 3 * count));
+        for (s, p) in stress.chunks_exact(9).zip(principal.chunks_exact(3)) {
+            let size = s.iter().map(|x| x * x).sum::<f64>();
+            assert!(p[0] >= p[1] && p[1] >= p[2]);
+            assert!((p.iter().sum::<f64>() - s[0] - s[4] - s[8]).abs() < 1e-12 * size.sqrt());
+            assert!((p.iter().map(|x| x * x).sum::<f64>() / size - 1.0).abs() < 1e-12);
+        }
 
         // The same contact forces, by the condensed system.
         let mut keep = common::Keep::default();
@@ -240,7 +248,7 @@ fn the_series_names_whole_files() {
     let scene = common::block(&["mesh.elements=[4,3]", "time.increments=2"]);
     let (model, grids) = solve(&scene);
     let path = std::env::temp_dir().join(format!("stickslip_series_{}", std::process::id()));
-    let mut folder = ResultFolder::create(&path, &model).unwrap();
+    let mut folder = ResultFolder::create(&path, &model, Vec::new()).unwrap();
     for (k, grid) in grids.iter().enumerate() {
         folder.add_fields(k + 1, 0.5 * (k + 1) as f64, grid).unwrap();
         let series = fs::read_to_string(path.join("fields.pvd")).unwrap();
@@ -252,7 +260,7 @@ fn the_series_names_whole_files() {
         assert!(series.contains(&format!("timestep=\"{}\"", 0.5 * (k + 1) as f64)));
     }
     // A new run removes them.
-    ResultFolder::create(&path, &model).unwrap();
+    ResultFolder::create(&path, &model, Vec::new()).unwrap();
     assert!(!path.join("fields.pvd").exists() && !path.join("fields_0001.vtu").exists());
     fs::remove_dir_all(path).unwrap();
 }

@@ -6,6 +6,7 @@ pub mod hertz;
 #[cfg(feature = "cli")]
 pub mod program;
 pub mod random;
+pub mod rings;
 
 use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver};
 use stickslip::linear::Direct;
@@ -83,6 +84,7 @@ pub const BELT: &str = r#"
 pub struct Keep {
     pub states: Vec<State>,
     pub forces: Vec<Vec<f64>>,
+    pub mu: Vec<Vec<f64>>,
     pub w_t_last: Vec<Vec<f64>>,
     pub w_o_last: Vec<Vec<f64>>,
 }
@@ -90,7 +92,8 @@ pub struct Keep {
 impl Keep {
     /// The data of increment `k`, from 0.
     pub fn increment<'a>(&'a self, k: usize, gap: &'a [f64]) -> Increment<'a> {
-        Increment { force: &self.forces[k], gap, w_t_last: &self.w_t_last[k], w_o_last: &self.w_o_last[k] }
+        let (w_t_last, w_o_last) = (&self.w_t_last[k], &self.w_o_last[k]);
+        Increment { force: &self.forces[k], gap, mu: &self.mu[k], w_t_last, w_o_last }
     }
 }
 
@@ -98,6 +101,7 @@ impl Observer for Keep {
     fn increment(&mut self, step: &stickslip::history::Step<'_>) -> stickslip::nonlinear::Flow {
         self.states.push(step.state.clone());
         self.forces.push(step.increment.force.to_vec());
+        self.mu.push(step.increment.mu.to_vec());
         self.w_t_last.push(step.increment.w_t_last.to_vec());
         self.w_o_last.push(step.increment.w_o_last.to_vec());
         stickslip::nonlinear::Flow::Continue

@@ -61,7 +61,7 @@ fn every_error_names_its_array() {
     };
     let (problem, state) = (problem(), State::zero(&problem()));
     let judged = |force: &[f64], gap: &[f64], w_t_last: &[f64], state: &State| {
-        let increment = Increment { force, gap, w_t_last, w_o_last: &[0.0] };
+        let increment = Increment { force, gap, mu: problem.mu(), w_t_last, w_o_last: &[0.0] };
         let scales = KktScales::default();
         let measured = KktErrors::measure(&problem, &increment, state, &scales).map(|_| ()).map_err(|e| e.to_string());
         let found = statuses(&problem, &increment, state, &scales).map(|_| ()).map_err(|e| e.to_string());
@@ -297,7 +297,7 @@ fn an_interior_point_method_that_fails_at_its_first_step() {
 #[test]
 fn nothing_is_judged_against_no_size() {
     let (problem, state) = (problem(), State::zero(&problem()));
-    let increment = Increment { force: &[1.0; 2], gap: &[0.0], w_t_last: &[0.0], w_o_last: &[0.0] };
+    let increment = Increment { force: &[1.0; 2], gap: &[0.0], mu: problem.mu(), w_t_last: &[0.0], w_o_last: &[0.0] };
     for (force, length, array) in
         [(f64::INFINITY, 1.0, "scales.force"), (1.0, -1.0, "scales.length"), (f64::NAN, 1.0, "scales.force")]
     {

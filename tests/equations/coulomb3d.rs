@@ -268,7 +268,8 @@ fn the_measure_sees_directions() {
         free_motions: Some(Vec::new()),
     })
     .unwrap();
-    let increment = Increment { force: &[0.9, 1.2, 2.0], gap: &[0.0], w_t_last: &[0.0], w_o_last: &[0.0] };
+    let increment =
+        Increment { force: &[0.9, 1.2, 2.0], gap: &[0.0], mu: problem.mu(), w_t_last: &[0.0], w_o_last: &[0.0] };
     let measure = |p_t, p_o| {
         let state =
             State { u: vec![0.3, 0.4, 0.0], u_rest: Vec::new(), p_t: vec![p_t], p_o: vec![p_o], p_n: vec![2.0] };
@@ -326,7 +327,7 @@ fn jacobian_is_the_derivative() {
                 (problem.c_o().times(&z[..problem.displacements()]).unwrap()[i] - slip[1] / r_t) * scaling.length;
         }
         let force = loading.cases()[0].force();
-        formulation.begin(&Increment { force, gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last });
+        formulation.begin(&Increment { force, gap: &gap, mu: problem.mu(), w_t_last: &w_t_last, w_o_last: &w_o_last });
         assert!(formulation.linearize(&z));
         assert!(!formulation.linearize(&z), "the same state changes nothing");
         let at = |shifted: &[f64]| {

@@ -100,7 +100,7 @@ fn the_measure_is_unit_free() {
     let problem = common::changed(&model.problem, |parts| parts.stiffness.scale(f / l));
     let (force, gap) = (times(increment.force, f), times(increment.gap, l));
     let [w_t_last, w_o_last] = [increment.w_t_last, increment.w_o_last].map(|w| times(w, l));
-    let increment = Increment { force: &force, gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last };
+    let increment = Increment { force: &force, gap: &gap, mu: problem.mu(), w_t_last: &w_t_last, w_o_last: &w_o_last };
     let state = State {
         u: times(&state.u, l),
         u_rest: Vec::new(),
@@ -131,7 +131,7 @@ fn rounding_of_a_body_that_sticks() {
         free_motions: Some(Vec::new()),
     })
     .unwrap();
-    let increment = Increment { force: &[0.1, 1.0], gap: &[0.0], w_t_last: &[0.0], w_o_last: &[0.0] };
+    let increment = Increment { force: &[0.1, 1.0], gap: &[0.0], mu: problem.mu(), w_t_last: &[0.0], w_o_last: &[0.0] };
     let dissipation = |slip: f64| {
         let state = State { u: vec![slip, 0.0], u_rest: Vec::new(), p_t: vec![0.1], p_o: vec![0.0], p_n: vec![1.0] };
         let scales = KktScales::new(&problem, &increment, &state);

@@ -33,6 +33,7 @@ fn formulation(model: &Model, partition: Partition, newton: NewtonSystem) -> Con
     formulation.begin(&Increment {
         force: &force,
         gap: model.loading.gap(),
+        mu: model.problem.mu(),
         w_t_last: &w_t_last,
         w_o_last: &vec![0.0; w_t_last.len()],
     });

@@ -43,6 +43,7 @@ fn jacobian_is_the_derivative_of_the_residual() {
     formulation.begin(&Increment {
         force: &force,
         gap: &gap,
+        mu: model.problem.mu(),
         w_t_last: &w_t_last,
         w_o_last: &vec![0.0; w_t_last.len()],
     });
@@ -108,6 +109,7 @@ fn merit_along_a_direction_is_the_merit() {
     formulation.begin(&Increment {
         force: &force,
         gap: model.loading.gap(),
+        mu: model.problem.mu(),
         w_t_last: &w_t_last,
         w_o_last: &vec![0.0; w_t_last.len()],
     });

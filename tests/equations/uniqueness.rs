@@ -41,8 +41,9 @@ fn example(mu: f64) -> ContactProblem {
     node(2.0, 1.5, mu)
 }
 
+/// To be measured with the friction of a problem.
 fn load(force: &[f64; 2]) -> Increment<'_> {
-    Increment { force, gap: &[0.0], w_t_last: &[0.0], w_o_last: &[0.0] }
+    Increment { force, gap: &[0.0], mu: &[], w_t_last: &[0.0], w_o_last: &[0.0] }
 }
 
 fn state(u: [f64; 2], p_t: f64, p_n: f64) -> State {
@@ -50,12 +51,14 @@ fn state(u: [f64; 2], p_t: f64, p_n: f64) -> State {
 }
 
 fn critical(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> CriticalFriction {
+    let increment = &Increment { mu: problem.mu(), ..*increment };
     let scales = KktScales::new(problem, increment, state);
     let mut linear = Direct::default();
     critical_friction(problem, increment, state, &scales, Scaling::SI, &mut linear).unwrap().unwrap()
 }
 
 fn kkt(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> f64 {
+    let increment = &Increment { mu: problem.mu(), ..*increment };
     KktErrors::measure(problem, increment, state, &KktScales::new(problem, increment, state)).unwrap().worst().1
 }
 
@@ -76,7 +79,7 @@ fn grid() -> Vec<[f64; 4]> {
 fn solve(problem: &ContactProblem, increment: &Increment<'_>, start: [f64; 4]) -> Option<State> {
     let conventions = Conventions { r_n: vec![1.0], r_t: vec![1.0], pressure: Pressure::Unknown, row_unit: vec![1.0] };
     let mut formulation = Bdiff::new(problem, Scaling::SI, &conventions);
-    formulation.begin(increment);
+    formulation.begin(&Increment { mu: problem.mu(), ..*increment });
     let mut linear = Direct::default();
     linear.analyze(formulation.jacobian().pattern()).unwrap();
     let mut z = start;
@@ -238,7 +241,13 @@ fn posed(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> (Model, Vec<
 fn posed_critical(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64 {
     let (model, gap, state, w_t_last) = posed(n, mu, wanted, s);
     let force = vec![0.0; model.problem.displacements()];
-    let increment = Increment { force: &force, gap: &gap, w_t_last: &w_t_last, w_o_last: &vec![0.0; w_t_last.len()] };
+    let increment = Increment {
+        force: &force,
+        gap: &gap,
+        mu: model.problem.mu(),
+        w_t_last: &w_t_last,
+        w_o_last: &vec![0.0; w_t_last.len()],
+    };
     let scales = KktScales { force: 1e6, length: 1e-5 };
     assert_eq!(statuses(&model.problem, &increment, &state, &scales).unwrap(), wanted);
     let mut linear = Direct::default();

@@ -85,6 +85,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "auto",
             "contact",
             "description",
+            "fault",
             "fem",
             "formulation",
             "history",
@@ -113,6 +114,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "uniqueness",
         ],
     ),
+    ("sweep", &["input", "report", "scene", "units"]),
     (
         "compare",
         &[

@@ -41,13 +41,13 @@ pub const LIBRARY: &[Places] = &[
     ("signal_hook", &["cli/interrupt.rs"]),
     ("thiserror", &[]),
     ("toml", &["scene/"]),
-    ("toml_edit", &["compare/cases.rs", "scene/"]),
+    ("toml_edit", &["compare/mesh.rs", "scene/"]),
     ("std::env", &["cli.rs", "cli/"]),
     ("std::fs", &["cli/", "input.rs", "report/folder.rs", "report/usage.rs"]),
     ("std::net", &[NOWHERE]),
     ("std::panic", &["cli/bug.rs"]),
     ("std::process", &["main.rs", "cli.rs", "cli/"]),
-    ("std::thread", &[NOWHERE]),
+    ("std::thread", &["cli/sweep/processes.rs"]),
 ];
 
 /// The same of the studies, which use the library as any other crate does.

@@ -20,7 +20,10 @@ fn a_good_run_fills_its_folder() {
     let output = stickslip(&["run", &scene, "--json", "--out", &out]);
     assert_exit(&output, 0);
     let lines = ["contact_0002.csv", "contact_0002.svg", "contact_0004.csv", "contact_0004.svg"];
-    assert_eq!(folder.names("new/out"), [&lines[..], &["forces.csv", "increments.csv", "run.json"]].concat());
+    assert_eq!(
+        folder.names("new/out"),
+        [&lines[..], &["forces.csv", "forces.svg", "increments.csv", "iterations.svg", "run.json"]].concat()
+    );
 
     let out = Path::new(&out);
     let (header, rows) = csv(&out.join("increments.csv"));
@@ -34,7 +37,7 @@ fn a_good_run_fills_its_folder() {
 
     for name in ["contact_0002", "contact_0004"] {
         let (header, rows) = csv(&out.join(name).with_extension("csv"));
-        assert_eq!(header, "x,y,p_n,p_t,sigma_n,sigma_t,w_n,w_t,gap,slip_t,f_x,f_y,status");
+        assert_eq!(header, "x,y,p_n,p_t,sigma_n,sigma_t,w_n,w_t,gap,slip_t,f_x,f_y,status,node,n_x,n_y,t_x,t_y");
         assert_eq!(rows.len(), 4);
         for row in &rows {
             assert!(["open", "stick", "slip"].contains(&row[12].as_str()), "{row:?}");
@@ -236,6 +239,31 @@ fn check_explains_without_solving() {
         assert!(stdout(&output).contains(words), "`{words}` is not in:\n{}", stdout(&output));
     }
     assert_eq!(folder.names(""), ["scene.toml"]);
+}
+
+/// Several obstacles are told one by one, with how many nodes meet each, and how many are beyond the reach of all.
+#[test]
+fn check_tells_every_obstacle() {
+    let check = |obstacle: &str| {
+        let text = edit(&small(), "obstacle = { kind = \"plane\", gap = 1e-5 }", obstacle);
+        let (_folder, scene) = Folder::with_scene(&text);
+        let output = stickslip(&["check", &scene]);
+        assert_exit(&output, 0);
+        stdout(&output).to_string()
+    };
+    let rollers = "obstacle = [{ kind = \"cylinder\", radius = 0.2, apex = [0.5, -1e-5], approach = [[0, 0], [1, 1e-5]] }, \
+                   { kind = \"bore\", radius = 90.0, apex = [1.0, -0.02], direction = \"nearest\" }]";
+    let told = check(rollers);
+    for words in [
+        "contact      bottom: 2 obstacles, mu = 0.4\n",
+        "             cylinder, radius 0.2 m, apex (0.5, -0.00001) m, moves in by 0 m at 0 s, 1e-5 m at 1 s, met by 1 nodes\n",
+        "             bore, radius 90 m, apex (1, -0.02) m, met by 3 nodes\n             gaps to the nearest point",
+    ] {
+        assert!(told.contains(words), "{words}{told}");
+    }
+    let told = check("obstacle = { kind = \"cylinder\", radius = 0.2, apex = [0.5, -1e-5] }");
+    assert!(told.contains("             4 nodes that no obstacle ever reaches stay open\n"), "{told}");
+    assert!(check("obstacle = { kind = \"plane\" }").contains("mu = 0.4"));
 }
 
 /// Every point of a motion is told as that of a load is, and which of them no increment meets.

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use stickslip::compare::{
-    self, CompareError, Comparison, End, Estimate, MeshErrors, MeshResult, Phases, Plan, SolverPath, TimeErrors,
+    self, Comparison, End, Estimate, MeshChoice, MeshErrors, MeshResult, Phases, Plan, SolverPath, TimeErrors,
     Tractions, Trial, front,
 };
 use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step, System};
@@ -88,6 +88,11 @@ fn the_front_holds_what_no_cheaper_run_reaches() {
     assert!(front(&[]).is_empty());
 }
 
+/// Meshes with so many elements in the first direction.
+fn elements(counts: &[usize]) -> Vec<MeshChoice> {
+    counts.iter().copied().map(MeshChoice::Elements).collect()
+}
+
 /// What the external forces do.
 struct External {
     work: f64,
@@ -144,19 +149,22 @@ fn time_stepping_is_of_first_order_on_every_path() {
     let scene = block(&["contact.friction=0.8"]);
     let ip = SolverPath { method: Method::IP, ..CONDENSED };
     let paths = vec![BN, ip, CONDENSED];
-    let plan = Plan { paths, meshes: vec![20, 10], increments: vec![20, 320, 80], reference: 8 };
+    let plan = Plan { paths, meshes: elements(&[20, 10]), increments: vec![20, 320, 80], reference: 8 };
     let mut told = Vec::new();
     let comparison = compare::compute(&scene, &plan, &mut |what| told.push(what)).unwrap();
     assert_eq!(told.len(), plan.histories());
     assert_eq!(comparison.runs.len(), plan.histories() - 2);
     assert!(comparison.runs.iter().all(|run| run.status == Status::Converged && run.kkt <= 1e-10));
 
-    let meshes: Vec<_> = comparison.meshes.iter().map(|result| (result.mesh, result.increments)).collect();
-    assert_eq!(meshes, [(10, 2560), (20, 2560)]);
+    let meshes: Vec<_> = comparison.meshes.iter().map(|result| (result.mesh.clone(), result.increments)).collect();
+    assert_eq!(meshes, [10, 20].map(|n| (MeshChoice::Elements(n), 2560)));
     assert!(comparison.meshes[1].errors.is_none() && comparison.meshes[0].errors.unwrap().tractions > 1e-3);
 
     let errors = |path, increments| {
-        let run = comparison.on(20).find(|run| run.path == path && run.increments == increments).unwrap();
+        let run = comparison
+            .on(&MeshChoice::Elements(20))
+            .find(|run| run.path == path && run.increments == increments)
+            .unwrap();
         assert!(run.iterates.iter().all(|iterate| iterate.increment <= increments));
         // The default settings end every increment by the error measure.
         assert!(run.iterates.last().unwrap().error.unwrap() <= 1e-10);
@@ -180,7 +188,7 @@ fn in_three_dimensions_both_tangents_count() {
     let text = include_str!("../../data/scenes/cube.toml");
     let scene =
         |overrides: [&str; 2]| Scene::parse("cube.toml", text, &overrides.map(|text| text.parse().unwrap())).unwrap();
-    let plan = Plan { paths: vec![BN, CONDENSED], meshes: vec![2, 4], increments: vec![4, 16], reference: 8 };
+    let plan = Plan { paths: vec![BN, CONDENSED], meshes: elements(&[2, 4]), increments: vec![4, 16], reference: 8 };
     for scene in [
         scene(["mesh.elements=[6,6,6]", "mesh.size=[1,1,1]"]),
         scene(["mesh.elements=[16,16,4]", "mesh.size=[1,1,0.25]"]),
@@ -201,8 +209,11 @@ fn in_three_dimensions_both_tangents_count() {
         }
         assert!(comparison.meshes[0].errors.unwrap().tractions > 1e-3);
         for fine in [4, 16] {
-            let errors: Vec<TimeErrors> =
-                comparison.on(4).filter(|run| run.increments == fine).map(|run| run.errors.unwrap()).collect();
+            let errors: Vec<TimeErrors> = comparison
+                .on(&MeshChoice::Elements(4))
+                .filter(|run| run.increments == fine)
+                .map(|run| run.errors.unwrap())
+                .collect();
             assert!(errors[0].p_t > 1e-6 && (errors[0].p_t / errors[1].p_t - 1.0).abs() < 1e-5, "{errors:?}");
         }
     }
@@ -212,7 +223,7 @@ fn in_three_dimensions_both_tangents_count() {
 fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, forces: f64) -> Trial {
     Trial {
         path,
-        mesh,
+        mesh: MeshChoice::Elements(mesh),
         increments,
         status: Status::Converged,
         converged: increments,
@@ -229,7 +240,7 @@ fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, forces: f
 
 fn by_hand() -> Comparison {
     let mesh = |mesh: usize| MeshResult {
-        mesh,
+        mesh: MeshChoice::Elements(mesh),
         displacements: mesh * mesh,
         contacts: mesh,
         increments: 1000,
@@ -260,23 +271,24 @@ fn by_hand() -> Comparison {
 #[test]
 fn the_cheapest_run_is_the_cheapest() {
     let comparison = by_hand();
-    assert_eq!(comparison.cheapest(10, 1e-3, |_| true), Some(&comparison.runs[5]));
+    assert_eq!(comparison.cheapest(&MeshChoice::Elements(10), 1e-3, |_| true), Some(&comparison.runs[5]));
     assert_eq!(
-        comparison.cheapest(10, 1e-2, |path| path.linear == LinearAlgebra::Whole(SparseLu::Umfpack)),
+        comparison
+            .cheapest(&MeshChoice::Elements(10), 1e-2, |path| path.linear == LinearAlgebra::Whole(SparseLu::Umfpack)),
         Some(&comparison.runs[0])
     );
-    assert_eq!(comparison.cheapest(10, 1e-4, |_| true), None);
-    assert_eq!(comparison.front(10), [&comparison.runs[4], &comparison.runs[5]]);
+    assert_eq!(comparison.cheapest(&MeshChoice::Elements(10), 1e-4, |_| true), None);
+    assert_eq!(comparison.front(&MeshChoice::Elements(10)), [&comparison.runs[4], &comparison.runs[5]]);
 
     // A quarter for twice the increments: order 2, and a hundredth of the error takes ten times as long.
-    let Estimate { path, order, increments, seconds } = comparison.estimate(10, 1e-5).unwrap();
+    let Estimate { path, order, increments, seconds } = comparison.estimate(&MeshChoice::Elements(10), 1e-5).unwrap();
     assert_eq!(path, CONDENSED);
     assert!(close(order, 2.0) && (increments / 200.0 - 1.0).abs() < 1e-12 && (seconds / 8.0 - 1.0).abs() < 1e-12);
-    assert_eq!(comparison.estimate(100, 1e-12), None);
+    assert_eq!(comparison.estimate(&MeshChoice::Elements(100), 1e-12), None);
 
     let leads = comparison.leads();
     assert_eq!(leads.len(), 1);
-    assert_eq!(leads[0].ratios, [(10, 3.0), (100, 0.5)]);
+    assert_eq!(leads[0].ratios, [(10, 3.0), (100, 0.5)].map(|(n, ratio)| (MeshChoice::Elements(n), ratio)));
     assert!(close(comparison.growth(BN).unwrap(), 1.5), "{:?}", comparison.growth(BN));
     assert_eq!(comparison.growth(CONDENSED), None);
 }
@@ -345,28 +357,4 @@ fn the_command_writes_tables_charts_and_a_page() {
         let output = stickslip(bad);
         assert_eq!(output.status.code(), Some(2));
     }
-}
-
-/// A mesh from a file is the only one: it is called by the number of its elements, and others are refused.
-#[test]
-fn a_mesh_from_a_file_is_what_it_is() {
-    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/data/meshes/square_triangles.msh");
-    let text = format!(
-        "mesh = {{ kind = \"gmsh\", file = {mesh:?} }}
-        material = {{ young = 1e9, poisson = 0.3 }}
-        support = [{{ boundary = \"top\", fix = [\"x\", \"y\"] }}]
-        time = {{ end = 1, increments = 2 }}
-        [[contact]]
-        boundary = \"bottom\"
-        friction = 0.3
-        obstacle = {{ kind = \"plane\", approach = [[0, 0], [1, 1e-3]] }}"
-    );
-    let scene = Scene::parse("square.toml", &text, &[]).unwrap();
-    let plan = Plan { increments: vec![1, 2], ..Plan::modest(&scene, vec![BN]) };
-    assert_eq!((plan.meshes.len(), plan.histories()), (0, 3));
-    let comparison = compare::compute(&scene, &plan, &mut |_| {}).unwrap();
-    assert_eq!(comparison.meshes.iter().map(|result| result.mesh).collect::<Vec<_>>(), [32]);
-    assert!(comparison.answers()[0].contains("n = 32:"), "{:?}", comparison.answers());
-    let others = compare::compute(&scene, &Plan { meshes: vec![4], ..plan }, &mut |_| {});
-    assert!(matches!(others, Err(CompareError::FixedMesh)));
 }

@@ -131,6 +131,22 @@ fn keys_of(value: &Value, at: &str, into: &mut BTreeSet<String>) {
     value.as_array().into_iter().flatten().for_each(|value| keys_of(value, &format!("{at}[]"), into));
 }
 
+/// Changes of the block with which increments are halved.
+const HALVED: [&str; 12] = [
+    "--setting",
+    "default",
+    "--set",
+    "mesh.elements=[20,20]",
+    "--set",
+    "material.poisson=0.49",
+    "--set",
+    "time.increments=2",
+    "--set",
+    "solver.max_iterations=3",
+    "--set",
+    "contact.friction=0.8",
+];
+
 /// Reports of many kinds: plane and in space, failed, with warnings, with everything that has to be asked for.
 fn reports() -> Vec<Value> {
     let cube = edit(include_str!("../../data/scenes/cube.toml"), "[10, 10, 10]", "[2, 2, 2]");
@@ -146,6 +162,7 @@ fn reports() -> Vec<Value> {
         json_of(&small(), &slow),
         json_of(&edit(&small(), "young = 210e9", "young = 210e5"), &["--setting", "default"]),
         json_of(&cube, &["--method", "ip"]),
+        json_of(&small(), &HALVED),
         json_of(&[&small(), "\n[[spring]]\nboundary = \"right\"\nnormal = 1e9\n"].concat(), &[]),
         report(&edit(&small(), "[solver]", "[solver]\nmax_iterations = 1"), 1),
         json_of(&small(), &["--set", "units.length=ft", "--set", "units.stress=psi"]),
@@ -199,7 +216,7 @@ fn scenes_are_as_their_schema_says() {
     }
     for (from, to, fault) in [
         ("poisson", "poison", "scene.material: unknown key poison"),
-        ("\"plane\"", "\"plain\"", "scene.contact[0].obstacle.kind"),
+        ("\"plane\"", "\"plain\"", "scene.contact[0].obstacle: fits none"),
         ("friction = 0.4", "friction = -0.4", "scene.contact[0].friction: out of range"),
         ("[time]", "[times]", "scene: unknown key times"),
         ("end = 2.0", "end = \"2\"", "scene.time.end: not of the type"),
@@ -238,6 +255,7 @@ fn the_schema_of_scenes_has_the_keys_of_the_reader() {
         ("time.{}", "time"),
         ("solver.{}", "solver"),
         ("output.{}", "output"),
+        ("output.probe=[{name=\"a\",point=[0,0],{}}]", "probe"),
     ] {
         let refused = |key: &str| base.with(&[path.replace("{}", key).parse().unwrap()]).unwrap_err().to_string();
         let error = refused("nonsense=1");

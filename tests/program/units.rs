@@ -27,7 +27,9 @@ fn block() -> [String; 2] {
         let load = format!("\n[[load]]\npoint = {point}\nforce = {force}\n");
         format!("{load}[[spring]]\nboundary = \"right\"\nnormal = {stiffness}\n")
     };
-    let si = [edit(&small(), "times =", "fields = true\ntimes ="), more("[1.0, 1.0]", "[0, -1e5]", "1e9")].concat();
+    let probe = "\n[[output.probe]]\nname = \"line\"\nfrom = [0.5, 0.25]\nto = [0.5, 0.75]\npoints = 3\n";
+    let output = edit(&small(), "times =", "fields = true\ndeformed = true\ntimes =");
+    let si = [&output, probe, &more("[1.0, 1.0]", "[0, -1e5]", "1e9")].concat();
     let si = edit(&si, "setting = \"paper\"", "setting = \"default\"");
     let mm = edited(
         &si,
@@ -41,6 +43,8 @@ fn block() -> [String; 2] {
             ("point = [1.0, 1.0]", "point = [1000, 1000]"),
             ("[0, -1e5]", "[0, -1e2]"),
             ("normal = 1e9", "normal = 1"),
+            ("[0.5, 0.25]", "[500, 250]"),
+            ("[0.5, 0.75]", "[500, 750]"),
         ],
     );
     [si, mm]
@@ -66,10 +70,9 @@ fn cube() -> [String; 2] {
 /// SI units in a unit of a system of mm and MPa, in so many dimensions.
 fn in_mm(unit: &str, dimension: usize) -> f64 {
     match (unit, dimension) {
-        ("m", _) => 1e-3,
         ("Pa", _) => 1e6,
         ("N", 3) => 1.0,
-        ("N m" | "J", 3) => 1e-3,
+        ("m", _) | ("N m" | "J", 3) => 1e-3,
         // Per mm of depth.
         ("N", _) => 1e3,
         ("" | "s" | "B" | "N m" | "J", _) => 1.0,
@@ -102,12 +105,13 @@ fn close(si: f64, told: f64, unit: f64, largest: f64) -> bool {
 /// The unit of a column, apart from what the program thinks.
 fn unit_of_column(name: &str) -> &'static str {
     match name {
-        "x" | "y" | "z" | "w_n" | "w_t" | "w_o" | "gap" | "slip_t" | "slip_o" => "m",
-        "sigma_n" | "sigma_t" | "sigma_o" => "Pa",
+        "x" | "y" | "z" | "w_n" | "w_t" | "w_o" | "gap" | "slip_t" | "slip_o" | "u_x" | "u_y" => "m",
+        "sigma_n" | "sigma_t" | "sigma_o" | "s_xx" | "s_yy" | "s_zz" | "s_xy" | "von_mises" => "Pa",
         "p_n" | "p_t" | "p_o" | "f_x" | "f_y" | "f_z" | "sum_p_n" | "sum_p_t" | "sum_p_o" => "N",
         "m_x" | "m_y" | "m_z" => "N m",
-        "friction_work" => "J",
-        "index" | "time" | "iterations" | "backtracks" | "open" | "stick" | "slip" | "parts" => "",
+        "friction_work" | "strain_energy" => "J",
+        "n_x" | "n_y" | "n_z" | "t_x" | "t_y" | "t_z" | "o_x" | "o_y" | "o_z" | "node" | "point" | "index" | "time"
+        | "iterations" | "backtracks" | "open" | "stick" | "slip" | "parts" => "",
         other => panic!("what is the unit of the column {other}?"),
     }
 }
@@ -218,10 +222,11 @@ fn numbers(value: &Value, at: &str, into: &mut Vec<(String, f64)>) {
                 numbers(value, &path, into);
             }
         }
-        Value::Array(values) if values.iter().all(Value::is_object) => {
-            values.iter().for_each(|value| numbers(value, &format!("{at}[]"), into));
+        Value::Array(values) => {
+            for value in values {
+                numbers(value, &if value.is_object() { format!("{at}[]") } else { at.to_string() }, into);
+            }
         }
-        Value::Array(values) => values.iter().for_each(|value| numbers(value, at, into)),
         Value::Number(number) => into.push((at.to_string(), number.as_f64().unwrap())),
         _ => {}
     }
@@ -282,6 +287,14 @@ fn pictures_name_the_units_of_the_scene() {
         };
         assert_eq!(drawn(&si), drawn(&mm));
     }
+    let [si, mm] = run(&block());
+    for (name, of_si, of_mm) in [
+        ("deformed_0004.svg", ["m at most", "von Mises, MPa"], ["mm at most", "von Mises, MPa"]),
+        ("forces.svg", ["force, N per m of depth"; 2], ["force, N/mm"; 2]),
+    ] {
+        assert!(of_si.iter().all(|said| svg(&si, name).contains(said)), "{name}");
+        assert!(of_mm.iter().all(|said| svg(&mm, name).contains(said)), "{name}");
+    }
     let kpa = edited(&block()[0], &[("[mesh]", "[units]\nlength = \"m\"\nstress = \"kPa\"\n\n[mesh]")]);
     let kpa = edited(&kpa, &[("210e9", "210e6"), ("[0.0, -10e6]", "[0, -10e3]"), ("[-10e6, 0.0]", "[-10e3, 0]")]);
     let kpa = edited(&kpa, &[("[0, -1e5]", "[0, -1e2]"), ("normal = 1e9", "normal = 1e6")]);
@@ -341,6 +354,38 @@ fn units_can_be_set() {
     assert_exit(&half, 2);
     assert!(stderr(&half).contains("`stress`, in `units`"), "{}", stderr(&half));
     assert_exit(&stickslip(&["check", &scene, "--set", "units.length=m", "--set", "units.stress=Pa"]), 0);
+}
+
+#[test]
+fn sweeps_are_told_in_the_units_of_the_scene() {
+    let [si, mm] = block().map(|text| {
+        let (folder, scene) = Folder::with_scene(&text);
+        let out = folder.join("out");
+        let output = stickslip(&["sweep", &scene, "--vary", "contact.friction=0.1,0.2", "--out", &out]);
+        assert_exit(&output, 0);
+        let text = stdout(&output).to_string();
+        let json: Value = serde_json::from_str(&fs::read_to_string(folder.join("out/sweep.json")).unwrap()).unwrap();
+        (text, json, csv(&folder.0.join("out/sweep.csv")), fs::read_to_string(folder.join("out/sweep.svg")).unwrap())
+    });
+    assert!(si.0.contains("pressure, MPa") && si.0.contains("bottom f_x, N ") && si.1.get("units").is_none());
+    assert!(mm.0.contains("pressure, MPa") && mm.0.contains("bottom f_x, N/mm "), "{}", mm.0);
+    assert_eq!(mm.1["units"]["force"]["name"], "N/mm");
+    assert!(si.3.contains("largest contact pressure, MPa") && mm.3.contains("largest contact pressure, MPa"));
+    for (k, name) in si.2.0.split(',').enumerate() {
+        let unit = match name {
+            "largest_pressure" => "Pa",
+            name if name.contains(".f_") || name.contains(".sum_p") => "N",
+            _ => continue,
+        };
+        for (si, mm) in si.2.1.iter().zip(&mm.2.1) {
+            let [si, mm] = [si, mm].map(|row| row[k].parse::<f64>().unwrap());
+            assert!(close(si, mm, in_mm(unit, 2), si.abs()), "{name}: {si} and {mm}");
+        }
+    }
+    let (_folder, scene) = Folder::with_scene(&block()[1]);
+    let refused = stickslip(&["sweep", &scene, "--vary", "units.length=mm,cm"]);
+    assert_exit(&refused, 2);
+    assert!(stderr(&refused).contains("units.length cannot be varied"), "{}", stderr(&refused));
 }
 
 #[test]

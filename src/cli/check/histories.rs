@@ -1,7 +1,7 @@
 //! Histories in words: their points, and where increments step over them.
 
-use stickslip::contact::Rotation;
-use stickslip::description::{Contact, Load};
+use stickslip::contact::{Obstacle, Rotation};
+use stickslip::description::Load;
 use stickslip::scene::{Scene, Time};
 use stickslip::units::UnitSystem;
 
@@ -29,18 +29,24 @@ pub(super) fn stepped_over(scene: &Scene, units: &UnitSystem) -> Vec<String> {
     let time = &scene.time;
     let of_load =
         |load: &Load| (format!("the load on {}", load.action.place(units)), missed(&load.factors(time.end), time));
-    let of_obstacle = |contact: &Contact| {
-        let obstacle = &contact.obstacle;
+    let of_obstacle = |boundary: &str, obstacle: &Obstacle| {
         let rotation: &[[f64; 2]] = obstacle.rotation.as_ref().map_or(&[], |Rotation { history, .. }| history);
         [
             ("approach", missed(obstacle.approach.as_deref().unwrap_or_default(), time)),
             ("translation", missed(&obstacle.path(), time)),
             ("rotation", missed(rotation, time)),
         ]
-        .map(|(what, times)| (format!("the {what} of the obstacle at {}", contact.boundary), times))
+        .map(|(what, times)| (format!("the {what} of the obstacle at {boundary}"), times))
     };
-    let all =
-        scene.description.loads.iter().map(of_load).chain(scene.description.contacts.iter().flat_map(of_obstacle));
+    let contacts = &scene.description.contacts;
+    let obstacles =
+        contacts.iter().flat_map(|contact| contact.obstacles.iter().map(|given| (&contact.boundary, given)));
+    let of_obstacles = obstacles.flat_map(|(boundary, obstacle)| of_obstacle(boundary, obstacle));
+    let of_friction = contacts.iter().map(|contact| {
+        let missed = missed(contact.friction_history.as_deref().unwrap_or_default(), time);
+        (format!("the friction at {}", contact.boundary), missed)
+    });
+    let all = scene.description.loads.iter().map(of_load).chain(of_friction).chain(of_obstacles);
     let missed = all.filter(|(_, times)| !times.is_empty());
     let in_words = |(what, times): (String, Vec<f64>)| {
         let kinks = if times.len() == 1 { "kink" } else { "kinks" };

@@ -2,20 +2,22 @@
 
 use crate::contact::{Obstacle, Rotation, Shape};
 use crate::fault::Fault;
-use crate::formula::Formula;
 use crate::scene::SceneError;
 use crate::scene::document::{self, ObstacleKind};
 use crate::scene::error::Source;
 use crate::vector::Vector;
 
-use super::{foreign, needed, points};
+use super::{foreign, formula, needed, points};
 
 /// The obstacle that stands at `key` of the scene `source`.
 pub(super) fn obstacle(given: document::Obstacle, key: &str, source: &Source) -> Result<Obstacle, SceneError> {
     let at = |fault: Fault| source.located(fault.under(key));
     own_keys(&given).map_err(at)?;
     let shape = match (&given.kind, &given.formula) {
-        (ObstacleKind::Formula, Some(text)) => formula(text, key, source)?,
+        (ObstacleKind::Formula, Some(text)) => {
+            let help = "give the gap as a formula of x, y and z, in m or as [units] says, such as \"0.5 * x^2 / 0.1\"";
+            Shape::Formula(formula(text, format!("{key}.formula"), help, source)?)
+        }
         _ => shape(&given, source).map_err(at)?,
     };
     let document::Obstacle { normal, tangent, direction, approach, motion, .. } = given;
@@ -39,43 +41,53 @@ fn whose(kind: &ObstacleKind) -> &'static str {
     match kind {
         ObstacleKind::Plane => "a plane",
         ObstacleKind::Cylinder => "a cylinder",
+        ObstacleKind::Bore => "a bore",
         ObstacleKind::Sphere => "a sphere",
+        ObstacleKind::Socket => "a socket",
+        ObstacleKind::Cone => "a cone",
         ObstacleKind::Wedge => "a wedge",
         ObstacleKind::Formula => "a formula",
         ObstacleKind::Table => "a table",
+        ObstacleKind::Surface => "a surface",
     }
 }
 
 /// Refuses the keys of other kinds of obstacles.
 fn own_keys(obstacle: &document::Obstacle) -> Result<(), Fault> {
-    let document::Obstacle { kind, gap, through, radius, apex, axis, angle, formula, file, .. } = obstacle;
+    let document::Obstacle { kind, gap, through, radius, apex, axis, angle, half_angle, formula, file, scale, .. } =
+        obstacle;
     let keys: &[&str] = match kind {
         ObstacleKind::Plane => &["gap", "through"],
-        ObstacleKind::Cylinder => &["radius", "apex", "axis"],
-        ObstacleKind::Sphere => &["radius", "apex"],
+        ObstacleKind::Cylinder | ObstacleKind::Bore => &["radius", "apex", "axis"],
+        ObstacleKind::Sphere | ObstacleKind::Socket => &["radius", "apex"],
+        ObstacleKind::Cone => &["apex", "half_angle", "axis"],
         ObstacleKind::Wedge => &["apex", "angle", "axis"],
         ObstacleKind::Formula => &["formula"],
         ObstacleKind::Table => &["file"],
+        ObstacleKind::Surface => &["file", "scale"],
     };
     let given = [
         ("gap", gap.is_some()),
         ("radius", radius.is_some()),
         ("angle", angle.is_some()),
+        ("half_angle", half_angle.is_some()),
         ("through", through.is_some()),
         ("apex", apex.is_some()),
         ("axis", axis.is_some()),
         ("formula", formula.is_some()),
         ("file", file.is_some()),
+        ("scale", scale.is_some()),
     ];
     let alien = given.into_iter().find(|(key, given)| *given && !keys.contains(key));
     alien.map_or(Ok(()), |(key, _)| foreign(key, Some(&()), whose(kind)))
 }
 
 fn shape(obstacle: &document::Obstacle, source: &Source) -> Result<Shape, Fault> {
-    let document::Obstacle { kind, gap, through, radius, apex, axis, angle, file, .. } = obstacle;
+    let document::Obstacle { kind, gap, through, radius, apex, axis, angle, half_angle, file, scale, .. } = obstacle;
     let whose = whose(kind);
     let number = |key: &str, value: &Option<f64>| needed(key, *value, "kind", whose);
     let apex = || needed("apex", *apex, "kind", whose);
+    let path = || needed("file", file.as_ref(), "kind", whose).map(|file| source.beside(file));
     Ok(match kind {
         ObstacleKind::Plane => match (gap, through) {
             (Some(_), Some(_)) => {
@@ -85,21 +97,14 @@ fn shape(obstacle: &document::Obstacle, source: &Source) -> Result<Shape, Fault>
             (gap, None) => Shape::Plane { gap: gap.unwrap_or(0.0) },
         },
         ObstacleKind::Cylinder => Shape::Cylinder { radius: number("radius", radius)?, apex: apex()?, axis: *axis },
+        ObstacleKind::Bore => Shape::Bore { radius: number("radius", radius)?, apex: apex()?, axis: *axis },
         ObstacleKind::Sphere => Shape::Sphere { radius: number("radius", radius)?, apex: apex()? },
+        ObstacleKind::Socket => Shape::Socket { radius: number("radius", radius)?, apex: apex()? },
+        ObstacleKind::Cone => Shape::Cone { apex: apex()?, half_angle: number("half_angle", half_angle)?, axis: *axis },
         ObstacleKind::Wedge => Shape::Wedge { angle: number("angle", angle)?, apex: apex()?, axis: *axis },
         ObstacleKind::Formula => return needed("formula", None, "kind", whose),
-        ObstacleKind::Table => {
-            Shape::Table { file: source.beside(needed("file", file.as_ref(), "kind", whose)?), scale: 1.0 }
-        }
-    })
-}
-
-/// A formula; what is wrong within it is underlined.
-fn formula(text: &str, key: &str, source: &Source) -> Result<Shape, SceneError> {
-    Formula::parse(text).map(Shape::Formula).map_err(|why| {
-        let help = "give the gap as a formula of x, y and z, in m or as [units] says, such as \"0.5 * x^2 / 0.1\"";
-        let fault = Fault::new(format!("{key}.formula"), format!("the formula: {why}"), help);
-        source.located_within(fault, text, &why.span)
+        ObstacleKind::Table => Shape::Table { file: path()?, scale: 1.0 },
+        ObstacleKind::Surface => Shape::Surface { file: path()?, scale: scale.unwrap_or(1.0) },
     })
 }
 

@@ -1,0 +1,100 @@
+//! What a run shows and writes while it goes on.
+
+use std::io;
+
+use stickslip::history::{Observer, Status, Step};
+use stickslip::linear;
+use stickslip::model::Model;
+use stickslip::nonlinear::{Flow, IterationRecord};
+use stickslip::report::{BalanceRecord, ContactLine, ContactSurface, DeformedBody, ForceRecord, ResultFolder, fields};
+use stickslip::run::RecordedIncrement;
+use stickslip::scene::Output;
+
+use super::super::interrupt;
+use super::super::progress::Progress;
+
+/// Feeds the display and the folder of results.
+pub(super) struct Watcher<'a> {
+    pub model: &'a Model,
+    pub title: &'a str,
+    pub output: &'a Output,
+    /// Increments whose contact lines are written, ascending.
+    pub wanted: Vec<usize>,
+    pub folder: Option<ResultFolder>,
+    pub progress: Progress,
+    pub failed_write: Option<io::Error>,
+}
+
+impl Watcher<'_> {
+    /// Takes the body as it is before the first increment.
+    pub(super) fn start(&mut self, undeformed: &RecordedIncrement) {
+        if self.wanted.first() == Some(&0) {
+            let data = undeformed.data();
+            let written = self.write(&undeformed.step(&data)).and_then(|()| self.probe(&undeformed.step(&data)));
+            self.failed_write = written.err();
+        }
+    }
+
+    /// Writes what is wanted of some increments only.
+    fn write(&mut self, step: &Step<'_>) -> io::Result<()> {
+        let Some(folder) = &mut self.folder else { return Ok(()) };
+        for line in ContactLine::all(self.model, step) {
+            folder.add_contact_line(&line, self.title)?;
+        }
+        for surface in ContactSurface::all(self.model, step) {
+            folder.add_contact_surface(&surface, self.title)?;
+        }
+        if self.output.fields {
+            folder.add_fields(step.record.index, step.record.time, &fields(self.model, step))?;
+        }
+        if self.output.deformed {
+            folder.add_deformed(&DeformedBody::new(self.model, step, self.output.magnification), self.title)?;
+        }
+        Ok(())
+    }
+
+    fn probe(&mut self, step: &Step<'_>) -> io::Result<()> {
+        self.folder.as_mut().map_or(Ok(()), |folder| folder.add_probes(self.model, step))
+    }
+
+    fn add(&mut self, step: &Step<'_>) -> io::Result<()> {
+        let Some(folder) = &mut self.folder else { return Ok(()) };
+        folder.add_increment(step.record)?;
+        folder.add_forces(&ForceRecord::all(self.model, step), &BalanceRecord::new(self.model, step))?;
+        self.probe(step)?;
+        // What a failed increment reached is worth a look, too.
+        if self.is_wanted(step) || step.record.status != Status::Converged { self.write(step) } else { Ok(()) }
+    }
+
+    fn is_wanted(&self, step: &Step<'_>) -> bool {
+        self.wanted.binary_search(&step.record.index).is_ok()
+    }
+}
+
+impl Observer for Watcher<'_> {
+    /// Not earlier: what the analysis frees should go back to the system.
+    fn ready(&mut self) {
+        linear::process::keep_freed_memory();
+    }
+
+    fn iteration(&mut self, _index: usize, record: &IterationRecord) -> Flow {
+        self.progress.iteration(record.iteration, record.theta);
+        let stop = interrupt::requested() || self.failed_write.is_some();
+        if stop { Flow::Stop } else { Flow::Continue }
+    }
+
+    fn part(&mut self, part: &Step<'_>) {
+        if let (Some(folder), true) = (&self.folder, self.is_wanted(part) && self.failed_write.is_none()) {
+            let mut lines = ContactLine::all(self.model, part).into_iter();
+            self.failed_write = lines.try_for_each(|line| folder.add_part(&line, part.record.parts)).err();
+        }
+    }
+
+    fn increment(&mut self, step: &Step<'_>) -> Flow {
+        self.progress.increment(step.record);
+        if self.failed_write.is_none() {
+            self.failed_write = self.add(step).err();
+        }
+        if self.failed_write.is_none() { Flow::Continue } else { Flow::Stop }
+    }
+}

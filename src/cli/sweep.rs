@@ -1,0 +1,159 @@
+//! `stickslip sweep`.
+
+mod processes;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use stickslip::report::write_file;
+use stickslip::scene::{Override, Scene};
+use stickslip::sweep::{Outcome, Row, Sweep, Variation, combinations, fingerprint};
+
+use super::progress::bar;
+use super::run::write_failure;
+use super::{Failure, SceneArgs, interrupt, version};
+use processes::{Ended, Processes};
+
+#[derive(Args)]
+pub(super) struct SweepArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Vary a key over a list, as mesh.file=a.msh,b.msh, or a range from:to:count, as contact.friction=0.1:0.8:8; given
+    /// several times, every combination is run
+    #[arg(long = "vary", value_name = "KEY=VALUES", required = true)]
+    variations: Vec<Variation>,
+    /// How many variants run at a time; as many as there are processors unless given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Write the table as sweep.csv, sweep.json and sweep.txt, the chart as sweep.svg and the results of each variant into
+    /// this folder; what is there from an earlier try is kept
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the table as one JSON object and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// A variant to run.
+struct Task {
+    values: Vec<String>,
+    /// All that `--set` takes for it.
+    overrides: Vec<Override>,
+    fingerprint: String,
+}
+
+/// The folder of the results of all variants; one that nobody asked for goes when the command ends.
+struct Results {
+    path: PathBuf,
+    passes: bool,
+}
+
+impl Drop for Results {
+    fn drop(&mut self) {
+        if self.passes {
+            // Nothing is lost but what the system removes some day.
+            let _ = fs::remove_dir_all(&self.path);
+        }
+    }
+}
+
+/// Exit status 1: a variant did not converge; 3: the machine failed in one.
+pub(super) fn sweep(args: &SweepArgs, threads: u32) -> Result<ExitCode, Failure> {
+    interrupt::listen();
+    let first = args.scene.read()?;
+    let tasks = tasks(args)?;
+    let passing = || std::env::temp_dir().join(format!("stickslip-sweep-{}", std::process::id()));
+    let path = args.out.as_ref().map_or_else(passing, |out| out.join("variants"));
+    let results = Results { path, passes: args.out.is_none() };
+    fs::create_dir_all(&results.path).map_err(|error| write_failure(&results.path, &error))?;
+    let processes = Processes { scene: &args.scene.scene, folder: &results.path, threads };
+    processes.tidy();
+
+    let mut outcomes: Vec<Option<Outcome>> = tasks.iter().map(|task| processes.kept(&task.fingerprint)).collect();
+    let waiting: Vec<usize> = (0..tasks.len()).filter(|&k| outcomes[k].is_none()).collect();
+    if !args.json {
+        let kept = tasks.len() - waiting.len();
+        let kept = if kept == 0 { String::new() } else { format!(", {kept} of them known from before") };
+        say!("{}\nvariants     {}{kept}", first.title, tasks.len());
+    }
+    let bar = bar(waiting.len(), "variants");
+    let orders = waiting.iter().map(|&k| (tasks[k].fingerprint.as_str(), tasks[k].overrides.as_slice()));
+    let jobs = processes::count(args.jobs);
+    let ended = processes.run(&orders.collect::<Vec<_>>(), jobs, &mut |Ended { order, outcome }| {
+        let k = waiting[order];
+        // A result of a scene that has changed since is not of the scene that was asked for.
+        let same = one(args, &tasks[k].overrides).is_ok_and(|now| now == tasks[k].fingerprint);
+        outcomes[k] = Some(match outcome {
+            _ if !same => Outcome::failed("bad-input", "the scene, or a file of it, changed while it ran".to_string()),
+            outcome => processes.keep(&tasks[k].fingerprint, outcome),
+        });
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    ended.map_err(|error| write_failure(&results.path, &error))?;
+
+    let rows = tasks.iter().zip(outcomes).map(|(task, outcome)| {
+        let stays = |_: &Outcome| !results.passes && results.path.join(&task.fingerprint).is_dir();
+        Row {
+            values: task.values.clone(),
+            results: outcome
+                .as_ref()
+                .filter(|outcome| stays(outcome))
+                .map(|_| format!("variants/{}", task.fingerprint)),
+            outcome: outcome.unwrap_or_else(|| Outcome::failed("interrupted", String::new())),
+        }
+    });
+    let sweep = Sweep::new(&first, args.variations.clone(), rows.collect());
+    let json = serde_json::to_string_pretty(&sweep).map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    if args.json {
+        say!("{json}");
+    } else {
+        say!("\n{}", sweep.to_text().trim_end());
+    }
+    if interrupt::requested() && !args.json {
+        say!("interrupted  the same command with the same --out goes on from here");
+    }
+    if let Some(folder) = &args.out {
+        write(folder, &sweep, &json)?;
+        if !args.json {
+            say!("results      {}", folder.display());
+        }
+    }
+    let outcomes = || sweep.variants.iter().map(|row| &row.outcome);
+    Ok(match () {
+        () if outcomes().all(Outcome::is_converged) => ExitCode::SUCCESS,
+        () if outcomes().any(Outcome::is_of_the_machine) => ExitCode::from(3),
+        () => ExitCode::from(1),
+    })
+}
+
+/// Every variant, each a sound scene whose files can be read.
+fn tasks(args: &SweepArgs) -> Result<Vec<Task>, Failure> {
+    let variants =
+        combinations(&args.variations).map_err(|error| Failure::Input(miette::miette!("--vary: {error}")))?;
+    let task = |variant: stickslip::sweep::Variant| {
+        let overrides = [args.scene.overrides(), variant.overrides].concat();
+        Ok(Task { values: variant.values, fingerprint: one(args, &overrides)?, overrides })
+    };
+    variants.into_iter().map(task).collect()
+}
+
+/// The fingerprint of the scene with `overrides`.
+fn one(args: &SweepArgs, overrides: &[Override]) -> Result<String, Failure> {
+    let scene = Scene::read(&args.scene.scene, overrides)?;
+    fingerprint(&scene, &version()).map_err(|(file, error)| {
+        let message = format!("{}: the file cannot be read: {error}", file.display());
+        scene.error_at("mesh.file", message, "name an existing file, relative to the scene file").into()
+    })
+}
+
+fn write(folder: &Path, sweep: &Sweep, json: &str) -> Result<(), Failure> {
+    let chart = sweep.chart().to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    let (csv, text) = (sweep.to_csv(), sweep.to_text());
+    for (kind, content) in [("csv", csv.as_str()), ("json", json), ("txt", &text), ("svg", &chart)] {
+        write_file(folder, &format!("sweep.{kind}"), content).map_err(|error| write_failure(folder, &error))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,97 @@
+//! Which obstacle each node of a boundary meets, and which nodes no obstacle ever reaches.
+
+use std::collections::HashMap;
+
+use super::motion::ObstacleMotion;
+use super::obstacle::{Facing, PlacedObstacle};
+use crate::mesh::{Boundary, Mesh};
+use crate::vector::{dot, norm};
+
+/// A node of a boundary in front of an obstacle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Meeting {
+    /// The number of the node in the mesh.
+    pub node: usize,
+    /// The number of the obstacle among those in front of the boundary.
+    pub obstacle: usize,
+    /// What the node sees of it.
+    pub facing: Facing,
+}
+
+/// A node whose distance from an obstacle nobody can tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unclear {
+    /// The number of the node in the mesh.
+    pub node: usize,
+    /// The number of the obstacle.
+    pub obstacle: usize,
+    /// Why, in words, and what helps.
+    pub why: (&'static str, &'static str),
+}
+
+/// A normal counts as pointing out of the body if it leans to the node's by less than a right angle, but for rounding.
+const ALONG: f64 = 1e-9;
+
+/// The nodes of `boundary` that some obstacle of `obstacles` reaches between 0 and the end, each with the one that it meets: of
+/// those to which it shows its outside the one that is nearest when the history begins. A node that none reaches then meets the
+/// one that comes nearest at `times` (s) or where a motion has a kink. The others stay open whatever happens.
+///
+/// # Errors
+/// A node that no obstacle reaches, but of which one cannot tell that it never does.
+pub fn meetings(
+    mesh: &Mesh,
+    boundary: &Boundary,
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    times: &[f64],
+) -> Result<Vec<Meeting>, Unclear> {
+    // One obstacle has to be in front of all of the boundary, which is checked facet by facet.
+    let outsides = if obstacles.len() > 1 { outsides(mesh, boundary) } else { HashMap::new() };
+    let mut met = Vec::new();
+    for node in boundary.nodes() {
+        let x = mesh.nodes[node];
+        let shows = |facing: &Facing| {
+            outsides.get(&node).is_none_or(|outside| dot(*outside, facing.normal) > ALONG * norm(*outside))
+        };
+        let facings: Vec<(usize, Facing)> = (obstacles.iter().enumerate())
+            .map(|(k, (obstacle, _))| (k, obstacle.at(x)))
+            .filter(|(_, facing)| shows(facing))
+            .collect();
+        let nearest = |distance: &dyn Fn(usize, &Facing) -> f64| {
+            let distances = facings.iter().map(|(k, facing)| (distance(*k, facing), *k, *facing));
+            distances.filter(|(distance, ..)| distance.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let at_first = nearest(&|k, facing| obstacles[k].1.gap(0.0, x, facing));
+        let later = || {
+            nearest(&|k, facing| match &obstacles[k] {
+                (obstacle, _) if obstacle.out_of_reach().is_some() => f64::NAN,
+                (obstacle, motion) => motion.nearest_approach(obstacle, x, facing, times),
+            })
+        };
+        let Some((_, obstacle, facing)) = at_first.or_else(later) else {
+            let unclear = facings.iter().find_map(|(k, _)| Some((*k, obstacles[*k].0.out_of_reach()?)));
+            if let Some((obstacle, why)) = unclear {
+                return Err(Unclear { node, obstacle, why });
+            }
+            continue;
+        };
+        let (placed, motion) = &obstacles[obstacle];
+        if placed.surrounds() && motion.loses(placed, x, &facing, times) {
+            let why = ("the bore or socket moves over", "let it move less far aside, or use direction = \"nearest\"");
+            return Err(Unclear { node, obstacle, why });
+        }
+        met.push(Meeting { node, obstacle, facing: placed.in_front(facing) });
+    }
+    Ok(met)
+}
+
+/// For each node of `boundary` the sum of the area vectors of its facets.
+fn outsides(mesh: &Mesh, boundary: &Boundary) -> HashMap<usize, [f64; 3]> {
+    let mut sums: HashMap<usize, [f64; 3]> = HashMap::new();
+    for facet in &boundary.facets {
+        let area = mesh.area_vector(facet);
+        for node in facet {
+            sums.entry(*node).or_default().iter_mut().zip(area).for_each(|(sum, c)| *sum += c);
+        }
+    }
+    sums
+}

@@ -1,0 +1,167 @@
+//! Boxes around things, in a tree: what is near a line or a point is found without looking at all of them.
+
+/// The smallest and the largest coordinate along each axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bounds {
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+/// A tree of boxes, each around the two that follow from it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Tree {
+    /// Each before its children, of which the first follows at once.
+    boxes: Vec<Node>,
+    /// The things, in the order of the leaves.
+    things: Vec<usize>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Node {
+    bounds: Bounds,
+    /// The box after all that is in this one.
+    next: usize,
+    /// Where the things of a leaf begin, and how many they are; none in other boxes.
+    first: usize,
+    count: usize,
+}
+
+/// So many things are looked at one by one.
+const LEAF: usize = 4;
+
+impl Bounds {
+    /// Those of `points`.
+    pub(super) fn of(points: &[[f64; 3]]) -> Self {
+        let nothing = Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+        points.iter().fold(nothing, |bounds, x| bounds.with(&Bounds { low: *x, high: *x }))
+    }
+
+    fn with(self, other: &Bounds) -> Self {
+        Bounds {
+            low: [0, 1, 2].map(|c| self.low[c].min(other.low[c])),
+            high: [0, 1, 2].map(|c| self.high[c].max(other.high[c])),
+        }
+    }
+
+    fn centre(&self, c: usize) -> f64 {
+        0.5 * (self.low[c] + self.high[c])
+    }
+
+    /// The longest side.
+    pub(super) fn extent(&self) -> f64 {
+        (0..3).map(|c| self.high[c] - self.low[c]).fold(0.0, f64::max)
+    }
+
+    /// Whether the line through `x` along `n` comes as near as `slack`.
+    fn meets(&self, x: [f64; 3], n: [f64; 3], slack: f64) -> bool {
+        let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
+        for c in 0..3 {
+            let (low, high) = (self.low[c] - slack - x[c], self.high[c] + slack - x[c]);
+            if n[c] == 0.0 {
+                if low > 0.0 || high < 0.0 {
+                    return false;
+                }
+                continue;
+            }
+            let (a, b) = (low / n[c], high / n[c]);
+            (from, to) = (from.max(a.min(b)), to.min(a.max(b)));
+        }
+        from <= to
+    }
+
+    /// The square of the distance of `x`.
+    fn square_distance(&self, x: [f64; 3]) -> f64 {
+        (0..3).map(|c| (self.low[c] - x[c]).max(x[c] - self.high[c]).max(0.0).powi(2)).sum()
+    }
+}
+
+impl Tree {
+    /// The tree of things in these bounds.
+    pub(super) fn new(bounds: &[Bounds]) -> Self {
+        let mut tree = Tree { boxes: Vec::new(), things: (0..bounds.len()).collect() };
+        tree.build(bounds, 0, bounds.len());
+        tree
+    }
+
+    /// The boxes of the things that stand from `first` to `end`; halved by their number, so that no tree is deep.
+    fn build(&mut self, all: &[Bounds], first: usize, end: usize) {
+        let things = &mut self.things[first..end];
+        let bounds = things.iter().fold(Bounds::of(&[]), |bounds, &k| bounds.with(&all[k]));
+        let (place, leaf) = (self.boxes.len(), end - first <= LEAF);
+        self.boxes.push(Node { bounds, next: 0, first, count: if leaf { end - first } else { 0 } });
+        if !leaf {
+            let spread = Bounds::of(&things.iter().map(|&k| [0, 1, 2].map(|c| all[k].centre(c))).collect::<Vec<_>>());
+            let width = |c: usize| spread.high[c] - spread.low[c];
+            let longest = (1..3).fold(0, |best, c| if width(c) > width(best) { c } else { best });
+            let half = things.len() / 2;
+            things.select_nth_unstable_by(half, |&a, &b| all[a].centre(longest).total_cmp(&all[b].centre(longest)));
+            self.build(all, first, first + half);
+            self.build(all, first + half, end);
+        }
+        self.boxes[place].next = self.boxes.len();
+    }
+
+    fn things(&self, node: &Node) -> impl Iterator<Item = usize> {
+        self.things[node.first..node.first + node.count].iter().copied()
+    }
+
+    /// The things whose bounds the line through `x` along `n` may come as near as `slack`.
+    pub(super) fn along(&self, x: [f64; 3], n: [f64; 3], slack: f64, mut each: impl FnMut(usize)) {
+        let mut at = 0;
+        while let Some(node) = self.boxes.get(at) {
+            if node.bounds.meets(x, n, slack) {
+                self.things(node).for_each(&mut each);
+                at += 1;
+            } else {
+                at = node.next;
+            }
+        }
+    }
+
+    /// Looks at the things around `x`, each of which tells the square of its distance, until no other can be nearer.
+    pub(super) fn near(&self, x: [f64; 3], mut each: impl FnMut(usize) -> f64) {
+        let mut nearest = f64::INFINITY;
+        let mut open = vec![(0.0, 0)];
+        while let Some((distance, at)) = open.pop() {
+            let Some(node) = self.boxes.get(at).filter(|_| distance <= nearest) else { continue };
+            for thing in self.things(node) {
+                nearest = nearest.min(each(thing));
+            }
+            if node.count == 0 {
+                let [one, other] = [at + 1, self.boxes.get(at + 1).map_or(at, |child| child.next)]
+                    .map(|child| (self.boxes[child].bounds.square_distance(x), child));
+                // The nearer one comes first.
+                open.extend(if one.0 < other.0 { [other, one] } else { [one, other] });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Boxes in a row are found by their number, and few others are looked at.
+    #[test]
+    fn what_is_near_is_found_and_little_else() {
+        let n = 1000;
+        let at = |k: usize| [k as f64, (k % 7) as f64, (k % 3) as f64];
+        let bounds: Vec<Bounds> = (0..n).map(|k| Bounds::of(&[at(k), at(k).map(|c| c + 0.5)])).collect();
+        let tree = Tree::new(&bounds);
+        assert_eq!(Tree::new(&[]).things.len(), 0);
+        for k in [0, 17, 500, 999] {
+            let mut met = Vec::new();
+            tree.along([at(k)[0] + 0.2, 0.0, at(k)[2] + 0.1], [0.0, 1.0, 0.0], 0.0, |thing| met.push(thing));
+            assert!(met.contains(&k) && met.len() < 3 * LEAF, "{met:?}");
+            let (mut looked, mut best) = (0, (f64::INFINITY, n));
+            let x = at(k).map(|c| c + 0.6);
+            tree.near(x, |thing| {
+                looked += 1;
+                let d = bounds[thing].square_distance(x);
+                best = if d < best.0 { (d, thing) } else { best };
+                d
+            });
+            assert!(best.1 == k && looked < 20 * LEAF, "{best:?} {looked}");
+        }
+    }
+}

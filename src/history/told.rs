@@ -1,0 +1,59 @@
+//! What an observer is told while an increment is solved.
+
+use super::observer::{Observer, Step};
+use super::record::{ContactCounts, IncrementRecord, Seconds};
+use super::walked::Walked;
+use crate::contact::statuses_of;
+use crate::nonlinear::{Flow, Iteration};
+use crate::problem::{ContactProblem, Increment};
+
+/// The observer of increment `index`.
+pub(super) struct Told<'a> {
+    pub problem: &'a ContactProblem,
+    pub index: usize,
+    pub observer: &'a mut dyn Observer,
+}
+
+impl Told<'_> {
+    pub(super) fn iteration(&mut self, iteration: &Iteration<'_>) -> Flow {
+        let flow = iteration.system.map_or(Flow::Continue, |system| self.observer.linear_system(self.index, &system));
+        if flow == Flow::Stop { flow } else { self.observer.iteration(self.index, &iteration.record) }
+    }
+
+    /// A part that ends at `time` before the increment does.
+    pub(super) fn part(&mut self, time: f64, data: &Increment<'_>, walked: &Walked) {
+        let state = &walked.attempt.state;
+        let statuses = statuses_of(self.problem, data, state, &walked.attempt.scales);
+        let record = record(self.problem, self.index, time, walked, ContactCounts::of(&statuses), Seconds::default());
+        self.observer.part(&Step { record: &record, increment: data, state, statuses: &statuses });
+    }
+}
+
+/// What is recorded of an increment, or of it so far.
+pub(super) fn record(
+    problem: &ContactProblem,
+    index: usize,
+    time: f64,
+    walked: &Walked,
+    contact: ContactCounts,
+    seconds: Seconds,
+) -> IncrementRecord {
+    let solved = &walked.solved;
+    IncrementRecord {
+        index,
+        time,
+        status: walked.status,
+        parts: walked.ends.len(),
+        part_ends: if walked.ends == [time] { Vec::new() } else { walked.ends.clone() },
+        rescued: solved.rescued,
+        iterations: solved.iterations,
+        backtracks: solved.backtracks,
+        theta: solved.theta,
+        kkt: walked.kkt,
+        backward_error: solved.backward_error,
+        contact,
+        friction_work: walked.friction_work,
+        strain_energy: problem.strain_energy(&walked.attempt.state),
+        seconds,
+    }
+}

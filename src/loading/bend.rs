@@ -1,0 +1,55 @@
+//! Gaps that do not follow a history in proportion.
+
+use std::ops::Range;
+
+use super::PER_NODE;
+use crate::problem::ProblemError;
+use crate::problem::error::{expect_finite, expect_increasing, expect_length};
+
+/// What the rates of a [`super::Motion`] leave out of the gaps, as an obstacle that is round passes or one that is oblique turns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bend {
+    pub(super) nodes: Range<usize>,
+    pub(super) times: Vec<f64>,
+    pub(super) gap: Vec<Vec<f64>>,
+}
+
+impl Bend {
+    /// What to add to the gaps of the contact nodes `nodes`, m: a row of `gap` for each of the `times` (s), linear between
+    /// them and constant outside.
+    ///
+    /// # Errors
+    /// When there is not a row for each time and a number for each node, a number is not finite, or the times do not
+    /// increase.
+    pub fn new(nodes: Range<usize>, times: Vec<f64>, gap: Vec<Vec<f64>>) -> Result<Self, ProblemError> {
+        expect_length("gap", times.len(), gap.len(), "one row for each time")?;
+        expect_finite("times", &times)?;
+        expect_increasing("times", times.iter().copied())?;
+        for (k, row) in gap.iter().enumerate() {
+            let name = format!("gap[{k}]");
+            expect_length(&name, nodes.len(), row.len(), PER_NODE)?;
+            expect_finite(&name, row)?;
+        }
+        Ok(Bend { nodes, times, gap })
+    }
+
+    /// The times, s.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Adds what belongs to time `t` to the `gap` of its nodes.
+    pub(super) fn add(&self, t: f64, gap: &mut [f64]) {
+        let Some(last) = self.times.len().checked_sub(1) else { return };
+        let after = self.times.partition_point(|time| *time <= t);
+        let (k, share) = match (after.checked_sub(1), self.times.get(after)) {
+            (Some(k), Some(next)) => (k, (t - self.times[k]) / (next - self.times[k])),
+            (Some(_), None) => (last, 0.0),
+            (None, _) => (0, 0.0),
+        };
+        for (i, g) in gap.iter_mut().enumerate() {
+            let here = self.gap[k][i];
+            *g += if share > 0.0 { here + share * (self.gap[k + 1][i] - here) } else { here };
+        }
+    }
+}

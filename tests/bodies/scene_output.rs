@@ -1,0 +1,100 @@
+//! What a scene writes: which increments, and faults of its keys.
+
+#![allow(clippy::unwrap_used)]
+
+use crate::common::faults::{BLOCK, Fault, line_of, located, verify, verify_all};
+use crate::common::{block, edit};
+use stickslip::description::Probe;
+use stickslip::model::Model;
+use stickslip::run::Run;
+use stickslip::scene::Scene;
+
+const OUTPUT: &[Fault] = &[
+    ("times =", "every = 0\ntimes =", "every =", &["output.every is 0", "at least 1"], "each increment"),
+    ("times =", "every = -3\ntimes =", "every =", &["output.every is -3", "at least 1"], "each increment"),
+    ("times = [1.0, 2.0]", "times = \"all\"\nevery = 2", "every =", &["\"all\" has no every"], "remove the key"),
+    ("times =", "magnification = 10\ntimes =", "magn", &["no picture of the deformed body"], "output.deformed = true"),
+    (
+        "times =",
+        "deformed = true\nmagnification = -10\ntimes =",
+        "magn",
+        &["output.magnification is -10.0", "0 or more"],
+        "so many times as long",
+    ),
+];
+
+/// Probes, each with words of the message and of the help.
+const PROBES: [(&str, &str, &str); 12] = [
+    ("name = '', point = [0, 0]", "called \"\", which is empty", "a name of its own"),
+    ("name = 'a'", "a probe without a point needs from", "add the key"),
+    ("name = 'a', from = [0, 0], points = 3", "needs to", "add the key"),
+    ("name = 'a', from = [0, 0], to = [1, 1]", "needs points", "add the key"),
+    ("name = 'a', from = [0, 0], to = [1, 1], points = 1", "points is 1, but must be at least 2", "the ends count"),
+    ("name = 'a', from = [0, 0], to = [1, 1], points = 20000", "at most 10000", "output.fields"),
+    ("name = 'a', from = [1, 1], to = [1, 1], points = 2", "has no length", "point = [x, y]"),
+    ("name = 'a', point = [0, 0], to = [1, 1]", "a probe with a point has no to", "remove the key"),
+    ("name = 'a', point = [0, 0], points = 3", "a probe with a point has no points", "remove the key"),
+    ("name = 'a', point = [0]", "invalid length 1, expected 2 or 3 values", "form of every value"),
+    ("name = 'a', point = [0, inf]", "point is inf, but must be a finite number", "other than nan or inf"),
+    ("name = 'a', spot = [0, 0]", "unknown field `spot`", "correct its spelling"),
+];
+
+#[test]
+fn values_out_of_range() {
+    verify_all(OUTPUT);
+    for (probe, words, remedy) in PROBES {
+        let text = edit(BLOCK, "times =", &format!("probe = [{{ {probe} }}]\ntimes ="));
+        verify(&located(&text), &text, line_of(&text, "probe ="), &[words], remedy);
+    }
+    let twice = "[[output.probe]]\nname = 'a'\npoint = [0, 0]\n[[output.probe]]\nname = 'a' # again\npoint = [1, 1]\n";
+    let text = [BLOCK, twice].concat();
+    verify(&located(&text), &text, line_of(&text, "# again"), &["the name of another"], "a name of its own");
+}
+
+/// What only the mesh can tell, with the place in the text.
+#[test]
+fn probes_lie_in_the_body() {
+    for (probe, says, remedy) in [
+        ("point = [1.0, 1.001]", "the point (1, 1.001) m is outside of the body", "the nearest node is at (1, 1) m"),
+        ("from = [-0.25, 0]\nto = [1, 0]\npoints = 5", "the point (-0.25, 0) m is outside", "at (0, 0) m"),
+        ("from = [0, 0]\nto = [1, 2]\npoints = 3", "the point (1, 2) m is outside", "at (1, 1) m"),
+        (
+            "point = [0.5, 0.5, 0.5]",
+            "the point [0.5, 0.5, 0.5] has 3 components, but the body 2 dimensions",
+            "give [x, y], m",
+        ),
+    ] {
+        let text = [BLOCK, "[[output.probe]]\nname = 'a'\n", probe, "\n"].concat();
+        let small = edit(&text, "[100, 100]", "[4, 4]");
+        let scene = Scene::parse("scene.toml", &small, &[]).unwrap();
+        let error = Run::new(&scene).map(|_| ()).unwrap_err();
+        let key = if says.contains("(1, 2)") { "to =" } else { probe.split(" =").next().unwrap() };
+        let place = format!("scene.toml:{}: {says}", line_of(&small, &format!("\n{key}").replace('\n', "")));
+        assert!(error.to_string().starts_with(&place), "{error}, not {place}");
+        let help = miette::Diagnostic::help(&error).unwrap().to_string();
+        assert!(help.contains(remedy), "{help}");
+    }
+    // The same from Rust, by the key.
+    let model = Model::new(&block(&["mesh.elements=[4,4]"])).unwrap();
+    let probes = [Probe::at("in", [0.5, 0.5]), Probe::along("out", [0.5, 0.5], [0.5, 1.5], 4)];
+    let fault = stickslip::report::ProbeTable::all(&model, &probes).unwrap_err();
+    assert_eq!(fault.key, "output.probe[1].to");
+    let fault = Probe::check(&[Probe::along("many", [0.0, 0.0], [1.0, 0.0], 1)]).unwrap_err();
+    assert_eq!(fault.key, "output.probe[0].points");
+}
+
+#[test]
+fn increments_that_are_written() {
+    let wanted = |set: &[&str]| {
+        let scene = block(&[&["time.increments=10"], set].concat());
+        scene.output.increments(&scene.time.all())
+    };
+    assert_eq!(wanted(&[]), [5, 10]);
+    assert_eq!(wanted(&["output.times=[0, 0.3, 0.2, 2]"]), [0, 1, 2, 10]);
+    assert_eq!(wanted(&["output.times=all"]), (0..=10).collect::<Vec<_>>());
+    assert_eq!(wanted(&["output.times=[0.2]", "output.every=4"]), [1, 4, 8, 10]);
+    assert_eq!(wanted(&["output.times=[]"]), [0; 0]);
+    // Alone it takes the place of the end.
+    let scene = Scene::parse("s.toml", &edit(BLOCK, "times = [1.0, 2.0]", "every = 16"), &[]).unwrap();
+    assert_eq!(scene.output.increments(&scene.time.all()), [16, 32, 40]);
+}
