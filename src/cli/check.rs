@@ -1,11 +1,13 @@
 //! `stickslip check`.
 
 mod histories;
+mod obstacles;
+mod words;
 
 use std::collections::BTreeSet;
 
 use clap::Args;
-use stickslip::contact::{Friction, GapDirection, Obstacle, PlacedObstacle, Rotation, Shape};
+use stickslip::contact::Friction;
 use stickslip::description::{Action, Bed, Direction, Field, Held, Support, Where};
 use stickslip::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::formulation::Layout;
@@ -18,10 +20,11 @@ use stickslip::run::{RunError, discretise};
 use stickslip::scene::Scene;
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 use stickslip::units::{Quantity, UnitSystem};
-use stickslip::vector::Vector;
 
 use super::{Failure, SceneArgs};
 use histories::points;
+use obstacles::{frame, motions, shape};
+use words::{listed, number, told, vector};
 
 #[derive(Args)]
 pub(super) struct CheckArgs {
@@ -209,66 +212,6 @@ fn contacts(scene: &Scene, model: &Model) {
     }
 }
 
-/// Along which normals the gaps of an obstacle are measured, and which slip is positive.
-fn frame(model: &Model, obstacle: &PlacedObstacle, direction: GapDirection) -> String {
-    let rounded = |c: &f64| format!("{c:.6}").parse().unwrap_or(*c) + 0.0;
-    let vector = |x: [f64; 3]| {
-        let components = x[..model.mesh.dimension].iter().map(|c| rounded(c).to_string());
-        format!("({})", components.collect::<Vec<_>>().join(", "))
-    };
-    let normal = vector(obstacle.normal);
-    let gaps = match direction {
-        GapDirection::Normal => format!("gaps along the normal n = {normal}"),
-        GapDirection::Nearest => {
-            format!("gaps to the nearest point, each node along its own normal; n = {normal} at large")
-        }
-    };
-    match (model.mesh.dimension, obstacle.tangents) {
-        (2, [t, _]) => format!("{gaps}, slip along t = {}", vector(t)),
-        (_, [t, o]) => format!("{gaps}, slip along t = {} and o = {}", vector(t), vector(o)),
-    }
-}
-
-/// The motions of an obstacle, point by point.
-fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
-    let mut motions = Vec::new();
-    let units = model.units();
-    if let Some(approach) = &obstacle.approach {
-        let distance = |d: &[f64]| told(&units, Quantity::Length, d[0]);
-        motions.push(format!("moves in by {}", points(approach, distance)));
-    }
-    if obstacle.translation.is_some() {
-        let place = |x: &[f64]| vector(&units, Quantity::Length, &x[..model.mesh.dimension]);
-        motions.push(format!("moves by {}", points(&obstacle.path(), place)));
-    }
-    if let Some(Rotation { history, .. }) = &obstacle.rotation {
-        motions.push(format!("turns by {}", points(history, |angle| format!("{} rad", number(angle[0])))));
-    }
-    motions
-}
-
-fn shape(model: &Model, given: &Obstacle, placed: &PlacedObstacle) -> String {
-    let units = model.units();
-    let place = |x: &Vector| units.place(x.components());
-    let length = |x: f64| units.text(Quantity::Length, x);
-    match &given.shape {
-        Shape::Plane { gap } => format!("plane at {}", told(&units, Quantity::Length, *gap)),
-        Shape::PlaneThrough { through } => format!("plane through {}", place(through)),
-        Shape::Cylinder { radius, apex, .. } => format!("cylinder, radius {}, apex {}", length(*radius), place(apex)),
-        Shape::Bore { radius, apex, .. } => format!("bore, radius {}, apex {}", length(*radius), place(apex)),
-        Shape::Sphere { radius, apex } => format!("sphere, radius {}, apex {}", length(*radius), place(apex)),
-        Shape::Socket { radius, apex } => format!("socket, radius {}, apex {}", length(*radius), place(apex)),
-        Shape::Cone { apex, half_angle, .. } => format!("cone, half angle {half_angle} rad, apex {}", place(apex)),
-        Shape::Wedge { apex, angle, .. } => format!("wedge, angle {angle} rad, apex {}", place(apex)),
-        Shape::Formula(formula) => format!("gap {}", formula.text()),
-        Shape::Table { file, .. } => format!("gap from {}", file.display()),
-        Shape::Surface { file, scale } => {
-            let triangles = placed.triangles().unwrap_or_default();
-            format!("surface of {triangles} triangles from {}, unit {}", file.display(), length(*scale))
-        }
-    }
-}
-
 fn loads(scene: &Scene, model: &Model) {
     let units = model.units();
     for (load, case) in scene.description.loads.iter().zip(model.loading.cases()) {
@@ -320,33 +263,6 @@ fn acts(action: &Action, units: &UnitSystem) -> String {
         Action::Spin { speed, .. } => format!("turning with {speed} rad/s"),
         Action::Temperature(temperature) => format!("warmed by {temperature} K"),
     }
-}
-
-/// `a`, `a and b` or `a, b and c`.
-fn listed(mut names: Vec<String>) -> String {
-    let last = names.pop().unwrap_or_default();
-    if names.is_empty() { last } else { format!("{} and {last}", names.join(", ")) }
-}
-
-/// A number in few digits, 0 as 0.
-fn number(x: f64) -> String {
-    if x == 0.0 { "0".to_string() } else { format!("{:e}", (format!("{x:.5e}")).parse().unwrap_or(x)) }
-}
-
-/// A number of SI units in few digits, with the unit it is told in.
-fn told(units: &UnitSystem, quantity: Quantity, x: f64) -> String {
-    format!("{} {}", number(units.of_si(quantity, x)), units.name(quantity))
-}
-
-/// The same of components.
-fn vector(units: &UnitSystem, quantity: Quantity, x: &[f64]) -> String {
-    let told: Vec<f64> = x.iter().map(|x| units.of_si(quantity, *x)).collect();
-    format!("({}) {}", numbers(&told), units.name(quantity))
-}
-
-/// Numbers in few digits, with commas.
-fn numbers(x: &[f64]) -> String {
-    x.iter().map(|&x| number(x)).collect::<Vec<_>>().join(", ")
 }
 
 fn holding(model: &Model) {
