@@ -12,7 +12,7 @@
 //! half the digits. What a load case leaves of the interior is worked out once, too, so an
 //! increment touches the interior only at its end, in [`Condensed::state`].
 //!
-//! A body that only contact holds has a singular `K`; then `ρ`, the diagonal of `K`, is added to the
+//! A body that only contact holds has a singular `K`; then `ρ`, the diagonal of `K` as a rule, is added to the
 //! contact block and taken off again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
 
 use std::sync::Arc;
@@ -116,7 +116,16 @@ fn schur_complement(
     let factor = match cholesky.factor(stiffness, border) {
         Err(LinearError::Singular { .. }) if !border.is_empty() => {
             let (mut held, diagonal) = (stiffness.clone(), stiffness.diagonal());
-            shift.extend(border.iter().map(|&dof| diagonal[dof]));
+            // What has no stiffness of its own takes that of others, or any.
+            let largest = diagonal.iter().fold(0.0_f64, |m, rho| m.max(*rho));
+            let other = if largest > 0.0 { largest } else { 1.0 };
+            let stored = |dof: usize| stiffness.lower().pattern().slot(dof, dof).is_some();
+            let rho = |&dof: &usize| match diagonal[dof] {
+                own if own > 0.0 => own,
+                _ if stored(dof) => other,
+                _ => 0.0,
+            };
+            shift.extend(border.iter().map(rho));
             border.iter().zip(&shift).filter(|entry| *entry.1 > 0.0).for_each(|(&dof, rho)| held.raise(dof, dof, *rho));
             cholesky.factor(&held, border)?
         }

@@ -207,7 +207,7 @@ pub fn run_with(
         outcome.reached = path.reached.unwrap_or(0.0);
         if status != Status::Converged {
             outcome.violation = Some(Violation::worst(problem, &data, &attempt.state, &attempt.scales));
-            if let Stop::Unheld(motion) | Stop::NoEquilibrium(motion) = solved.stop {
+            if let Stop::Unheld(motion) | Stop::NoEquilibrium(motion) | Stop::EdgeFriction(motion) = solved.stop {
                 outcome.free_motion = Some(motion);
             }
             break;

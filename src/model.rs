@@ -133,9 +133,10 @@ impl Model {
         let friction = contacts.friction_history(description)?;
         let Contacts { nodes: mut contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
         let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
+        let alone = contacts.clone();
         share_edges(&mut contacts, &mu, &dofs);
         let (mut motions, bends) = contact::motions(&contacts, &obstacles, &description.times)?;
-        let map = |row: fn(&ContactNode) -> &Row| {
+        let map = |contacts: &[ContactNode], row: fn(&ContactNode) -> &Row| {
             Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))
         };
         let thin = description.material.plane == Some(Plane::Stress);
@@ -168,13 +169,19 @@ impl Model {
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs);
         let problem = ContactProblem::new(Parts {
             stiffness,
-            c_n: map(|contact| &contact.normal),
-            c_t: map(|contact| &contact.tangents[0]),
-            c_o: map(|contact| &contact.tangents[1]),
+            c_n: map(&contacts, |contact| &contact.normal),
+            c_t: map(&contacts, |contact| &contact.tangents[0]),
+            c_o: map(&contacts, |contact| &contact.tangents[1]),
             mu,
             weight: Some(contacts.iter().map(|contact| contact.weight).collect()),
             free_motions: Some(rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect()),
         })?;
+        let problem = if alone == contacts {
+            problem
+        } else {
+            let tangents = map(&alone, |contact| &contact.tangents[0]);
+            problem.with_tangents_alone(tangents, map(&alone, |contact| &contact.tangents[1]))?
+        };
         Ok(Model {
             description: description.clone(),
             mesh,

@@ -33,10 +33,13 @@ pub enum Stop {
     Diverged,
     /// No step along the direction improves the iterate.
     Stalled,
-    /// The linearisation is singular: nothing stops the free motion with these weights.
+    /// The contact statuses leave the free motion with these weights free, and there is no solution along it.
     Unheld(Vec<f64>),
     /// No equilibrium exists: the loads drive the free motion with these weights.
     NoEquilibrium(Vec<f64>),
+    /// The loads drive the free motion with these weights; only friction that the equations leave out, across the edge
+    /// between two obstacles, resists it.
+    EdgeFriction(Vec<f64>),
     /// The linearisation is singular for another reason.
     Singular(LinearError),
     /// The observer asked to stop.

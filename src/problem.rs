@@ -43,6 +43,7 @@ use crate::vector::median;
 pub struct ContactProblem {
     parts: Parts,
     free_motions: Vec<Vec<f64>>,
+    tangents_alone: Option<[Csr; 2]>,
 }
 
 /// What a [`ContactProblem`] is made of, in SI units.
@@ -134,10 +135,24 @@ impl ContactProblem {
     /// The problem of parts that this crate has made of a sound one.
     pub(crate) fn of(mut parts: Parts) -> Self {
         let free_motions = parts.free_motions.take().unwrap_or_default();
-        ContactProblem { parts, free_motions }
+        ContactProblem { parts, free_motions, tangents_alone: None }
     }
 
-    /// What it is made of, to make another one of.
+    /// The same with the tangents (n_c × n_u, as `c_t` and `c_o`) that each contact node would have if it lay in front of its
+    /// obstacle alone. A node in front of two has fewer, for the others repeat normal rows. The equations are
+    /// without friction along them, but whether loads can be balanced at all is judged with it.
+    ///
+    /// # Errors
+    /// When a map does not have one row for each contact node and one column for each displacement.
+    pub fn with_tangents_alone(self, c_t: Csr, c_o: Csr) -> Result<Self, ProblemError> {
+        for (name, map) in [("c_t of nodes alone", &c_t), ("c_o of nodes alone", &c_o)] {
+            error::expect_length(name, self.contacts(), map.rows(), "one row for each contact node")?;
+            error::expect_length(name, self.displacements(), map.columns(), "one column for each displacement")?;
+        }
+        Ok(ContactProblem { tangents_alone: Some([c_t, c_o]), ..self })
+    }
+
+    /// What it is made of, to make another one of; the tangents of nodes alone are not part of it.
     pub fn into_parts(self) -> Parts {
         Parts { free_motions: Some(self.free_motions), ..self.parts }
     }
@@ -259,6 +274,11 @@ impl ContactProblem {
     /// `(C_t, C_o)`.
     pub fn tangential_maps(&self) -> [&Csr; 2] {
         [self.c_t(), self.c_o()]
+    }
+
+    /// `(C_t, C_o)` if each contact node lay in front of its obstacle alone, where that is not the same.
+    pub fn tangents_alone(&self) -> Option<[&Csr; 2]> {
+        self.tangents_alone.as_ref().map(|maps| [0, 1].map(|k| &maps[k]))
     }
 
     /// Units of order one for a run whose external nodal forces reach `largest_force` (N) and whose

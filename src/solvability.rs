@@ -20,6 +20,7 @@ use crate::null_space::{NEGLIGIBLE, null_space};
 use crate::problem::error::{expect_finite, expect_length};
 use crate::problem::{ContactProblem, ProblemError};
 use crate::sets::Sets;
+use crate::sparse::Csr;
 use cone::{Cone, norm};
 
 /// What violates the conditions (a) and (b) of Theorem 3.
@@ -48,7 +49,8 @@ impl Conditions {
 /// there are `p_n ≥ 0` and `|p_T| ≤ μ p_n` with `Rᵀ (f - C_nᵀ p_n - C_tᵀ p_t - C_oᵀ p_o) = 0`.
 ///
 /// An equilibrium needs that: `Rᵀ K = 0`, so (15) multiplied by `Rᵀ` is this. It is not enough for
-/// one, since it lets every contact node carry a force, whatever its gap and its slip.
+/// one, since it lets every contact node carry a force, whatever its gap and its slip. A node in front of two obstacles
+/// has friction at both, in all tangential directions, though the equations leave some of it out.
 ///
 /// With one tangent a node the cone of these forces has finitely many edges. A disk has a rim: there an inner
 /// cone grows by the edge on which the residual does most work, until the load is inside or no edge of the
@@ -69,6 +71,20 @@ pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<Opti
 
 /// [`rigid_equilibrium`] of a load that fits, with the friction coefficients `mu`.
 pub(crate) fn driven_motion(problem: &ContactProblem, mu: &[f64], force: &[f64]) -> Option<Vec<f64>> {
+    let within = motion_driven_in_the_equations(problem, mu, force)?;
+    match problem.tangents_alone() {
+        None => Some(within),
+        Some(alone) => driven_against(problem, mu, alone, force),
+    }
+}
+
+/// The same with the friction that the equations have: a motion that only friction which they leave out resists.
+pub(crate) fn motion_driven_in_the_equations(problem: &ContactProblem, mu: &[f64], force: &[f64]) -> Option<Vec<f64>> {
+    driven_against(problem, mu, problem.tangential_maps(), force)
+}
+
+/// The motion that `force` drives against all contact forces with friction `mu` along `tangents`.
+fn driven_against(problem: &ContactProblem, mu: &[f64], tangents: [&Csr; 2], force: &[f64]) -> Option<Vec<f64>> {
     let free = Free::new(problem);
     let (mut load, mut size) = (Vec::new(), Vec::new());
     for (motion, largest) in problem.free_motions().iter().zip(&free.largest) {
@@ -79,7 +95,7 @@ pub(crate) fn driven_motion(problem: &ContactProblem, mu: &[f64], force: &[f64])
         load.push(work.sum::<f64>() / largest);
     }
     let cones: Vec<FrictionCone> =
-        (0..problem.contacts()).map(|i| FrictionCone::of(problem, mu[i], &free, i)).collect();
+        (0..problem.contacts()).map(|i| FrictionCone::of(problem, mu[i], tangents, &free, i)).collect();
     let mut generators: Vec<Vec<f64>> = cones.iter().flat_map(FrictionCone::edges).collect();
     let has_rim = cones.iter().any(|cone| cone.tangents.len() > 1);
     for _ in 0..ROUNDS {
@@ -116,8 +132,8 @@ struct FrictionCone {
 }
 
 impl FrictionCone {
-    fn of(problem: &ContactProblem, mu: f64, free: &Free, i: usize) -> Self {
-        let rows = problem.tangential_maps().map(|map| map.row(i));
+    fn of(problem: &ContactProblem, mu: f64, tangents: [&Csr; 2], free: &Free, i: usize) -> Self {
+        let rows = tangents.map(|map| map.row(i));
         FrictionCone {
             mu,
             normal: free.felt(problem.c_n().row(i)),
@@ -247,7 +263,7 @@ fn groups<'a, 'b>(rows: &'b [Row<'a>]) -> Vec<Vec<&'b Row<'a>>> {
 mod tests {
     use super::*;
     use crate::problem::Parts;
-    use crate::sparse::{Csr, Symmetric};
+    use crate::sparse::Symmetric;
 
     fn driven(problem: &ContactProblem, force: &[f64]) -> Option<Vec<f64>> {
         driven_motion(problem, problem.mu(), force)

@@ -1,4 +1,5 @@
-//! Whether friction can make a solution ambiguous: the critical friction along the present statuses.
+//! Whether a solution is the only one: motions along which it is one of many ([`NeutralMotion`]), and whether friction
+//! can make it ambiguous, by the critical friction along the present statuses ([`critical_friction`]).
 //!
 //! Multiply the friction at the slipping nodes by `κ` and keep every status. A small change of the
 //! load then changes a solution by `(du, dp_t, dp_n)` with
@@ -14,8 +15,13 @@
 //! `κ_c` is the smallest such `κ ≥ 0`. With all nodes slipping and `W = C K⁻¹ Cᵀ`, `T = -W_nn⁻¹ W_nt diag(μ s)`
 //! (Klarbring, Ing.-Arch. 60, 1990, for one node).
 
+mod neutral;
+
 use faer::Mat;
 use serde::Serialize;
+
+pub use neutral::NeutralMotion;
+pub(crate) use neutral::neutral_motions;
 
 use crate::contact::coulomb::{NormalCase, TangentialCase};
 use crate::contact::{ContactStatus, KktScales, statuses};

@@ -208,6 +208,11 @@ impl PlacedObstacle {
         matches!(self.surface, Surface::Plane { .. })
     }
 
+    /// Whether it is the same when it has turned about the unit vector `axis` `through` a point (m), but for rounding.
+    pub fn is_the_same_about(&self, axis: [f64; 3], through: [f64; 3]) -> bool {
+        self.surface.is_the_same_about(self.normal, axis, through)
+    }
+
     /// Whether the normals point out of the body on the whole of `boundary`.
     pub fn faces(&self, mesh: &Mesh, boundary: &Boundary) -> bool {
         boundary.facets.iter().all(|facet| {

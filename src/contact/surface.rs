@@ -30,6 +30,10 @@ pub(super) enum Surface {
     Triangles(Arc<Triangles>),
 }
 
+/// What rounding leaves of a direction, or of a length as a share of the coordinates it is the difference of: a few units in
+/// the last place.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
 /// What is where a line misses a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Beyond {
@@ -58,10 +62,12 @@ impl Surface {
                 let shadow = leaning.map_or(n, |axis| across(n, axis));
                 let length = leaning.map_or(1.0, |_| norm(shadow));
                 let n = shadow.map(|c| c / length);
-                // The nearest point along n; it is the apex where n = N.
-                let apex = plus(*apex, *radius, minus(facing, n));
-                let from = axis.map_or(minus(x, apex), |axis| across(minus(x, apex), axis));
-                let along = dot(from, n);
+                // The nearest point along n is R (N - n) from the apex, and R (n·N - 1) = -½ R |N - n|² along n.
+                let lean = minus(facing, n);
+                let flat = |a: [f64; 3]| axis.map_or(a, |axis| across(a, axis));
+                let to_apex = flat(minus(x, *apex));
+                let along = dot(to_apex, n) + 0.5 * radius * dot(lean, lean);
+                let from = plus(to_apex, -radius, lean);
                 let aside = across(from, n);
                 let aside = dot(aside, aside);
                 // Under its very side the surface is as steep as the line: where it is then no gap can tell.
@@ -96,6 +102,25 @@ impl Surface {
             Surface::Round { radius, .. } if *radius < 0.0 => Beyond::Obstacle,
             Surface::Formula(_) | Surface::Table(_) => Beyond::Unknown,
             _ => Beyond::Nothing,
+        }
+    }
+
+    /// Whether a turn about the unit vector `axis` `through` a point (m) maps the surface on itself, but for the rounding of
+    /// both.
+    pub(super) fn is_the_same_about(&self, facing: [f64; 3], axis: [f64; 3], through: [f64; 3]) -> bool {
+        let parallel = |a: [f64; 3]| norm(cross(a, axis)) <= ROUNDING;
+        match self {
+            Surface::Plane { .. } => parallel(facing),
+            Surface::Round { radius, apex, axis: own } => {
+                let to_centre = minus(plus(*apex, *radius, facing), through);
+                let off = own.map_or(to_centre, |own| across(to_centre, own));
+                own.is_none_or(parallel) && norm(off) <= ROUNDING * (radius.abs() + norm(*apex) + norm(through))
+            }
+            Surface::Cone(cone) => {
+                let off = across(minus(cone.apex, through), axis);
+                parallel(cone.axis) && norm(off) <= ROUNDING * (norm(cone.apex) + norm(through))
+            }
+            _ => false,
         }
     }
 

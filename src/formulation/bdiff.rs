@@ -1,5 +1,7 @@
 //! The B-differentiable formulation: `H_N` (19) and its linearisation (21) on `z = (u, p_t, p_o, p_n)`.
 
+mod free;
+
 use super::mixed::{MixedMatrix, TangentialRow};
 use super::natural::Pressure;
 use super::natural::{NaturalRows, half_square};
@@ -8,9 +10,8 @@ use super::{Assembled, Conventions, Layout};
 use crate::contact::coulomb::{
     Germ, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case, tangential_case_ahead,
 };
-use crate::null_space::null_space;
 use crate::problem::{ContactProblem, Increment};
-use crate::sparse::{Csc, Csr, Twofold};
+use crate::sparse::{Csc, Twofold};
 use crate::units::Scaling;
 
 /// `H_N` of a problem, in the units of its scaling, with its Jacobian on one fixed pattern.
@@ -39,7 +40,9 @@ impl Bdiff {
 
     /// The same problem for another formulation.
     pub fn assembled(&self) -> Assembled {
-        Assembled { data: self.data.clone(), matrix: self.matrix.clone() }
+        let mut matrix = self.matrix.clone();
+        matrix.release();
+        Assembled { data: self.data.clone(), matrix }
     }
 
     /// The layout of `z`.
@@ -112,6 +115,7 @@ impl Bdiff {
     /// Linearises for given cases of (21), one for each contact node, instead of those of a `z`. The
     /// tangential case counts where there is a tangential unknown.
     pub fn set_cases(&mut self, cases: impl IntoIterator<Item = (NormalCase, TangentialCase)>) {
+        self.matrix.release();
         for (i, (normal, tangential)) in (0..self.layout().contacts()).zip(cases) {
             self.write_rows(i, (normal, self.layout().has_friction(i).then_some(tangential)));
         }
@@ -173,6 +177,9 @@ impl Bdiff {
         for (row, force) in h.iter_mut().zip(&data.force) {
             *row -= force;
         }
+        for spring in self.matrix.springs() {
+            h[spring.place] -= spring.stiffness * z[spring.place];
+        }
         self.contact_rows(z, None, h);
     }
 
@@ -182,6 +189,10 @@ impl Bdiff {
         for (row, column, value) in self.matrix.matrix().entries() {
             sums[row].add_product(value, z[column]);
             sums[row].add(value * rest[column]);
+        }
+        for spring in self.matrix.springs() {
+            sums[spring.place].add_product(-spring.stiffness, z[spring.place]);
+            sums[spring.place].add(-spring.stiffness * rest[spring.place]);
         }
         sums.iter_mut().zip(&self.data.force).for_each(|(sum, force)| sum.add(-force));
         h.iter_mut().zip(sums).for_each(|(row, sum)| *row = sum.value());
@@ -194,29 +205,33 @@ impl Bdiff {
     }
 
     /// `t ↦ Theta(z + t dz)` along a Newton direction `dz` from `z` with `h = H(z)`. The equilibrium rows are linear and
-    /// `dz` solves them, so along it they shrink by `1 - t`: a trial step costs O(n_c).
+    /// `dz` solves them, so along it they shrink by `1 - t`: a trial step costs O(n_c). What springs carry counts as carried.
     pub fn merit_along<'a>(&'a self, z: &'a [f64], dz: &'a [f64], h: &[f64]) -> impl Fn(f64) -> f64 + 'a {
         let equilibrium = half_square(&h[..self.layout().displacements()]);
         move |t| self.rows.theta(&self.data, (1.0 - t).powi(2) * equilibrium, z, dz, t)
     }
 
-    /// Linearises at `z` (21): rewrites the values of [`Bdiff::jacobian`] that depend on it, and tells whether any of them
+    /// Linearises at `z` (21), and ties what that leaves free: rewrites the values of [`Bdiff::jacobian`] that depend on it, and tells whether any of them
     /// changed. Where slip can turn, its coefficients are kept while they are the same to eight digits.
     pub fn linearize(&mut self, z: &[f64]) -> bool {
-        let mut changed = false;
-        for i in 0..self.layout().contacts() {
-            changed |= self.write_rows(i, self.case(i, z));
-        }
-        changed
+        self.write_cases(|this, i| this.case(i, z))
     }
 
     /// Linearises at `z` as seen from `z + t dz`, `t → 0+`: where several cases meet in `z`, each node
     /// takes the one that `dz` leads into. A `dz` that solves with it and is met by it again, unchanged,
     /// is the direction of the B-derivative itself (20). Tells whether any case changed.
     pub fn linearize_towards(&mut self, z: &[f64], dz: &[f64]) -> bool {
+        self.write_cases(|this, i| this.case_ahead(i, z, dz))
+    }
+
+    /// Writes the rows of every node for its case, and ties what they leave free; tells whether any changed.
+    fn write_cases(&mut self, case: impl Fn(&Self, usize) -> Case) -> bool {
         let mut changed = false;
         for i in 0..self.layout().contacts() {
-            changed |= self.write_rows(i, self.case_ahead(i, z, dz));
+            changed |= self.write_rows(i, case(self, i));
+        }
+        if changed {
+            self.tie_unheld_motions();
         }
         changed
     }
@@ -257,31 +272,9 @@ impl Bdiff {
         self.set_cases(vec![(NormalCase::Closed, TangentialCase::Stick); self.layout().contacts()]);
     }
 
-    /// The matrix of the last linearisation. Its pattern never changes.
+    /// The matrix of the last linearisation, with what ties motions that it leaves free. Its pattern never changes.
     pub fn jacobian(&self) -> &Csc {
         self.matrix.matrix()
-    }
-
-    /// Weights of a combination of the problem's free motions that the last linearisation leaves
-    /// free, so that its matrix is singular; `None` if there is none. A rigid motion stays free if no closed node stops it along the normal and no sticking node
-    /// along a tangent; a slipping one resists across its slip, as friction would turn.
-    pub fn unheld_motion(&self) -> Option<Vec<f64>> {
-        let motions = &self.data.free_motions;
-        let row = |c: &Csr, i: usize| motions.iter().map(|motion| c.dot(i, motion)).collect::<Vec<f64>>();
-        let closed = |i: usize| matches!(self.cases[i], Some((NormalCase::Closed, _)));
-        let tangents = |i: usize| [row(&self.data.c_t, i), row(&self.data.c_o, i)];
-        let held = |i: usize| match self.cases[i] {
-            Some((_, Some(TangentialCase::Stick))) => tangents(i).to_vec(),
-            Some((_, Some(TangentialCase::Slip { direction: [t, o], turning }))) if turning != [[0.0; 2]; 2] => {
-                let [along_t, along_o] = tangents(i);
-                vec![along_t.iter().zip(&along_o).map(|(w_t, w_o)| t * w_o - o * w_t).collect()]
-            }
-            _ => Vec::new(),
-        };
-        let contacts = 0..self.layout().contacts();
-        let normal = contacts.clone().filter(|&i| closed(i)).map(|i| row(&self.data.c_n, i));
-        let tangential = contacts.flat_map(held);
-        null_space(motions.len(), normal.chain(tangential)).into_iter().next()
     }
 
     /// Whether `H` is affine, so that a single step solves it.

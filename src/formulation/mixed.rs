@@ -13,6 +13,16 @@ use crate::units::Scaling;
 pub(super) struct MixedMatrix {
     matrix: Csc,
     slots: Arc<[Slots]>,
+    springs: Vec<Spring>,
+}
+
+/// What ties a displacement to where it is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Spring {
+    /// The displacement.
+    pub place: usize,
+    /// As much as there is in `K`, so that nothing is rounded as it comes and goes.
+    pub stiffness: f64,
 }
 
 /// Where the values of one contact node's rows are stored.
@@ -63,7 +73,32 @@ impl MixedMatrix {
             }
         });
         let slots = slots.collect();
-        MixedMatrix { matrix, slots }
+        MixedMatrix { matrix, slots, springs: Vec::new() }
+    }
+
+    /// Ties the displacements at `places` by springs as stiff as their entries of `K`, or by a unit where that is 0.
+    pub(super) fn tie(&mut self, places: impl Iterator<Item = usize>) {
+        for place in places {
+            if let Some(slot) = self.matrix.pattern().slot(place, place) {
+                let own = self.matrix.values()[slot];
+                let stiffness = if own > 0.0 { own } else { 1.0 };
+                self.matrix.values_mut()[slot] += stiffness;
+                self.springs.push(Spring { place, stiffness });
+            }
+        }
+    }
+
+    /// Takes all springs away.
+    pub(super) fn release(&mut self) {
+        for Spring { place, stiffness } in std::mem::take(&mut self.springs) {
+            let slot = slot(self.matrix.pattern(), place, place);
+            self.matrix.values_mut()[slot] -= stiffness;
+        }
+    }
+
+    /// The springs in the equilibrium rows.
+    pub(super) fn springs(&self) -> &[Spring] {
+        &self.springs
     }
 
     pub(super) fn matrix(&self) -> &Csc {

@@ -101,4 +101,29 @@ impl Scaled {
         let row = |(c, i): (&Csr, usize)| free_motions.iter().map(|motion| c.dot(i, motion)).collect();
         null_space(free_motions.len(), normal.chain(tangential).map(row)).into_iter().next()
     }
+
+    /// The displacements that contact forces act on, ascending.
+    pub(super) fn contact_displacements(&self) -> Vec<usize> {
+        let Scaled { layout, c_n, c_t, c_o, .. } = self;
+        let mut places: Vec<usize> = (0..layout.contacts())
+            .flat_map(|i| {
+                let [p_t, p_o] = layout.tangential(i);
+                let tangential = [(c_t, p_t), (c_o, p_o)].into_iter().filter(|(_, place)| place.is_some());
+                let rows = tangential.map(|(map, _)| map.row(i)).chain([c_n.row(i)]);
+                rows.flatten().map(|(dof, _)| *dof).collect::<Vec<_>>()
+            })
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        places
+    }
+
+    /// The sum of the free motions with these `weights`, followed by zeros up to `length`.
+    pub(super) fn motion(&self, weights: &[f64], length: usize) -> Vec<f64> {
+        let mut sum = vec![0.0; length];
+        for (motion, weight) in self.free_motions.iter().zip(weights) {
+            sum.iter_mut().zip(motion).for_each(|(sum, u)| *sum += weight * u);
+        }
+        sum
+    }
 }

@@ -5,7 +5,7 @@ use super::task::{IncrementSolver, Observe, Task};
 use crate::formulation::{Assembled, Bdiff};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
-use crate::nonlinear::{Armijo, Bn, End, Outcome};
+use crate::nonlinear::{Armijo, Bn, End, Outcome, Stop};
 use crate::problem::{ContactProblem, State};
 use crate::sparse::Csc;
 
@@ -106,6 +106,7 @@ impl IncrementSolver for BnMethod<'_> {
         if task.first && *start == FirstGuess::Held {
             task.response.add_forces_to(z);
         }
+        let start = z.clone();
         let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpacked_with(z, rest, &scaling));
         let end = match measured {
             true => End::Measured { tolerance: task.tolerance, error: &mut error },
@@ -113,6 +114,13 @@ impl IncrementSolver for BnMethod<'_> {
         };
         let outcome = bn.solve(formulation, linear, z, end, observe)?;
         rest.copy_from_slice(bn.rest());
+        if outcome.stop == Stop::Met && formulation.is_tied() {
+            // One of many solutions: the one that is nearest, if rounding leaves it one.
+            let settled = formulation.settled(z, &start);
+            if error(&settled, rest) <= error(z, rest).max(task.tolerance) {
+                *z = settled;
+            }
+        }
         Ok(outcome)
     }
 

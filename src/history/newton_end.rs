@@ -50,6 +50,14 @@ impl NewtonEnd {
         bn.solve(formulation, linear, own, End::Measured { tolerance: task.tolerance, error: &mut error }, observe)
     }
 
+    /// Of the solutions along the motions that contact leaves free at `z`, which begins with `(u, p_t, p_n)`, the one nearest to
+    /// `to`: its `(u, p_t, p_n)`; `None` if there is one only.
+    pub(super) fn settled(&mut self, z: &[f64], to: &[f64]) -> Option<Vec<f64>> {
+        self.linearize(z);
+        let n = self.z.len();
+        self.formulation.is_tied().then(|| self.formulation.settled(&z[..n], &to[..n]))
+    }
+
     /// Linearises at a `z` that begins with `(u, p_t, p_n)`.
     pub(super) fn linearize(&mut self, z: &[f64]) {
         self.formulation.linearize(&z[..self.z.len()]);

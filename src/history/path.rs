@@ -17,7 +17,7 @@ use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Outcome, Stop};
 use crate::problem::{ContactProblem, Increment};
-use crate::solvability::driven_motion;
+use crate::solvability::{driven_motion, motion_driven_in_the_equations};
 
 /// The way through a history as far as it has converged, and the data of the part tried last.
 pub(super) struct Path<'a> {
@@ -166,9 +166,13 @@ impl<'a> Path<'a> {
             scales: &before,
             tolerance: settings.tolerance,
         };
-        let mut outcome = match driven_motion(problem, &self.mu, &self.force) {
+        let mut outcome = match motion_driven_in_the_equations(problem, &self.mu, &self.force) {
             None => self.method.solve(&task, linear, observe)?,
-            Some(motion) => Outcome { stop: Stop::NoEquilibrium(motion), ..Outcome::new(f64::NAN) },
+            Some(motion) => {
+                let stop = driven_motion(problem, &self.mu, &self.force);
+                let stop = stop.map_or(Stop::EdgeFriction(motion), Stop::NoEquilibrium);
+                Outcome { stop, ..Outcome::new(f64::NAN) }
+            }
         };
         let state = match condensed {
             None => self.method.state(),
@@ -199,6 +203,7 @@ impl<'a> Path<'a> {
             Status::Converged
             | Status::Interrupted
             | Status::NoEquilibrium
+            | Status::EdgeFriction
             | Status::OutOfMemory
             | Status::Unsupported => false,
             // Where rounding sets the limit, it does so at any load.

@@ -177,6 +177,13 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
                 break;
             }
         }
+        if outcome.stop == Stop::Met && !problem.free_motions().is_empty() {
+            // One of many solutions perhaps: the one that is nearest, if rounding leaves it one.
+            let settled = self.end.settled(&self.z, &last);
+            if let Some(settled) = settled.filter(|settled| error(settled) <= error(&self.z).max(tolerance)) {
+                self.z[..settled.len()].copy_from_slice(&settled);
+            }
+        }
         Ok(outcome)
     }
 

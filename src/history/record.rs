@@ -29,6 +29,8 @@ pub enum Status {
     Singular,
     /// No equilibrium exists: no admissible contact forces balance the loads on the rigid body.
     NoEquilibrium,
+    /// Nothing balances the loads but friction across an edge between two obstacles, which the equations leave out.
+    EdgeFriction,
     /// The linear algebra gave numbers that are not finite.
     NotFinite,
     /// There was not enough memory to go on.
@@ -51,6 +53,7 @@ impl fmt::Display for Status {
             Status::Stalled => "stalled",
             Status::Singular => "singular",
             Status::NoEquilibrium => "no-equilibrium",
+            Status::EdgeFriction => "edge-friction",
             Status::NotFinite => "not-finite",
             Status::OutOfMemory => "out-of-memory",
             Status::Interrupted => "interrupted",
@@ -169,6 +172,7 @@ pub(super) fn verdict(solved: &Outcome, kkt: &KktErrors, tolerance: f64) -> Stat
         Stop::Singular(LinearError::NotFinite) => Status::NotFinite,
         Stop::Unheld(_) | Stop::Singular(_) => Status::Singular,
         Stop::NoEquilibrium(_) => Status::NoEquilibrium,
+        Stop::EdgeFriction(_) => Status::EdgeFriction,
     }
 }
 

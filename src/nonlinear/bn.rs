@@ -100,16 +100,24 @@ impl Bn {
             let flow = observe(&Iteration { record, system: Some(self.system(formulation)) });
             let mut met = end.met(theta, error);
             if (repeated || formulation.is_affine() && end.is_measured()) && !met {
-                // Nothing is left to gain but by refinement.
+                // Nothing is left to gain but by refinement, or by following a motion that is free.
                 met = self.refine(formulation, linear, z, &mut end)?;
-                outcome.stop = Stop::Stalled;
+                match formulation.unheld_motion() {
+                    None => outcome.stop = Stop::Stalled,
+                    Some(_) if !met && self.follow(formulation, z) => theta = self.evaluate(formulation, z),
+                    Some(motion) => outcome.stop = Stop::Unheld(motion),
+                }
             }
-            if outcome.ends(met || formulation.is_affine(), flow) || outcome.stop == Stop::Stalled {
+            if outcome.ends(met || formulation.is_affine(), flow) || outcome.stop != Stop::MaxIterations {
                 break;
             }
         }
-        if outcome.stop == Stop::MaxIterations && cycle.closed() {
-            outcome.stop = Stop::Cycling;
+        if outcome.stop == Stop::MaxIterations {
+            outcome.stop = match formulation.unheld_motion() {
+                Some(motion) => Stop::Unheld(motion),
+                None if cycle.closed() => Stop::Cycling,
+                None => Stop::MaxIterations,
+            };
         }
         outcome.assembly_seconds = clock.seconds;
         Ok(outcome)
@@ -126,7 +134,7 @@ impl Bn {
     fn direction(&mut self, formulation: &Bdiff, linear: &mut Direct, fresh: bool) -> Result<Direction, LinearError> {
         if fresh {
             self.factored = None;
-            if let Some(motion) = formulation.unheld_motion() {
+            if let Some(motion) = formulation.loose_motion() {
                 return Ok(Err(Stop::Unheld(motion)));
             }
             if let Err(error) = linear.factorize(formulation.jacobian()) {

@@ -63,6 +63,7 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
     let why = match outcome.status {
         Status::Singular => unheld(model, outcome),
         Status::NoEquilibrium => no_equilibrium(model, outcome),
+        Status::EdgeFriction => edge_friction(model, outcome),
         Status::Interrupted => "stopped on request".to_string(),
         Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
             "{violated}, which is what rounding the displacements of so slender a body makes; \
@@ -140,6 +141,14 @@ fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
     let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.told(&model.units()));
     format!(
         "no equilibrium exists: the loads drive {motion}, and no contact force within its friction resists; change the loads or add a support"
+    )
+}
+
+fn edge_friction(model: &Model, outcome: &HistoryOutcome) -> String {
+    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.told(&model.units()));
+    format!(
+        "the loads drive {motion}, and only friction across an edge between two obstacles could resist; nodes in front of both \
+         have friction along that edge alone: let the boundaries share no node, change the loads or add a support"
     )
 }
 

@@ -4,8 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::warnings::{Warning, WarningKind};
 use crate::contact::{ContactNode, ContactStatus, RangeLeft};
+use crate::fem::RigidMotion;
 use crate::history::{Status, Step};
 use crate::model::Model;
+use crate::uniqueness::{NeutralMotion, neutral_motions};
 use crate::units::Quantity;
 use crate::vector::{minus, norm};
 
@@ -22,6 +24,8 @@ pub struct Validity {
     pub largest_pressure: Option<LargestPressure>,
     /// Where the linearised gaps were most wrong, if they were out of their range.
     pub range_left: Option<RangeLeft>,
+    /// The motion that the first equilibrium that is one of many leaves open, if there was any, and its time, s.
+    pub neutral: Option<(NeutralMotion, f64)>,
     /// Whether each contact node ever touched its obstacle.
     touched: Vec<bool>,
 }
@@ -55,7 +59,8 @@ pub struct LargestPressure {
 impl Validity {
     /// Before the first increment of `model`.
     pub fn new(model: &Model) -> Self {
-        Validity { largest: None, largest_pressure: None, range_left: None, touched: vec![false; model.contacts.len()] }
+        let touched = vec![false; model.contacts.len()];
+        Validity { largest: None, largest_pressure: None, range_left: None, neutral: None, touched }
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
@@ -87,6 +92,10 @@ impl Validity {
             && self.range_left.is_none_or(|worst| left.share.is_nan() || left.share > worst.share)
         {
             self.range_left = Some(left);
+        }
+        if self.neutral.is_none() {
+            let neutral = neutral_motions(&model.problem, increment, state, statuses);
+            self.neutral = neutral.into_iter().next().map(|motion| (motion, record.time));
         }
     }
 
@@ -134,6 +143,11 @@ impl Validity {
         if let Some(left) = &self.range_left {
             warn(WarningKind::GapsOutOfRange, out_of_range(model, left));
         }
+        if let Some((motion, time)) = &self.neutral
+            && let Some(message) = not_unique(model, motion, *time)
+        {
+            warn(WarningKind::NotUnique, message);
+        }
         warnings
     }
 }
@@ -141,6 +155,19 @@ impl Validity {
 /// The slope of the obstacle in front of a node, against the node's normal: the tangent of the angle.
 fn slope(contact: &ContactNode) -> f64 {
     norm(minus(contact.facing.inward, contact.facing.normal))
+}
+
+fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<String> {
+    let motion = RigidMotion::combination(&model.rigid_motions, &neutral.weights)?;
+    let room = neutral.room[0].min(neutral.room[1]);
+    let (units, told) = (model.units(), model.units().of_si(Quantity::Length, room));
+    let (motion, unit) = (motion.told(&units), units.name(Quantity::Length));
+    let room = if room.is_finite() { format!("by {told:.2e} {unit}") } else { "by any distance".to_string() };
+    Some(format!(
+        "at t = {time} s contact forces balance the loads, but nothing holds the body against {motion}: displacements are \
+         one of many solutions, which may differ {room} before another node touches; stresses are the same in all; add a \
+         support to make them unique"
+    ))
 }
 
 fn out_of_range(model: &Model, left: &RangeLeft) -> String {

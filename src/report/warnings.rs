@@ -36,6 +36,8 @@ pub enum WarningKind {
     LeaningObstacle,
     /// A contact that leaves the range of its linearised gaps.
     GapsOutOfRange,
+    /// An equilibrium that is one of many: contact leaves a motion of the body open.
+    NotUnique,
 }
 
 impl WarningKind {
@@ -46,7 +48,8 @@ impl WarningKind {
             WarningKind::NoContact
             | WarningKind::LargeDisplacements
             | WarningKind::LeaningObstacle
-            | WarningKind::GapsOutOfRange => true,
+            | WarningKind::GapsOutOfRange
+            | WarningKind::NotUnique => true,
         }
     }
 }

@@ -103,6 +103,35 @@ fn a_roller_passes() {
     }
 }
 
+/// However little an obstacle moves: what the rates leave out as a cylinder passes is up to a hundredth of the approach here,
+/// and far below what rounding leaves of a coordinate in the last line.
+#[test]
+fn gaps_are_exact_however_small_the_motion() {
+    for (approach, aside) in [(1e-9, 1.3e-6), (1e-10, 1.3e-6), (1e-15, 4e-9)] {
+        let text = roller(1.0, &format!("translation = [[0, 0, 0], [2, {aside:e}, 0]]"));
+        let text = text.replace("motion = {", &format!("approach = [[0, 0], [2, {approach:e}]], motion = {{"));
+        let model = Model::new(&Scene::parse("tiny.toml", &text, &[]).unwrap()).unwrap();
+        for (contact, gap) in model.contacts.iter().zip(model.loading.gaps_at(2.0)) {
+            let s = contact.position[0] - 0.5 - aside;
+            let error = (gap - (s * s / (1.0 + (1.0 - s * s).sqrt()) - approach)).abs();
+            // The place of the node is rounded, too, and the surface in front of it slopes by about s.
+            assert!(error <= 1e-9 * approach + 1e-15 * s.abs(), "{approach} at {s}: {gap}, off by {error}");
+        }
+    }
+}
+
+/// What turns about its own axis bends nothing; beside it, it does.
+#[test]
+fn what_turns_in_itself_has_no_bend() {
+    for (centre, bends) in [("[0.5, -0.7]", 0), ("[0.5, -0.70001]", 1)] {
+        let approach = "translation = [[0, 0, 0], [2, 0, 1e-4]]";
+        let text =
+            roller(0.7, &format!("{approach}, rotation = {{ through = {centre}, history = [[0, 0], [2, 1.0]] }}"));
+        let model = Model::new(&Scene::parse("turning.toml", &text, &[]).unwrap()).unwrap();
+        assert_eq!(model.loading.bends().len(), bends, "{centre}");
+    }
+}
+
 /// A plane that tips over by a large angle is where it is, at the node's normal.
 #[test]
 fn a_plane_that_tips() {

@@ -19,6 +19,7 @@ mod ip_step;
 mod jacobian_fd;
 mod labels;
 mod left_out;
+mod neutral;
 mod own_method;
 mod robust;
 mod uniqueness;

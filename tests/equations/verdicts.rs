@@ -2,9 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::history::{HistoryOutcome, Status};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status};
 use stickslip::model::Model;
 use stickslip::scene::Scene;
+use stickslip::solvability::rigid_equilibrium;
 
 fn solve(overrides: &[&str]) -> HistoryOutcome {
     let scene = common::block(&[&["mesh.elements=[10,10]", "time.increments=10"], overrides].concat());
@@ -100,12 +101,51 @@ fn sliding_to_a_wall_is_an_equilibrium() {
     assert!(u.into_iter().all(|u| (u[0] - 1.0).abs() < 1e-3));
 }
 
-/// The paper's constants do not get it there; the verdict names the motion in which nothing held the iteration.
+/// The paper's constants get it there, too, but not to the last digits: beside displacements of a metre the absolute test
+/// of the merit is met too early.
 #[test]
-fn the_paper_does_not_slide_that_far() {
-    let (model, outcome) = towards_a_wall(1.0, "paper");
-    assert_eq!(outcome.status, Status::Singular, "{:?}", outcome.records.last());
-    assert_eq!(blamed(&model, &outcome), "a translation along (1, 0)");
+fn the_paper_slides_less_exactly() {
+    let (_, outcome) = towards_a_wall(1.0, "paper");
+    let record = outcome.records.last().unwrap();
+    assert_eq!(outcome.status, Status::Inaccurate, "{record:?}");
+    assert!(record.kkt.worst().1 < 1e-8, "{record:?}");
+}
+
+/// A cube of one element on a floor, its left side before a wall, pulled off that: the load comes down on the edge that
+/// both share, so friction at right angles to the edge would have to carry it, and the equations are without.
+#[test]
+fn a_balance_across_an_edge_is_not_denied() {
+    let scene = |pull: f64| {
+        let text = format!(
+            r#"
+            mesh = {{ kind = "block", size = [1.0, 1.0, 1.0], elements = [1, 1, 1] }}
+            material = {{ young = 1e9, poisson = 0.3 }}
+            contact = [
+                {{ boundary = "bottom", friction = 0.5, obstacle = {{ kind = "plane" }} }},
+                {{ boundary = "left", friction = 0.5, obstacle = {{ kind = "plane" }} }},
+            ]
+            load = [{{ boundary = "left", traction = [{pull:e}, 0, -1e5] }}]
+            time = {{ end = 1, increments = 2 }}
+            "#
+        );
+        Scene::parse("edge.toml", &text, &[]).unwrap()
+    };
+    let outcome = |pull: f64, linear: LinearAlgebra| {
+        let scene = scene(pull);
+        let model = Model::new(&scene).unwrap();
+        let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+        let outcome =
+            history::run(&model.problem, &model.loading, model.times(), &settings, linear.into(), &mut ()).unwrap();
+        (outcome.status, outcome.records.len(), outcome.free_motion.is_some())
+    };
+    for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        assert_eq!(outcome(0.45e5, linear), (Status::EdgeFriction, 1, true));
+        // More than all friction there is.
+        assert_eq!(outcome(0.55e5, linear), (Status::NoEquilibrium, 1, true));
+    }
+    let model = Model::new(&scene(0.45e5)).unwrap();
+    let force = model.loading.force_at(1.0, &model.problem).unwrap();
+    assert_eq!(rigid_equilibrium(&model.problem, &force), Ok(None));
 }
 
 /// A free motion that contact cannot stop ends the run and is named.

@@ -18,7 +18,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("mesh", &["fault", "input", "sets", "vector"]),
     ("problem", &["linear", "sparse", "units", "vector"]),
     ("loading", &["problem"]),
-    ("solvability", &["null_space", "problem", "sets", "vector"]),
+    ("solvability", &["null_space", "problem", "sets", "sparse", "vector"]),
     ("fem", &["fault", "mesh", "null_space", "sparse", "units", "vector"]),
     ("contact", &["fault", "fem", "formula", "input", "loading", "mesh", "problem", "timeline", "vector"]),
     ("description", &["contact", "fault", "fem", "formula", "mesh", "timeline", "units", "vector"]),
@@ -42,7 +42,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "vector",
         ],
     ),
-    ("uniqueness", &["contact", "formulation", "history", "linear", "problem", "units"]),
+    ("uniqueness", &["contact", "formulation", "history", "linear", "null_space", "problem", "units"]),
     (
         "scene",
         &[

@@ -104,6 +104,28 @@ fn warnings() {
     }
 }
 
+/// A block on the crest of a cylinder is balanced, but may turn: until its next node touches, 1 / 32 m below, its far corners go
+/// four times as far.
+#[test]
+fn a_solution_that_is_one_of_many_is_told() {
+    let scene = r#"
+mesh = { kind = "block", size = [1.0, 1.0], elements = [4, 4] }
+material = { young = 1e9, poisson = 0.3 }
+contact = [{ boundary = "bottom", friction = 0.5, obstacle = { kind = "cylinder", radius = 1.0, apex = [0.5, 0] } }]
+load = [{ boundary = "top", traction = [0, -1e3] }]
+time = { end = 1, increments = 2 }
+"#;
+    let report = report(scene, 0);
+    assert_eq!(report["warnings"][0]["kind"], "not-unique");
+    let message = report["warnings"][0]["message"].as_str().unwrap();
+    assert!(message.contains("at t = 0.5 s") && message.contains("a rotation about (0.5, 0) m"), "{message}");
+    assert!(message.contains("differ by 1.27e-1 m"), "{message}");
+    // With a support there is one only.
+    let held = format!("{scene}support = [{{ boundary = \"left\", fix = [\"x\"] }}]\n");
+    let report = self::report(&held, 0);
+    assert_eq!(report["warnings"], json_value!([]));
+}
+
 /// Planes that touch from the start: nothing is indented, and what rounding leaves of gaps is no error of theirs.
 #[test]
 fn planes_that_touch_have_no_warning() {

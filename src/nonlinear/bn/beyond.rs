@@ -1,4 +1,5 @@
-//! What Algorithm BN has beyond the paper's loop: the last digits, and the places where it stands still.
+//! What Algorithm BN has beyond the paper's loop: the last digits, the places where it stands still, and bodies that the
+//! contact statuses leave free to move.
 
 use super::{Bn, End};
 use crate::formulation::Bdiff;
@@ -78,5 +79,15 @@ impl Bn {
             }
         }
         Ok(end.met(f64::INFINITY, best))
+    }
+
+    /// Follows the last direction, which only a free motion is left in, on to where the first contact node comes into
+    /// another case. Tells whether there is such a place.
+    pub(super) fn follow(&self, formulation: &Bdiff, z: &mut [f64]) -> bool {
+        let reach = formulation.reach(z, &self.dz);
+        if let Some(step) = reach {
+            z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += step * dz);
+        }
+        reach.is_some()
     }
 }
