@@ -31,6 +31,7 @@ use mesh::first_elements;
 use crate::history::{LinearAlgebra, Method, Status};
 use crate::run::RunError;
 use crate::scene::Scene;
+use crate::units::UnitSystem;
 
 /// A way to solve a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -148,6 +149,8 @@ pub struct MeshResult {
 pub struct Comparison {
     /// The scene's title.
     pub title: String,
+    /// The units in which it is told; the numbers here are SI.
+    pub units: UnitSystem,
     /// The error that every law may have; no error of a run means anything below it.
     pub tolerance: f64,
     /// The meshes, from coarse to fine.
@@ -219,9 +222,11 @@ pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> 
     let meshes = mesh::each(&scene.description.mesh, &plan.meshes)?;
     let reference = plan.reference * increments.last().copied().unwrap_or(1);
     let mut studied: Vec<(MeshResult, Vec<Trial>)> = Vec::new();
+    let mut units = scene.description.system(3);
     for mesh in meshes {
         progress(format!("{mesh}, reference with {reference} increments"));
         let study = Study::new(scene, mesh.clone(), reference)?;
+        units = study.units();
         let mut runs = Vec::new();
         for &path in &plan.paths {
             for &increments in &increments {
@@ -244,7 +249,7 @@ pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> 
         }
     }
     let tolerance = scene.solver.tolerance;
-    Ok(Comparison { title: scene.title.clone(), tolerance, meshes: results, runs })
+    Ok(Comparison { title: scene.title.clone(), units, tolerance, meshes: results, runs })
 }
 
 impl Comparison {

@@ -33,6 +33,7 @@ mod load;
 mod probe;
 mod spring;
 mod support;
+mod units;
 
 pub use field::Field;
 pub use load::{Action, Load, Where};
@@ -45,6 +46,7 @@ use serde::Deserialize;
 use crate::contact::{Friction, Obstacle};
 use crate::fem::{Element, Material};
 use crate::mesh::MeshSource;
+use crate::units::{UnitSystem, Units};
 
 /// One elastic body, what holds, meets and loads it, and the ends of the increments of its history. Checked when a
 /// model is made of it, or by [`Description::check`].
@@ -66,6 +68,8 @@ pub struct Description {
     pub loads: Vec<Load>,
     /// The ends of the increments, s, increasing; the history begins at 0.
     pub times: Vec<f64>,
+    /// The units in which results are told. All numbers here are SI; see [`Description::given_in`].
+    pub units: Units,
 }
 
 /// An axis of coordinates.
@@ -108,6 +112,7 @@ impl Description {
             springs: Vec::new(),
             loads: Vec::new(),
             times,
+            units: Units::SI,
         }
     }
 
@@ -156,6 +161,11 @@ impl Description {
     pub fn load(mut self, load: Load) -> Self {
         self.loads.push(load);
         self
+    }
+
+    /// The units in which results of a body of so many dimensions are told.
+    pub fn system(&self, dimension: usize) -> UnitSystem {
+        UnitSystem { units: self.units, dimension }
     }
 
     /// The end of the history, s; 0 without increments.

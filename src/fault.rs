@@ -24,6 +24,12 @@ impl Fault {
         Fault { key: key.into(), message: message.into(), help: help.into() }
     }
 
+    /// The same fault of a number that was converted to SI units.
+    #[must_use]
+    pub fn in_si(self) -> Self {
+        Fault { message: format!("in SI units {}", self.message), ..self }
+    }
+
     /// The same fault, told by whom holds the value under `parent`.
     #[must_use]
     pub fn under(self, parent: &str) -> Self {
@@ -73,7 +79,7 @@ pub fn not_huge(key: &str, numbers: impl IntoIterator<Item = f64>) -> Result<(),
         None => Ok(()),
         Some(x) => {
             let message = format!("{key} has the number {x:e}, but products of numbers beyond {LARGEST:e} overflow");
-            Err(Fault::new(key, message, "give SI units, and smaller numbers"))
+            Err(Fault::new(key, message, "give numbers in SI units or as [units] says, and smaller ones"))
         }
     }
 }

@@ -11,6 +11,16 @@ pub struct Formula {
     text: String,
     /// In postfix order: operands before what is done with them.
     steps: Vec<Step>,
+    units: FormulaUnits,
+}
+
+/// The units that a formula is written in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FormulaUnits {
+    /// That of `x`, `y` and `z`, m.
+    pub length: f64,
+    /// That of the value, in SI units.
+    pub value: f64,
 }
 
 /// A step of the evaluation, on a stack of values.
@@ -38,7 +48,7 @@ pub struct FormulaError {
 
 impl PartialEq for Formula {
     fn eq(&self, other: &Self) -> bool {
-        self.text == other.text
+        self.text == other.text && self.units == other.units
     }
 }
 
@@ -60,7 +70,22 @@ impl Formula {
     /// # Ok::<(), stickslip::formula::FormulaError>(())
     /// ```
     pub fn parse(text: &str) -> Result<Self, FormulaError> {
-        Ok(Formula { text: text.to_string(), steps: grammar::steps(text)? })
+        let units = FormulaUnits { length: 1.0, value: 1.0 };
+        Ok(Formula { text: text.to_string(), steps: grammar::steps(text)?, units })
+    }
+
+    /// The same formula, written in `units`: its value at a place is that at the coordinates of the place in these units.
+    ///
+    /// ```
+    /// use stickslip::formula::{Formula, FormulaUnits};
+    ///
+    /// let square = Formula::parse("x^2")?.written_in(FormulaUnits { length: 1e-3, value: 1e6 });
+    /// assert_eq!(square.at([0.003, 0.0, 0.0]), 9e6);
+    /// # Ok::<(), stickslip::formula::FormulaError>(())
+    /// ```
+    #[must_use]
+    pub fn written_in(self, units: FormulaUnits) -> Self {
+        Formula { units, ..self }
     }
 
     /// The formula as it was given.
@@ -68,9 +93,10 @@ impl Formula {
         &self.text
     }
 
-    /// The value of the formula at `x` (m); NaN where it has none.
+    /// The value of the formula at `x` (m), in SI units; NaN where it has none.
     pub fn at(&self, x: [f64; 3]) -> f64 {
-        self.evaluate(x).unwrap_or(f64::NAN)
+        let FormulaUnits { length, value } = self.units;
+        self.evaluate(x.map(|c| c / length)).map_or(f64::NAN, |found| found * value)
     }
 
     fn evaluate(&self, x: [f64; 3]) -> Option<f64> {

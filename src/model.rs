@@ -26,7 +26,7 @@ use crate::problem::{ContactProblem, Parts, ProblemError};
 use crate::scene::{Scene, SceneError};
 use crate::sparse::Csr;
 use crate::timeline::within;
-use crate::units::Scaling;
+use crate::units::{Scaling, UnitSystem};
 use crate::vector::dot;
 use balance::Statics;
 use contact::Contacts;
@@ -202,6 +202,11 @@ impl Model {
     /// What it was made of.
     pub fn description(&self) -> &Description {
         &self.description
+    }
+
+    /// The units in which its results are told.
+    pub fn units(&self) -> UnitSystem {
+        self.description.system(self.mesh.dimension)
     }
 
     /// The ends of the increments, s, for which the gaps of moving obstacles are exact.

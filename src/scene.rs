@@ -1,4 +1,5 @@
-//! Scenes: what is to be solved, read from TOML and checked. Everything is SI.
+//! Scenes: what is to be solved, read from TOML and checked. Texts may be in units of their own;
+//! what is read from them is SI.
 //!
 //! ```
 //! use stickslip::scene::Scene;

@@ -1,4 +1,11 @@
-//! The units of the numbers inside: SI at every border, numbers of order one between.
+//! Units: those of the numbers inside ([`Scaling`], numbers of order one), and those in which people give numbers and are
+//! told them ([`Units`]). Between the two everything is SI.
+
+mod system;
+mod user;
+
+pub use system::{Quantity, UnitSystem};
+pub use user::{LengthUnit, StressUnit, Units};
 
 /// A unit of force and a unit of length for the unknowns of one run.
 ///

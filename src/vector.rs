@@ -22,6 +22,12 @@ impl Vector {
     pub fn dimension(self) -> usize {
         self.dimension
     }
+
+    /// With each of its coordinates changed.
+    #[must_use]
+    pub fn map(self, change: impl FnMut(f64) -> f64) -> Self {
+        Vector { components: self.components.map(change), ..self }
+    }
 }
 
 impl fmt::Debug for Vector {

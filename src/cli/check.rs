@@ -1,11 +1,13 @@
 //! `stickslip check`.
 
 mod histories;
+mod obstacles;
+mod words;
 
 use std::collections::BTreeSet;
 
 use clap::Args;
-use stickslip::contact::{Friction, GapDirection, Obstacle, PlacedObstacle, Rotation, Shape};
+use stickslip::contact::Friction;
 use stickslip::description::{Action, Bed, Direction, Field, Held, Support, Where};
 use stickslip::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::formulation::Layout;
@@ -17,10 +19,12 @@ use stickslip::report::Warning;
 use stickslip::run::{RunError, discretise};
 use stickslip::scene::Scene;
 use stickslip::solvability::{Conditions, rigid_equilibrium};
-use stickslip::vector::Vector;
+use stickslip::units::{Quantity, UnitSystem};
 
 use super::{Failure, SceneArgs};
 use histories::points;
+use obstacles::{frame, motions, shape};
+use words::{listed, number, told, vector};
 
 #[derive(Args)]
 pub(super) struct CheckArgs {
@@ -42,7 +46,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         scene.time.end / scene.time.increments as f64,
         scene.time.end
     );
-    for kink in histories::stepped_over(&scene) {
+    for kink in histories::stepped_over(&scene, &model.units()) {
         say!("stepped over {kink}: no increment ends there; choose time.increments so that one does");
     }
     say!(
@@ -65,37 +69,41 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 }
 
 fn body(scene: &Scene, model: &Model) {
+    let units = model.units();
+    let length = |x: f64| units.text(Quantity::Length, x);
     let kind = match &scene.description.mesh {
         MeshSource::Block { axes, .. } => {
-            let each = |value: fn(&Segment) -> String, within: &str, between: &str| {
+            let each = |value: &dyn Fn(&Segment) -> String, within: &str, between: &str| {
                 let along = |axis: &Vec<Segment>| match &axis[..] {
                     [segment] => value(segment),
                     all => format!("({})", all.iter().map(value).collect::<Vec<_>>().join(within)),
                 };
                 axes.iter().map(along).collect::<Vec<_>>().join(between)
             };
-            let lengths = each(|segment| format!("{} m", segment.length), " + ", " x ");
-            let elements = each(|segment| segment.elements.to_string(), " + ", " x ");
+            let lengths = each(&|segment| length(segment.length), " + ", " x ");
+            let elements = each(&|segment| segment.elements.to_string(), " + ", " x ");
             let graded = if axes.iter().flatten().all(|segment| segment.grading == 1.0) {
                 String::new()
             } else {
-                format!(" (graded {})", each(|segment| format!("1 : {}", segment.grading), ", ", ", "))
+                format!(" (graded {})", each(&|segment| format!("1 : {}", segment.grading), ", ", ", "))
             };
             format!("block {lengths}, {elements}{graded}")
         }
         MeshSource::HalfPlane(HalfPlane {
             size: [width, height], contact_elements, outer_elements, layers, ..
         }) => {
-            format!("half-plane {width} m x {height} m, ({contact_elements} + {outer_elements}) x {layers}")
+            let (width, height) = (length(*width), length(*height));
+            format!("half-plane {width} x {height}, ({contact_elements} + {outer_elements}) x {layers}")
         }
         MeshSource::Gmsh { file, scale } => {
             // A forgotten scale is seen here. Six digits hide the rounding of a difference.
-            let length = |length: &f64| {
-                let rounded: f64 = format!("{length:.5e}").parse().unwrap_or(*length);
-                format!("{rounded} m")
+            let extent = |x: &f64| {
+                let told = units.of_si(Quantity::Length, *x);
+                let rounded: f64 = format!("{told:.5e}").parse().unwrap_or(told);
+                format!("{rounded} {}", units.name(Quantity::Length))
             };
-            let lengths = model.mesh.extent()[..model.mesh.dimension].iter().map(length).collect::<Vec<_>>();
-            format!("{}, unit {scale} m, {} over all,", file.display(), lengths.join(" x "))
+            let lengths = model.mesh.extent()[..model.mesh.dimension].iter().map(extent).collect::<Vec<_>>();
+            format!("{}, unit {}, {} over all,", file.display(), length(*scale), lengths.join(" x "))
         }
         MeshSource::Given(_) => "given".to_string(),
     };
@@ -122,31 +130,36 @@ fn body(scene: &Scene, model: &Model) {
         (2, Plane::Stress) => "plane stress, unit thickness",
         _ => "three dimensions",
     };
-    say!("material     E = {} Pa, nu = {poisson}, {state}", number(*young));
+    let modulus = |young: f64| told(&units, Quantity::Stress, young);
+    say!("material     E = {}, nu = {poisson}, {state}", modulus(*young));
     for group in groups {
-        say!("group        {}: E = {} Pa, nu = {}", group.name, number(group.young), group.poisson);
+        say!("group        {}: E = {}, nu = {}", group.name, modulus(group.young), group.poisson);
     }
     let height = if model.mesh.dimension == 2 { "y" } else { "z" };
     let mut bottom = 0.0;
     for (layer, top) in layers.iter().zip(scene.description.material.tops()) {
         // A height is a sum of thicknesses; fifteen digits hide its rounding.
+        let top = units.of_si(Quantity::Length, top);
         let top: f64 = format!("{top:.14e}").parse().unwrap_or(top);
-        let young = number(layer.young);
-        say!("layer        {height} = {bottom} to {top} m: E = {young} Pa, nu = {}", layer.poisson);
+        let (unit, young) = (units.name(Quantity::Length), modulus(layer.young));
+        say!("layer        {height} = {bottom} to {top} {unit}: E = {young}, nu = {}", layer.poisson);
         bottom = top;
     }
     for support in &scene.description.supports {
-        say!("support      {}: {}", support.at, holds(support, scene.time.end));
+        say!("support      {}: {}", support.at.place(&units), holds(support, &units, scene.time.end));
     }
     for bed in &scene.description.springs {
         let stiffness = match bed {
-            Bed::Axes { at: Where::Boundary(_), stiffness } => format!("({}) N/m3 along the axes", numbers(stiffness)),
-            Bed::Axes { stiffness, .. } => format!("({}) N/m along the axes", numbers(stiffness)),
+            Bed::Axes { at: Where::Boundary(_), stiffness } => {
+                format!("{} along the axes", vector(&units, Quantity::Foundation, stiffness))
+            }
+            Bed::Axes { stiffness, .. } => format!("{} along the axes", vector(&units, Quantity::Spring, stiffness)),
             Bed::Surface { normal, tangential, .. } => {
-                format!("{} N/m3 along the normal, {} N/m3 across", number(*normal), number(*tangential))
+                let [normal, tangential] = [normal, tangential].map(|x| told(&units, Quantity::Foundation, *x));
+                format!("{normal} along the normal, {tangential} across")
             }
         };
-        say!("spring       {}: {stiffness}", bed.place());
+        say!("spring       {}: {stiffness}", bed.place(&units));
     }
 }
 
@@ -199,64 +212,8 @@ fn contacts(scene: &Scene, model: &Model) {
     }
 }
 
-/// Along which normals the gaps of an obstacle are measured, and which slip is positive.
-fn frame(model: &Model, obstacle: &PlacedObstacle, direction: GapDirection) -> String {
-    let rounded = |c: &f64| format!("{c:.6}").parse().unwrap_or(*c) + 0.0;
-    let vector = |x: [f64; 3]| {
-        let components = x[..model.mesh.dimension].iter().map(|c| rounded(c).to_string());
-        format!("({})", components.collect::<Vec<_>>().join(", "))
-    };
-    let normal = vector(obstacle.normal);
-    let gaps = match direction {
-        GapDirection::Normal => format!("gaps along the normal n = {normal}"),
-        GapDirection::Nearest => {
-            format!("gaps to the nearest point, each node along its own normal; n = {normal} at large")
-        }
-    };
-    match (model.mesh.dimension, obstacle.tangents) {
-        (2, [t, _]) => format!("{gaps}, slip along t = {}", vector(t)),
-        (_, [t, o]) => format!("{gaps}, slip along t = {} and o = {}", vector(t), vector(o)),
-    }
-}
-
-/// The motions of an obstacle, point by point.
-fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
-    let mut motions = Vec::new();
-    if let Some(approach) = &obstacle.approach {
-        let distance = |d: &[f64]| format!("{} m", number(d[0]));
-        motions.push(format!("moves in by {}", points(approach, distance)));
-    }
-    if obstacle.translation.is_some() {
-        let place = |x: &[f64]| format!("({}) m", numbers(&x[..model.mesh.dimension]));
-        motions.push(format!("moves by {}", points(&obstacle.path(), place)));
-    }
-    if let Some(Rotation { history, .. }) = &obstacle.rotation {
-        motions.push(format!("turns by {}", points(history, |angle| format!("{} rad", number(angle[0])))));
-    }
-    motions
-}
-
-fn shape(model: &Model, given: &Obstacle, placed: &PlacedObstacle) -> String {
-    let place = |x: &Vector| model.mesh.place(x.components());
-    match &given.shape {
-        Shape::Plane { gap } => format!("plane at {} m", number(*gap)),
-        Shape::PlaneThrough { through } => format!("plane through {} m", place(through)),
-        Shape::Cylinder { radius, apex, .. } => format!("cylinder, radius {radius} m, apex {} m", place(apex)),
-        Shape::Bore { radius, apex, .. } => format!("bore, radius {radius} m, apex {} m", place(apex)),
-        Shape::Sphere { radius, apex } => format!("sphere, radius {radius} m, apex {} m", place(apex)),
-        Shape::Socket { radius, apex } => format!("socket, radius {radius} m, apex {} m", place(apex)),
-        Shape::Cone { apex, half_angle, .. } => format!("cone, half angle {half_angle} rad, apex {} m", place(apex)),
-        Shape::Wedge { apex, angle, .. } => format!("wedge, angle {angle} rad, apex {} m", place(apex)),
-        Shape::Formula(formula) => format!("gap {}", formula.text()),
-        Shape::Table { file } => format!("gap from {}", file.display()),
-        Shape::Surface { file, scale } => {
-            let triangles = placed.triangles().unwrap_or_default();
-            format!("surface of {triangles} triangles from {}, unit {scale} m", file.display())
-        }
-    }
-}
-
 fn loads(scene: &Scene, model: &Model) {
+    let units = model.units();
     for (load, case) in scene.description.loads.iter().zip(model.loading.cases()) {
         let sum = model
             .dofs
@@ -264,17 +221,17 @@ fn loads(scene: &Scene, model: &Model) {
             .into_iter()
             .fold([0.0; 3], |sum, force| [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]);
         say!(
-            "load         {}: {}, in all ({}) N on what is free; factor {}",
-            load.action.place(),
-            acts(&load.action),
-            numbers(&sum[..model.mesh.dimension]),
+            "load         {}: {}, in all {} on what is free; factor {}",
+            load.action.place(&units),
+            acts(&load.action, &units),
+            vector(&units, Quantity::Force, &sum[..model.mesh.dimension]),
             points(&load.factors(scene.time.end), |factor| factor[0].to_string())
         );
     }
 }
 
 /// What a support holds, and where it moves that to.
-fn holds(support: &Support, end: f64) -> String {
+fn holds(support: &Support, units: &UnitSystem, end: f64) -> String {
     let direction = |held: &Held| match held.direction {
         Direction::Axis(axis) => format!("{axis:?}").to_lowercase(),
         Direction::Normal => "its normal".to_string(),
@@ -286,38 +243,26 @@ fn holds(support: &Support, end: f64) -> String {
     }
     let to: Vec<f64> = support.held.iter().map(|held| held.displacement).collect();
     let factor = points(&support.factors(end), |factor| factor[0].to_string());
-    format!("{held}, moved by ({}) m; factor {factor}", numbers(&to))
+    format!("{held}, moved by {}; factor {factor}", vector(units, Quantity::Length, &to))
 }
 
 /// What a load does at factor 1.
-fn acts(action: &Action) -> String {
+fn acts(action: &Action, units: &UnitSystem) -> String {
+    // Where there are no other units a traction is told in N/m2, as it is meant.
+    let per_area = if units.is_si() { "N/m2".to_string() } else { units.name(Quantity::Stress) };
+    let stress = |x: f64| units.number(Quantity::Stress, x);
     match action {
         Action::Traction { traction, .. } => {
-            let component = |t: &Field| t.uniform().map_or_else(|| t.to_string(), number);
-            format!("({}) N/m2", traction.iter().map(component).collect::<Vec<_>>().join(", "))
+            let component = |t: &Field| t.uniform().map_or_else(|| t.to_string(), |t| number(stress(t)));
+            format!("({}) {per_area}", traction.iter().map(component).collect::<Vec<_>>().join(", "))
         }
-        Action::Pressure { pressure, .. } => format!("pressure {pressure} N/m2"),
-        Action::Force { force, .. } => format!("({}) N", numbers(force)),
-        Action::Acceleration(acceleration) => format!("({}) m/s2", numbers(acceleration)),
+        Action::Pressure { pressure: Field::Uniform(p), .. } => format!("pressure {:?} {per_area}", stress(*p)),
+        Action::Pressure { pressure, .. } => format!("pressure {pressure} {per_area}"),
+        Action::Force { force, .. } => vector(units, Quantity::Force, force),
+        Action::Acceleration(acceleration) => vector(units, Quantity::Acceleration, acceleration),
         Action::Spin { speed, .. } => format!("turning with {speed} rad/s"),
         Action::Temperature(temperature) => format!("warmed by {temperature} K"),
     }
-}
-
-/// `a`, `a and b` or `a, b and c`.
-fn listed(mut names: Vec<String>) -> String {
-    let last = names.pop().unwrap_or_default();
-    if names.is_empty() { last } else { format!("{} and {last}", names.join(", ")) }
-}
-
-/// A number in few digits, 0 as 0.
-fn number(x: f64) -> String {
-    if x == 0.0 { "0".to_string() } else { format!("{:e}", (format!("{x:.5e}")).parse().unwrap_or(x)) }
-}
-
-/// Numbers in few digits, with commas.
-fn numbers(x: &[f64]) -> String {
-    x.iter().map(|&x| number(x)).collect::<Vec<_>>().join(", ")
 }
 
 fn holding(model: &Model) {
@@ -327,7 +272,7 @@ fn holding(model: &Model) {
     }
     let by = if model.contacts.is_empty() { "nothing holds" } else { "only contact can hold" };
     for motion in &model.rigid_motions {
-        say!("NOT HELD     {by} the body against {motion}");
+        say!("NOT HELD     {by} the body against {}", motion.told(&model.units()));
     }
 }
 
@@ -340,20 +285,21 @@ fn theorem(model: &Model) {
     let mut label = "theorem 3";
     if let Some(motion) = conditions.leaving.as_deref().and_then(|weights| named(model, weights)) {
         say!(
-            "{label:<12} (a) violated: {motion} moves no node towards an obstacle, \
-             so the loads have to keep the body from it; or add a support"
+            "{label:<12} (a) violated: {} moves no node towards an obstacle, \
+             so the loads have to keep the body from it; or add a support",
+            motion.told(&model.units())
         );
         label = "";
     }
     let nodes: BTreeSet<usize> = conditions.dependent.iter().map(|&i| model.contacts[i].node).collect();
     if let Some(&first) = nodes.first() {
-        let place = model.mesh.place(model.mesh.nodes[first]);
+        let place = model.units().place(model.mesh.nodes[first]);
         let others = match nodes.len() - 1 {
             0 => String::new(),
             n => format!(" (and at {n} more)"),
         };
         say!(
-            "{label:<12} (b) violated: the contact rows at {place} m{others} depend on each other, so the contact \
+            "{label:<12} (b) violated: the contact rows at {place}{others} depend on each other, so the contact \
              forces there are not unique; turn a normal, or take away a contact or a support"
         );
     }
@@ -369,8 +315,9 @@ fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
         let driven = rigid_equilibrium(&model.problem, &force)?;
         if let Some(motion) = driven.and_then(|weights| named(model, &weights)) {
             say!(
-                "NO BALANCE   first at t = {time} s: the loads drive {motion}, which no contact force within its \
-                 friction resists; change the loads or add a support"
+                "NO BALANCE   first at t = {time} s: the loads drive {}, which no contact force within its \
+                 friction resists; change the loads or add a support",
+                motion.told(&model.units())
             );
             break;
         }

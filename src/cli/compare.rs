@@ -13,6 +13,7 @@ use stickslip::history::{LinearAlgebra, Method, Start, Status};
 use stickslip::linear::{self, SparseLu};
 use stickslip::report::{Table, csv_table, write_file};
 use stickslip::scene::{Override, Scene};
+use stickslip::units::{Quantity, UnitSystem};
 
 use super::Failure;
 use super::progress::bar;
@@ -191,24 +192,16 @@ fn shown(error: f64, tolerance: f64) -> String {
 fn meshes_table(comparison: &Comparison) -> Table {
     // In two dimensions there is no p_o.
     let in_space = comparison.meshes.iter().any(|result| result.end.p_o.iter().any(|p_o| *p_o != 0.0));
-    let mut heads = vec![
-        "mesh",
-        "n_u",
-        "n_c",
-        "sum p_n, N",
-        "sum p_t, N",
-        "sum p_o, N",
-        "energy, J",
-        "friction work, J",
-        "d sum p_n",
-        "d sum p_t",
-        "d energy",
-        "d tractions",
-    ];
-    heads.retain(|head| in_space || *head != "sum p_o, N");
-    let mut table = Table::new(&heads);
+    let sums = ["sum p_n", "sum p_t", "sum p_o"].map(|sum| (sum, Quantity::Force));
+    let energies = ["energy", "friction work"].map(|energy| (energy, Quantity::Energy));
+    let resultants_told = sums.into_iter().take(if in_space { 3 } else { 2 }).chain(energies);
+    let with_units = resultants_told.map(|(head, quantity)| format!("{head}, {}", comparison.units.name(quantity)));
+    let counts = ["mesh", "n_u", "n_c"].map(String::from).into_iter();
+    let errors = ["d sum p_n", "d sum p_t", "d energy", "d tractions"].map(String::from);
+    let heads: Vec<String> = counts.chain(with_units).chain(errors).collect();
+    let mut table = Table::new(&heads.iter().map(String::as_str).collect::<Vec<_>>());
     for result in &comparison.meshes {
-        let [p_n, p_t, p_o, energy, work] = resultants(result);
+        let [p_n, p_t, p_o, energy, work] = resultants(result, &comparison.units);
         let mut row = vec![short(&result.mesh)];
         row.extend([result.displacements, result.contacts].map(|count| count.to_string()));
         let numbers = [p_n, p_t].into_iter().chain(in_space.then_some(p_o)).chain([energy, work]);
@@ -228,11 +221,13 @@ fn short(mesh: &MeshChoice) -> String {
     }
 }
 
-fn resultants(result: &MeshResult) -> [f64; 5] {
+/// The sums of the contact forces, the energy and the friction work, in `units`.
+fn resultants(result: &MeshResult, units: &UnitSystem) -> [f64; 5] {
     // + 0.0: the sum of no forces is -0.
-    let sum = |forces: &[f64]| forces.iter().sum::<f64>() + 0.0;
+    let sum = |forces: &[f64]| units.of_si(Quantity::Force, forces.iter().sum::<f64>() + 0.0);
     let End { p_n, p_t, p_o, energy, work, .. } = &result.end;
-    [sum(p_n), sum(p_t), sum(p_o), *energy, *work]
+    let [energy, work] = [energy, work].map(|energy| units.of_si(Quantity::Energy, *energy));
+    [sum(p_n), sum(p_t), sum(p_o), energy, work]
 }
 
 const RUN_COLUMNS: [&str; 25] = [
@@ -331,7 +326,7 @@ fn meshes_csv(comparison: &Comparison) -> String {
         let mut row = vec![short(&result.mesh)];
         row.extend(counts.map(|count| count.to_string()));
         row.push(result.status.to_string());
-        row.extend(resultants(result).map(|number| number.to_string()));
+        row.extend(resultants(result, &comparison.units).map(|number| number.to_string()));
         let errors = result.errors.map(|errors| [errors.sum_p_n, errors.sum_p_t, errors.energy, errors.tractions]);
         row.extend(numbers(errors));
         row

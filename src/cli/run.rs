@@ -15,6 +15,7 @@ use stickslip::report::{
 };
 use stickslip::run::Run;
 use stickslip::scene::Scene;
+use stickslip::units::Quantity;
 
 use super::progress::Progress;
 use super::{Failure, SceneArgs, interrupt, uniqueness};
@@ -157,23 +158,27 @@ fn print_verdict(report: &RunReport, increments: usize) {
         return;
     }
     say!("error        {error:.1e} at most ({law}); backward error of the solves {:.1e}", totals.backward_error);
+    let units = &report.units;
+    let unit = units.name(Quantity::Force);
+    let told = |x: f64| units.of_si(Quantity::Force, x);
+    let components = |force: &[f64]| force.iter().map(|f| format!("{:.6e}", told(*f))).collect::<Vec<_>>().join(", ");
     for Resultant { boundary, force, sums: ComponentSums { sum_p_n, sum_p_t, sum_p_o }, .. } in &report.boundaries {
-        let other = sum_p_o.map_or(String::new(), |sum| format!(", sum p_o = {sum:.6e} N"));
-        say!("contact      {boundary}: sum p_n = {sum_p_n:.6e} N, sum p_t = {sum_p_t:.6e} N{other}");
-        let force: Vec<_> = force.iter().map(|f| format!("{f:.6e}")).collect();
-        say!("             force on the obstacle ({}) N", force.join(", "));
+        let other = sum_p_o.map_or(String::new(), |sum| format!(", sum p_o = {:.6e} {unit}", told(sum)));
+        let [normal, tangential] = [sum_p_n, sum_p_t].map(|sum| told(*sum));
+        say!("contact      {boundary}: sum p_n = {normal:.6e} {unit}, sum p_t = {tangential:.6e} {unit}{other}");
+        say!("             force on the obstacle ({}) {unit}", components(force));
     }
     if let Some(BalanceRecord { supports, springs, balance, .. }) = report.reactions.last() {
         for (kind, Acting { at, force, .. }) in
             supports.iter().map(|support| ("reaction", support)).chain(springs.iter().map(|spring| ("spring", spring)))
         {
-            let force: Vec<_> = force.iter().map(|f| format!("{f:.6e}")).collect();
-            say!("{kind:<12} {at}: ({}) N on the body", force.join(", "));
+            say!("{kind:<12} {at}: ({}) {unit} on the body", components(force));
         }
         say!("balance      all forces on the body leave {balance:.1e} of their sizes");
     }
     if let Some(largest) = &report.largest_displacement {
-        say!("displaced    by {:.3e} m at most", largest.length);
+        let length = units.of_si(Quantity::Length, largest.length);
+        say!("displaced    by {length:.3e} {} at most", units.name(Quantity::Length));
     }
     say!(
         "work         {} iterations, {} factorisations, {} symbolic analysis, {} entries in L and U",

@@ -11,6 +11,7 @@ use crate::nonlinear::{Flow, IterationRecord};
 use crate::report::cpu_seconds;
 use crate::run::{Run, RunError};
 use crate::scene::{Override, Scene};
+use crate::units::UnitSystem;
 
 /// What the reference is computed with. With many increments the condensed path is the cheapest.
 fn reference_path() -> SolverPath {
@@ -47,6 +48,11 @@ impl Study {
         let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
         let reference = solve(&scene, &model, built, reference_path(), reference)?;
         Ok(Study { scene, model, mesh, built, reference })
+    }
+
+    /// The units in which its results are told.
+    pub(super) fn units(&self) -> UnitSystem {
+        self.model.units()
     }
 
     /// The history by `path` in so many increments.

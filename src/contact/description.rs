@@ -117,10 +117,12 @@ pub enum Shape {
     },
     /// Gaps (m) by a formula of the position of the node.
     Formula(Formula),
-    /// Gaps (m) from a CSV file.
+    /// Gaps from a CSV file.
     Table {
         /// The file.
         file: PathBuf,
+        /// The length of the file's unit, m.
+        scale: f64,
     },
     /// A surface of triangles, seen counterclockwise by the body: an STL file, or the faces of a Gmsh file.
     Surface {
@@ -258,8 +260,10 @@ impl Shape {
                 acute("angle", angle, "give the angle in rad by which each plane leans away from the body")?;
                 placed(apex, axis)
             }
-            Shape::Formula(_) | Shape::Table { .. } => Ok(()),
-            Shape::Surface { scale, .. } => positive("scale", scale, "give the length of the file's unit in m"),
+            Shape::Table { scale, .. } | Shape::Surface { scale, .. } => {
+                positive("scale", scale, "give the length of the file's unit in m, or in the unit of [units]")
+            }
+            Shape::Formula(_) => Ok(()),
         }
     }
 }
@@ -284,7 +288,7 @@ impl Rotation {
 }
 
 fn check_radius(radius: f64) -> Result<(), Fault> {
-    positive("radius", radius, "give the radius in m")
+    positive("radius", radius, "give the radius in m or as [units] says")
 }
 
 fn point(key: &str, value: Vector) -> Result<(), Fault> {

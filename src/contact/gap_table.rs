@@ -60,18 +60,20 @@ pub enum TableError {
 }
 
 impl GapTable {
-    /// Reads the CSV file at `path`: a header such as `x,gap` or `x,y,gap`, then lines of numbers in m, in
+    /// Reads the CSV file at `path`: a header such as `x,gap` or `x,y,gap`, then lines of numbers in a unit of `scale` m, in
     /// any order.
     ///
     /// # Errors
     /// When it cannot be read, or is not every point of a line or grid once.
-    pub fn read(path: &Path) -> Result<Self, TableError> {
+    pub fn read(path: &Path, scale: f64) -> Result<Self, TableError> {
         let file = path.display().to_string();
         let text = crate::input::text(path).map_err(|error| TableError::Io { file: file.clone(), error })?;
-        Self::parse(&file, &text)
+        let GapTable { file, coordinates, mut knots, mut gaps } = Self::parse(&file, &text)?;
+        knots.iter_mut().flatten().chain(&mut gaps).for_each(|x| *x *= scale);
+        Ok(GapTable { file, coordinates, knots, gaps })
     }
 
-    /// Reads a table from `text`; `file` stands for the file in messages.
+    /// Reads a table in m from `text`; `file` stands for the file in messages.
     ///
     /// # Errors
     /// As [`GapTable::read`].

@@ -84,7 +84,9 @@ impl ObstacleError {
             ObstacleError::NoAxis => "give an axis, such as [0, 1, 0]",
             ObstacleError::SkewAxis => "turn the axis, or give the obstacle a normal at right angles to it",
             ObstacleError::ConeTowardsBody => "let the axis point from the tip into the cone, out of the body",
-            ObstacleError::Table(_) => "give a CSV file with the header x,gap or x,y,gap and numbers in m",
+            ObstacleError::Table(_) => {
+                "give a CSV file with the header x,gap or x,y,gap and numbers in m or as [units] says"
+            }
             ObstacleError::Surface(_) => {
                 "give an STL file or a Gmsh file (MSH 4.1, ASCII) whose faces are counterclockwise seen from the body"
             }
@@ -149,7 +151,7 @@ impl PlacedObstacle {
                 Surface::Wedge { apex: apex.components(), aside, slope: angle.tan() }
             }
             Shape::Formula(formula) => Surface::Formula(formula.clone()),
-            Shape::Table { file } => Surface::Table(GapTable::read(file)?),
+            Shape::Table { file, scale } => Surface::Table(GapTable::read(file, *scale)?),
             Shape::Surface { file, scale } => Surface::Triangles(Arc::new(Triangles::read(file, *scale)?)),
         };
         let extent = extent(mesh, boundary);

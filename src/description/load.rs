@@ -3,6 +3,7 @@
 use super::Field;
 use crate::fault::{Fault, demand, finite, not_huge};
 use crate::timeline::check_points;
+use crate::units::{Quantity, UnitSystem};
 use crate::vector::{Vector, norm};
 
 /// A load: an action times a factor that changes in time.
@@ -63,15 +64,6 @@ pub enum Where {
     Point(Vector),
 }
 
-impl std::fmt::Display for Where {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Where::Boundary(name) => f.write_str(name),
-            Where::Point(point) => write!(f, "{point:?}"),
-        }
-    }
-}
-
 impl From<Action> for Load {
     /// The action, growing from nothing at the beginning to the whole of it at the end.
     fn from(action: Action) -> Self {
@@ -105,11 +97,11 @@ impl Load {
 }
 
 impl Action {
-    /// What it acts on, in words.
-    pub fn place(&self) -> String {
+    /// What it acts on, in words, with coordinates in `units`.
+    pub fn place(&self, units: &UnitSystem) -> String {
         match self {
             Action::Traction { boundary, .. } | Action::Pressure { boundary, .. } => boundary.clone(),
-            Action::Force { at, .. } => at.to_string(),
+            Action::Force { at, .. } => at.place(units),
             Action::Acceleration(_) | Action::Spin { .. } | Action::Temperature(_) => "the body".to_string(),
         }
     }
@@ -145,6 +137,14 @@ impl Action {
 }
 
 impl Where {
+    /// The name of the boundary, or the coordinates in `units`.
+    pub fn place(&self, units: &UnitSystem) -> String {
+        match self {
+            Where::Boundary(name) => name.clone(),
+            Where::Point(point) => format!("{:?}", point.map(|x| units.number(Quantity::Length, x))),
+        }
+    }
+
     pub(super) fn check(&self) -> Result<(), Fault> {
         match self {
             Where::Boundary(_) => Ok(()),

@@ -2,6 +2,7 @@
 
 use super::load::{Where, components};
 use crate::fault::{Fault, demand, finite};
+use crate::units::UnitSystem;
 
 /// An elastic foundation of a boundary, or a spring at the node at a point; it is without force in the undeformed body.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,10 +32,10 @@ impl Bed {
         Bed::Surface { boundary: boundary.to_string(), normal, tangential }
     }
 
-    /// What stands on it, in words.
-    pub fn place(&self) -> String {
+    /// What stands on it, in words, with coordinates in `units`.
+    pub fn place(&self, units: &UnitSystem) -> String {
         match self {
-            Bed::Axes { at, .. } => at.to_string(),
+            Bed::Axes { at, .. } => at.place(units),
             Bed::Surface { boundary, .. } => boundary.clone(),
         }
     }

@@ -66,9 +66,9 @@ pub enum Plane {
 /// What a constant of a material called by a name must be.
 type Limit = fn(&str, f64) -> Result<(), Fault>;
 
-const THICKNESS: Limit = |name, value| positive(name, value, "give the thickness of the layer in m");
+const THICKNESS: Limit = |name, value| positive(name, value, "give the thickness of the layer in m or as [units] says");
 
-const YOUNG: Limit = |name, value| positive(name, value, "give Young's modulus in Pa");
+const YOUNG: Limit = |name, value| positive(name, value, "give Young's modulus in Pa or as [units] says");
 
 const POISSON: Limit = |name, value| {
     let help = "thermodynamics sets the lower limit; an incompressible material is beyond displacements alone, \
@@ -77,7 +77,7 @@ const POISSON: Limit = |name, value| {
     demand(value > -1.0 && value < 0.5, name, &value, "above -1 and below 0.5", help)
 };
 
-const DENSITY: Limit = |name, value| positive(name, value, "give the density in kg/m³");
+const DENSITY: Limit = |name, value| positive(name, value, "give the density in kg/m³ or as [units] says");
 
 const EXPANSION: Limit = |name, value| finite(name, value);
 
@@ -174,7 +174,7 @@ impl Material {
         let of_cell: Vec<Option<usize>> = (0..mesh.cells.len()).map(|e| self.layer(height(e))).collect();
         if let Some(k) = (0..self.layers.len()).find(|k| !of_cell.contains(&Some(*k))) {
             let message = format!("no element of the mesh has its centre in material.layers[{k}]");
-            let help = "use more elements, a thicker layer or fewer layers; thicknesses are in m, from the bottom up";
+            let help = "use more elements, a thicker layer or fewer layers; thicknesses are in m or as [units] says, from the bottom up";
             return Err(Fault::new(format!("material.layers[{k}]"), message, help));
         }
         let laws: Vec<Elasticity> = self.layers.iter().map(|layer| law(layer.young, layer.poisson)).collect();
@@ -186,7 +186,7 @@ impl Material {
     /// # Errors
     /// [`Fault`] of the key that is missing, or names a group that `mesh` does not have.
     pub fn densities(&self, mesh: &Mesh) -> Result<Vec<f64>, Fault> {
-        let help = "give the density in kg/m³, e.g. 7850 for steel";
+        let help = "give the density, e.g. 7850 kg/m³ for steel, 7.85e-9 t/mm³ where [units] has mm and MPa";
         self.of_cells(mesh, "density", help, self.density, |group| group.density)
     }
 

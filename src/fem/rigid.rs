@@ -7,6 +7,7 @@ use super::dofs::Dofs;
 use super::spring::Spring;
 use crate::mesh::Mesh;
 use crate::null_space::{NEGLIGIBLE, null_space};
+use crate::units::{Quantity, UnitSystem};
 use crate::vector::{cross, dot, minus, norm};
 
 /// An infinitesimal rigid motion of the body, `u(x) = translation + rotation × (x - about)`.
@@ -62,24 +63,39 @@ impl RigidMotion {
     }
 }
 
-impl fmt::Display for RigidMotion {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl RigidMotion {
+    /// The motion in words, with coordinates in `units`.
+    pub fn told(&self, units: &UnitSystem) -> String {
+        let told = |x: [f64; 3]| x.map(|c| units.of_si(Quantity::Length, c));
+        let size = units.of_si(Quantity::Length, self.size);
+        let (translation, about) = (told(self.translation), told(self.about));
+        RigidMotion { translation, about, size, ..self.clone() }.in_words(&units.name(Quantity::Length))
+    }
+
+    /// The motion in words, whose coordinates are in a unit of this name.
+    fn in_words(&self, unit: &str) -> String {
         let (length, angle) = (norm(self.translation), norm(self.rotation));
         if angle * self.size <= NEGLIGIBLE * length {
             let along = self.rounded(self.translation.map(|t| t / length), 1e-6);
-            return write!(f, "a translation along {along}");
+            return format!("a translation along {along}");
         }
         // The foot of the axis: of all points of the axis the nearest to `about`.
         let arm = cross(self.rotation, self.translation).map(|c| c / (angle * angle));
         let foot = [0, 1, 2].map(|c| self.about[c] + arm[c]);
         let foot = self.rounded(foot, 10_f64.powi(self.size.log10().ceil() as i32 - 4));
         if self.dimension == 2 {
-            return write!(f, "a rotation about {foot} m");
+            return format!("a rotation about {foot} {unit}");
         }
         let axis = self.rotation.map(|r| r / angle);
         let pitch = dot(self.translation, axis);
         let motion = if pitch.abs() <= 1e-6 * angle * self.size { "rotation" } else { "screw motion" };
-        write!(f, "a {motion} about the axis through {foot} m along {}", self.rounded(axis, 1e-6))
+        format!("a {motion} about the axis through {foot} {unit} along {}", self.rounded(axis, 1e-6))
+    }
+}
+
+impl fmt::Display for RigidMotion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.in_words("m"))
     }
 }
 

@@ -164,7 +164,7 @@ impl MeshFault {
     pub fn help(&self) -> &'static str {
         match self {
             MeshFault::Empty => "give the cells of the body",
-            MeshFault::NotFinite(_) => "give coordinates in m other than nan or inf",
+            MeshFault::NotFinite(_) => "give coordinates other than nan or inf",
             MeshFault::OutOfPlane(_) => "give z = 0 in two dimensions; a body in space needs cells with a volume",
             MeshFault::Dimensions { .. } => "let all cells be plane, or all have a volume",
             MeshFault::Corners { .. } => {

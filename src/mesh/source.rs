@@ -142,7 +142,7 @@ impl MeshSource {
             MeshSource::HalfPlane(half_plane) => half_plane.check(),
             MeshSource::Gmsh { scale, .. } => {
                 finite("mesh.scale", *scale)?;
-                let help = "give the length of the file's unit in m, 0.001 for mm";
+                let help = "give the length of the file's unit in m, 0.001 for mm, or in the unit of [units]";
                 demand(*scale > 0.0, "mesh.scale", scale, "positive", help)
             }
             MeshSource::Given(mesh) => {
@@ -195,7 +195,7 @@ impl MeshSource {
     }
 }
 
-const LENGTHS: &str = "give width and height in m, in three dimensions the lengths along x, y and z";
+const LENGTHS: &str = "give width and height in m or as [units] says, in three dimensions the lengths along x, y and z";
 
 fn check_size(size: &[Vec<f64>]) -> Result<(), Fault> {
     if !(2..=3).contains(&size.len()) {
@@ -250,7 +250,13 @@ impl HalfPlane {
         let (key, width) = ("mesh.contact_width", self.contact_width);
         finite(key, width)?;
         let must = "positive and less than the width of the mesh";
-        demand(width > 0.0 && width < self.size[0], key, &width, must, "give the contact zone in m")?;
+        demand(
+            width > 0.0 && width < self.size[0],
+            key,
+            &width,
+            must,
+            "give the contact zone in m or as [units] says",
+        )?;
         let (contact, outer, layers) = (self.contact_elements, self.outer_elements, self.layers);
         for (key, n) in [("mesh.contact_elements", contact), ("mesh.outer_elements", outer), ("mesh.layers", layers)] {
             let must = "at least 1 and at most 50 million";

@@ -15,6 +15,7 @@ use crate::loading::{Bend, FrictionHistory, Motion};
 use crate::mesh::{Boundary, Mesh};
 use crate::problem::ProblemError;
 use crate::timeline::within;
+use crate::units::{Quantity, UnitSystem};
 use crate::vector::dot;
 
 /// How much of the body an obstacle may take up when the history begins. Strains are about this share, and
@@ -91,11 +92,12 @@ impl Contacts {
             obstacles: first..self.obstacles.len(),
         };
         let mut own_mu = Vec::with_capacity(nodes.len());
+        let units = description.system(mesh.dimension);
         for node in nodes {
-            let mu = friction(contact, mesh, &node, k)?;
+            let mu = friction(contact, &units, &node, k)?;
             own_mu.push(mu);
             let node = ContactNode { obstacle: first + node.obstacle, ..node };
-            own.nodes.push(self.add_node(node, mu, &contact.boundary, k)?);
+            own.nodes.push(self.add_node(node, mu, &contact.boundary, &description.system(3), k)?);
         }
         self.boundaries.push(own);
         self.own_mu.push(own_mu);
@@ -120,7 +122,14 @@ impl Contacts {
 
     /// The number of a node of the boundary `name`: that of an earlier boundary in front of the same normal, or a new one.
     /// Refuses opposite normals, for the forces would cancel, whatever they are.
-    fn add_node(&mut self, node: ContactNode, mu: f64, name: &str, k: usize) -> Result<usize, Fault> {
+    fn add_node(
+        &mut self,
+        node: ContactNode,
+        mu: f64,
+        name: &str,
+        units: &UnitSystem,
+        k: usize,
+    ) -> Result<usize, Fault> {
         let sharing = self.at_node.entry(node.node).or_default();
         // One degree from parallel; a sharper edge of a body cannot be meshed.
         let parallel = |i: &&usize| dot(node.facing.normal, self.nodes[**i].facing.normal).abs() > 0.9998;
@@ -132,10 +141,9 @@ impl Contacts {
         };
         let earlier = &self.nodes[same];
         if dot(node.facing.normal, earlier.facing.normal) < 0.0 {
-            let [x, y, z] = node.position;
-            let message = format!(
-                "the node at ({x}, {y}, {z}) m of `{name}` lies in front of two obstacles with opposite normals"
-            );
+            let place = units.place(node.position);
+            let message =
+                format!("the node at {place} of `{name}` lies in front of two obstacles with opposite normals");
             let help = "give an obstacle another normal, or let the boundaries share no node";
             return Err(Fault::new(format!("contact[{k}].obstacle"), message, help));
         }
@@ -158,13 +166,13 @@ fn key(contact: &Contact, k: usize, j: usize) -> String {
 }
 
 /// Coulomb's coefficient of `node`.
-fn friction(contact: &Contact, mesh: &Mesh, node: &ContactNode, k: usize) -> Result<f64, Fault> {
+fn friction(contact: &Contact, units: &UnitSystem, node: &ContactNode, k: usize) -> Result<f64, Fault> {
     let mu = contact.friction.at(node.position);
     if mu.is_finite() && mu >= 0.0 {
         return Ok(mu);
     }
-    let place = mesh.place(node.position);
-    let message = format!("the friction is {mu} at the contact node at {place} m, but must be 0 or more");
+    let place = units.place(node.position);
+    let message = format!("the friction is {mu} at the contact node at {place}, but must be 0 or more");
     Err(Fault::new(format!("contact[{k}].friction"), message, "mend the formula, such as by max(0, ...)"))
 }
 
@@ -197,10 +205,11 @@ fn met(
     let Body { description, mesh, dofs, rows, moved } = *body;
     let name = &contact.boundary;
     let at_obstacle = |j: usize, message: String, help: &str| Fault::new(key(contact, k, j), message, help);
-    let place = |node: usize| mesh.place(mesh.nodes[node]);
+    let units = description.system(mesh.dimension);
+    let place = |node: usize| units.place(mesh.nodes[node]);
     let times = &description.times;
     let met = meetings(mesh, boundary, obstacles, times).map_err(|Unclear { node, obstacle, why: (what, help) }| {
-        at_obstacle(obstacle, format!("{what} the contact node at {} m", place(node)), help)
+        at_obstacle(obstacle, format!("{what} the contact node at {}", place(node)), help)
     })?;
     if let [(obstacle, _)] = obstacles
         && !obstacle.faces(mesh, boundary)
@@ -231,9 +240,10 @@ fn met(
         if let Some(deepest) = own.min_by(|a, b| start(a).total_cmp(&start(b)))
             && start(deepest) < -DEEPEST * thickness
         {
-            let (depth, place) = (-start(deepest), place(deepest.node));
+            let [depth, thickness] = [-start(deepest), thickness].map(|x| units.number(Quantity::Length, x));
+            let (place, unit) = (place(deepest.node), units.name(Quantity::Length));
             let message = format!(
-                "the obstacle starts {depth:e} m inside the body at {place} m, which is {thickness:e} m thick there"
+                "the obstacle starts {depth:e} {unit} inside the body at {place}, which is {thickness:e} {unit} thick there"
             );
             return Err(at_obstacle(j, message, "move the obstacle out, or the part of the motion before time 0"));
         }
@@ -242,7 +252,7 @@ fn met(
         moved.iter().map(|moved| moved.factor(t) * dot(moved.beyond(rows, met.node), met.facing.normal)).sum()
     };
     if let Some(node) = unreachable(mesh, dofs, obstacles, &met, times, beyond) {
-        let message = format!("supports hold the body where the obstacle is or comes to be, at {} m", place(node));
+        let message = format!("supports hold the body where the obstacle is or comes to be, at {}", place(node));
         let help = "use a gap of at least 0, a shorter approach or fewer supports";
         return Err(Fault::new(format!("contact[{k}].boundary"), message, help));
     }

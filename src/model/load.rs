@@ -46,7 +46,9 @@ impl Body<'_> {
             Action::Force { at: place, force } => {
                 let force = in_space(mesh, force, &at("force"))?;
                 match place {
-                    Where::Point(point) => vec![(node(mesh, *point, &key)?, force)],
+                    Where::Point(point) => {
+                        vec![(node(mesh, *point, &description.system(mesh.dimension), &key)?, force)]
+                    }
                     Where::Boundary(name) => {
                         let boundary = boundary(name)?;
                         let area = area(mesh, boundary);
@@ -88,13 +90,14 @@ impl Body<'_> {
 
 /// The springs of each bed of `description`.
 pub(super) fn springs(description: &Description, mesh: &Mesh) -> Result<Vec<Vec<Spring>>, Fault> {
+    let units = description.system(mesh.dimension);
     let of_bed = |(k, bed): (usize, &Bed)| {
         let key = format!("spring[{k}]");
         match bed {
             Bed::Axes { at, stiffness } => {
                 let stiffness = in_space(mesh, stiffness, &format!("{key}.stiffness"))?;
                 match at {
-                    Where::Point(point) => Ok(vec![Spring::at_node(node(mesh, *point, &key)?, stiffness)]),
+                    Where::Point(point) => Ok(vec![Spring::at_node(node(mesh, *point, &units, &key)?, stiffness)]),
                     Where::Boundary(name) => {
                         Ok(Spring::foundation(mesh, find(mesh, name, &key)?, Bedding::Axes(stiffness)))
                     }
@@ -115,7 +118,7 @@ fn tractions(mesh: &Mesh, boundary: &Boundary, name: &str, given: &[Field], key:
     if given.len() != dimension {
         let n = given.len();
         let message = format!("the traction on `{name}` has {n} components, but the body has {dimension} dimensions");
-        let help = if dimension == 2 { "give [x, y], N/m²" } else { "give [x, y, z], N/m²" };
+        let help = if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" };
         return Err(Fault::new(key, message, help));
     }
     if let Some(uniform) = given.iter().map(Field::uniform).collect::<Option<Vec<_>>>() {

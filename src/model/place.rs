@@ -4,6 +4,7 @@ use super::find;
 use crate::description::Where;
 use crate::fault::Fault;
 use crate::mesh::{Boundary, Mesh};
+use crate::units::UnitSystem;
 use crate::vector::{Vector, minus, norm, unit};
 
 /// A node that is named by its coordinates may be as far from them, of the size of the body: coordinates are given with a few
@@ -11,15 +12,15 @@ use crate::vector::{Vector, minus, norm, unit};
 const NEAR: f64 = 1e-6;
 
 /// The nodes at the place that is named at `key`, each once.
-pub(super) fn nodes(mesh: &Mesh, at: &Where, key: &str) -> Result<Vec<usize>, Fault> {
+pub(super) fn nodes(mesh: &Mesh, at: &Where, units: &UnitSystem, key: &str) -> Result<Vec<usize>, Fault> {
     match at {
         Where::Boundary(name) => Ok(find(mesh, name, key)?.nodes()),
-        Where::Point(point) => Ok(vec![node(mesh, *point, key)?]),
+        Where::Point(point) => Ok(vec![node(mesh, *point, units, key)?]),
     }
 }
 
-/// The node at `point`.
-pub(super) fn node(mesh: &Mesh, point: Vector, key: &str) -> Result<usize, Fault> {
+/// The node at `point`; a fault is told in `units`.
+pub(super) fn node(mesh: &Mesh, point: Vector, units: &UnitSystem, key: &str) -> Result<usize, Fault> {
     suits(mesh, point, &format!("{key}.point"))?;
     let x = point.components();
     let distance = |node: usize| norm(minus(mesh.nodes[node], x));
@@ -28,8 +29,8 @@ pub(super) fn node(mesh: &Mesh, point: Vector, key: &str) -> Result<usize, Fault
     if distance(nearest) <= NEAR * mesh.size() {
         return Ok(nearest);
     }
-    let message = format!("no node of the mesh is at {} m", mesh.place(x));
-    let help = format!("the nearest is at {} m", mesh.place(mesh.nodes[nearest]));
+    let message = format!("no node of the mesh is at {}", units.place(x));
+    let help = format!("the nearest is at {}", units.place(mesh.nodes[nearest]));
     Err(Fault::new(format!("{key}.point"), message, help))
 }
 

@@ -8,6 +8,7 @@ use crate::fem::{Dofs, HeldRows, NodalForces, nearest_translation};
 use crate::loading::piecewise_linear;
 use crate::mesh::Mesh;
 use crate::timeline::within;
+use crate::units::UnitSystem;
 use crate::vector::{axis, dot, minus, norm, unit};
 
 /// Displacements that supports prescribe in one place may differ by this share of the largest.
@@ -21,18 +22,20 @@ pub(super) type Holding = Vec<(usize, [f64; 3], f64)>;
 
 /// What each support of `description` holds.
 pub(super) fn holdings(description: &Description, mesh: &Mesh) -> Result<Vec<Holding>, Fault> {
-    description.supports.iter().enumerate().map(|(k, support)| holding(mesh, support, k)).collect()
+    let units = description.system(mesh.dimension);
+    description.supports.iter().enumerate().map(|(k, support)| holding(mesh, support, &units, k)).collect()
 }
 
-fn holding(mesh: &Mesh, support: &Support, k: usize) -> Result<Holding, Fault> {
+fn holding(mesh: &Mesh, support: &Support, units: &UnitSystem, k: usize) -> Result<Holding, Fault> {
     let key = format!("support[{k}]");
-    let nodes = nodes(mesh, &support.at, &key)?;
+    let nodes = nodes(mesh, &support.at, units, &key)?;
     let mut holding = Vec::new();
     for Held { direction, displacement } in &support.held {
         let hold = |node: usize, n: [f64; 3]| (node, n, *displacement);
         match direction {
             Direction::Axis(Axis::Z) if mesh.dimension == 2 => {
-                let message = format!("the support of `{}` holds z, but the body has two dimensions", support.at);
+                let place = support.at.place(units);
+                let message = format!("the support of `{place}` holds z, but the body has two dimensions");
                 return Err(Fault::new(format!("{key}.fix"), message, "leave out \"z\""));
             }
             Direction::Axis(along) => holding.extend(nodes.iter().map(|&node| hold(node, axis(*along as usize)))),
@@ -46,9 +49,8 @@ fn holding(mesh: &Mesh, support: &Support, k: usize) -> Result<Holding, Fault> {
                 let normals = normals(mesh, find(mesh, name, &key)?);
                 for &node in &nodes {
                     let Some(n) = normals[node] else {
-                        let place = mesh.place(mesh.nodes[node]);
-                        let message =
-                            format!("`{name}` has no normal at {place} m: its facets there cancel each other");
+                        let place = units.place(mesh.nodes[node]);
+                        let message = format!("`{name}` has no normal at {place}: its facets there cancel each other");
                         return Err(Fault::new(format!("{key}.fix"), message, "give a direction, or fix axes"));
                     };
                     holding.push(hold(node, n));
@@ -121,8 +123,8 @@ impl Moved {
                 let rest = solved(dofs, node, &values);
                 let missed = |(n, to): &([f64; 3], f64)| (dot(rest, *n) - to).abs() > SAME * size;
                 if let Some(j) = values.iter().position(missed) {
-                    let place = mesh.place(mesh.nodes[node]);
-                    let message = format!("two supports move the node at {place} m to different places");
+                    let place = description.system(mesh.dimension).place(mesh.nodes[node]);
+                    let message = format!("two supports move the node at {place} to different places");
                     let help = "let them agree there, or hold it by one of them";
                     return Err(Fault::new(format!("support[{}].displacement", at_node[j].0), message, help));
                 }

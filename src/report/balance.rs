@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use crate::description::Bed;
 use crate::history::Step;
 use crate::model::{Balance, Model, Wrench};
 
@@ -45,16 +44,16 @@ impl BalanceRecord {
     pub fn new(model: &Model, step: &Step<'_>) -> Self {
         let (index, time) = (step.record.index, step.record.time);
         let Balance { loads, supports, springs, closure, .. } = model.balance(time, step.state);
-        let description = model.description();
+        let (description, units) = (model.description(), model.units());
         let acting = |names: Vec<String>, wrenches: Vec<Wrench>| {
             names.into_iter().zip(wrenches).map(|(at, wrench)| Acting::new(at, wrench, model.mesh.dimension)).collect()
         };
         BalanceRecord {
             index,
             time,
-            supports: acting(description.supports.iter().map(|support| support.at.to_string()).collect(), supports),
-            springs: acting(description.springs.iter().map(Bed::place).collect(), springs),
-            loads: acting(description.loads.iter().map(|load| load.action.place()).collect(), loads),
+            supports: acting(description.supports.iter().map(|support| support.at.place(&units)).collect(), supports),
+            springs: acting(description.springs.iter().map(|bed| bed.place(&units)).collect(), springs),
+            loads: acting(description.loads.iter().map(|load| load.action.place(&units)).collect(), loads),
             balance: closure,
         }
     }

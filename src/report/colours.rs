@@ -26,7 +26,7 @@ pub(super) fn shade(share: f64) -> Colour {
     })
 }
 
-/// A bar of the colours up to `most` (Pa), from `top` to `bottom` with its left side at `from`, px; nothing where there is
+/// A bar of the colours up to `most`, in the unit that `label` names, from `top` to `bottom` with its left side at `from`, px; nothing where there is
 /// no stress.
 pub(super) fn draw_bar(svg: &mut Svg, from: f64, [top, bottom]: [f64; 2], most: f64, label: &str) {
     if most <= 0.0 {
@@ -40,7 +40,6 @@ pub(super) fn draw_bar(svg: &mut Svg, from: f64, [top, bottom]: [f64; 2], most: 
         svg.tile(&corners, shade((k as f64 + 0.5) / STEPS as f64));
     }
     svg.line(&[[from, top], [to, top], [to, bottom], [from, bottom], [from, top]], THIN, BLACK);
-    let most = 1e-6 * most;
     for tick in Scale::Linear.ticks([0.0, most].into_iter(), 0.0, (bottom - top) / 40.0).all {
         if let (Some(label), true) = (&tick.label, tick.value <= most) {
             let y = height(tick.value / most);

@@ -3,9 +3,11 @@
 use serde::Serialize;
 
 use super::csv;
+use super::quantities::cell;
 use crate::contact::{ContactBoundary, ContactStatus};
 use crate::history::Step;
 use crate::model::Model;
+use crate::units::UnitSystem;
 use crate::vector::{minus, norm};
 
 /// One contact node at the end of an increment, SI.
@@ -69,6 +71,8 @@ pub struct ContactLine {
     pub dimension: usize,
     /// One point a node.
     pub points: Vec<ContactPoint>,
+    /// The units of tables and pictures of it.
+    pub units: UnitSystem,
 }
 
 impl ContactLine {
@@ -81,11 +85,12 @@ impl ContactLine {
             time: step.record.time,
             dimension: model.mesh.dimension,
             points: points(model, boundary.nodes.iter().copied(), step),
+            units: model.units(),
         };
         model.contact_boundaries.iter().map(line).collect()
     }
 
-    /// The nodes as CSV, SI units: the columns of the plane, and in three dimensions those of space among them.
+    /// The nodes as CSV: the columns of the plane, and in three dimensions those of space among them.
     pub fn to_csv(&self) -> String {
         let columns: Vec<&Column> = COLUMNS.iter().filter(|column| column.dimension <= self.dimension).collect();
         let place: Vec<&Column> = PLACE.iter().filter(|column| column.dimension <= self.dimension).collect();
@@ -97,7 +102,9 @@ impl ContactLine {
                 ContactStatus::Stick => "stick",
                 ContactStatus::Slip => "slip",
             };
-            let numbers = |columns: &[&Column]| columns.iter().map(|column| csv::number((column.value)(p))).collect();
+            let numbers = |columns: &[&Column]| {
+                columns.iter().map(|column| cell(&self.units, column.name, (column.value)(p))).collect()
+            };
             let numbers: [Vec<String>; 2] = [numbers(&columns), numbers(&place)];
             let [values, place] = numbers;
             [values, vec![status.to_string()], place].concat()
@@ -147,6 +154,12 @@ const PLACE: [Column; 10] = [
     Column { name: "o_y", dimension: 3, value: |p| p.frame[2][1] },
     Column { name: "o_z", dimension: 3, value: |p| p.frame[2][2] },
 ];
+
+/// The names of all columns.
+#[cfg(test)]
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    COLUMNS.iter().chain(&PLACE).map(|column| column.name).chain(["status"])
+}
 
 /// The contact nodes `nodes` at the end of a step.
 pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Step<'_>) -> Vec<ContactPoint> {

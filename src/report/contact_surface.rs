@@ -3,6 +3,7 @@
 use crate::contact::{ContactBoundary, ContactStatus, ObstacleMotion, PlacedObstacle};
 use crate::history::Step;
 use crate::model::Model;
+use crate::units::UnitSystem;
 use crate::vector::{axis_across, cross, dot, norm, unit};
 
 /// The nodes and facets of a boundary with contact, projected on the plane at right angles to the obstacle's normal.
@@ -20,6 +21,8 @@ pub struct ContactSurface {
     pub nodes: Vec<SurfaceNode>,
     /// The facets, by their nodes.
     pub facets: Vec<Vec<usize>>,
+    /// The units of the picture; the numbers here are SI.
+    pub units: UnitSystem,
 }
 
 /// A node of a contact surface.
@@ -72,6 +75,7 @@ impl ContactSurface {
             axes,
             facets: facets.collect(),
             nodes,
+            units: model.units(),
         })
     }
 }

@@ -9,6 +9,7 @@ use super::principal::von_mises;
 use super::svg::{Anchor, Colour, Dash, Line, PlotError, Svg, expect_finite};
 use crate::history::Step;
 use crate::model::Model;
+use crate::units::{Quantity, UnitSystem};
 use crate::vector::{cross, dot, minus, norm, unit};
 
 /// The body at the end of an increment, as it is drawn.
@@ -29,6 +30,8 @@ pub struct DeformedBody {
     pub outline: Vec<[[f64; 2]; 2]>,
     /// Where the axes of coordinates point in the picture.
     pub axes: Vec<[f64; 2]>,
+    /// The units of the picture; the numbers here are SI.
+    pub units: UnitSystem,
 }
 
 const WIDTH: f64 = 960.0;
@@ -104,6 +107,7 @@ impl DeformedBody {
             patches: patches.into_iter().map(|(_, corners, stress)| (corners, stress)).collect(),
             outline: outline.iter().map(ends).collect(),
             axes: (0..mesh.dimension).map(axis).collect(),
+            units: model.units(),
         }
     }
 
@@ -129,7 +133,9 @@ impl DeformedBody {
             1.0 => "as they are".to_string(),
             factor => format!("magnified {factor} times"),
         };
-        let subtitle = format!("t = {} s, displacements {shown}, {:.3e} m at most", self.time, self.largest);
+        let units = self.units.of_pictures();
+        let (largest, unit) = (units.of_si(Quantity::Length, self.largest), units.name(Quantity::Length));
+        let subtitle = format!("t = {} s, displacements {shown}, {largest:.3e} {unit} at most", self.time);
         svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
         let most = self.patches.iter().map(|(_, stress)| *stress).fold(0.0, f64::max);
         for (corners, stress) in &self.patches {
@@ -145,7 +151,9 @@ impl DeformedBody {
         }
         svg.line(&[[0.5 * WIDTH - 80.0, 76.0], [0.5 * WIDTH - 44.0, 76.0]], DASHED, BEFORE);
         svg.text([0.5 * WIDTH - 36.0, 76.0], "before the deformation", LABEL_SIZE, Anchor::Start);
-        draw_bar(&mut svg, WIDTH - RIGHT + 30.0, [TOP, bottom.max(TOP + 160.0)], most, "von Mises, MPa");
+        let label = format!("von Mises, {}", units.name(Quantity::Stress));
+        let most = units.of_si(Quantity::Stress, most);
+        draw_bar(&mut svg, WIDTH - RIGHT + 30.0, [TOP, bottom.max(TOP + 160.0)], most, &label);
         self.draw_axes(&mut svg, [LEFT + 20.0, bottom + BELOW - 30.0]);
         Ok(svg.finish())
     }

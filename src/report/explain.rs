@@ -6,6 +6,7 @@ use crate::contact::Law;
 use crate::fem::RigidMotion;
 use crate::history::{HistoryOutcome, Method, Solver, Status};
 use crate::model::Model;
+use crate::units::Quantity;
 
 /// Why a run ended early.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -56,10 +57,8 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
         };
     };
     let (law, error) = record.kkt.worst();
-    let place = worst_node(model, outcome).map_or(String::new(), |worst| {
-        let place = model.mesh.place(model.mesh.nodes[worst.node]);
-        format!(" at the node {place} m")
-    });
+    let place = worst_node(model, outcome)
+        .map_or(String::new(), |worst| format!(" at the node {}", model.units().place(model.mesh.nodes[worst.node])));
     let violated = format!("{law} is violated by {error:.1e} (tolerance {:.0e}){place}", solver.tolerance);
     let why = match outcome.status {
         Status::Singular => unheld(model, outcome),
@@ -76,7 +75,8 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
         Status::MaxIterations => {
             let limit = solver.max_iterations;
             // Fewer than any increment of the suite of extremes is known to need.
-            let advice = if limit < 100 { "try a larger solver.max_iterations" } else { advice(solver, model) };
+            let advice =
+                if limit < 100 { "try a larger solver.max_iterations".to_string() } else { advice(solver, model) };
             format!("no convergence within max_iterations = {limit}: {violated}; {advice}")
         }
         Status::Cycling => format!("the iteration goes round in a circle: {violated}; {}", advice(solver, model)),
@@ -95,8 +95,8 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
 }
 
 /// What to try when the iteration stops too late or too early.
-fn advice(solver: &Solver, model: &Model) -> &'static str {
-    match solver.method {
+fn advice(solver: &Solver, model: &Model) -> String {
+    let words = match solver.method {
         Method::Bn { r_factor, .. } if r_factor != 1.0 => {
             "r is not that of the problem: take solver.r_factor out of the scene"
         }
@@ -113,10 +113,15 @@ fn advice(solver: &Solver, model: &Model) -> &'static str {
              try solver.setting = \"default\", loads of that size or more increments (time.increments)"
         }
         Method::PaperBn | Method::PaperIp { .. } => {
-            "the setting paper has constants made for moduli near 2e11 Pa: \
-             try solver.setting = \"default\", or scale modulus and loads alike"
+            let units = model.units();
+            let (modulus, unit) = (units.number(Quantity::Stress, 2e11), units.name(Quantity::Stress));
+            return format!(
+                "the setting paper has constants made for moduli near {modulus:e} {unit}: \
+                 try solver.setting = \"default\", or scale modulus and loads alike"
+            );
         }
-    }
+    };
+    words.to_string()
 }
 
 /// The largest Young's modulus of any cell, Pa; in plane stress a little less.
@@ -127,20 +132,20 @@ fn stiffest(model: &Model) -> f64 {
 
 fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
     match motion(model, outcome) {
-        Some(motion) => format!("nothing holds the body against {motion}; add a support"),
+        Some(motion) => format!("nothing holds the body against {}; add a support", motion.told(&model.units())),
         None => "the linearised problem is singular".to_string(),
     }
 }
 
 fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
-    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.to_string());
+    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.told(&model.units()));
     format!(
         "no equilibrium exists: the loads drive {motion}, and no contact force within its friction resists; change the loads or add a support"
     )
 }
 
 fn edge_friction(model: &Model, outcome: &HistoryOutcome) -> String {
-    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.to_string());
+    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.told(&model.units()));
     format!(
         "the loads drive {motion}, and only friction across an edge between two obstacles could resist; nodes in front of both \
          have friction along that edge alone: let the boundaries share no node, change the loads or add a support"

@@ -33,8 +33,23 @@ pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
         whole("material", materials(model)),
     ];
     let cells = mesh.cells.iter().map(|cell| (cell.nodes.clone(), vtk(cell.kind))).collect();
-    Grid { points: mesh.nodes.clone(), cells, point_fields, cell_fields }
+    Grid { units: model.units(), points: mesh.nodes.clone(), cells, point_fields, cell_fields }
 }
+
+/// The names of all fields.
+#[cfg(test)]
+pub(super) const NAMES: [&str; 10] = [
+    "displacement",
+    "contact_pressure",
+    "tangential_traction",
+    "slip",
+    "gap",
+    "status",
+    "stress",
+    "principal_stress",
+    "von_mises",
+    "material",
+];
 
 fn contact_fields(model: &Model, step: &Step<'_>) -> [Field; 5] {
     let n = model.mesh.nodes.len();

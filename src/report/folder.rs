@@ -16,12 +16,15 @@ use super::vtu::Grid;
 use super::{file_names, increments, plot, pvd};
 use crate::history::{IncrementRecord, Step};
 use crate::model::Model;
+use crate::units::UnitSystem;
 
 /// A folder that takes the results of one run: `increments.csv` and `forces.csv` grow line by line, contact lines
 /// and plots come as they are reached, `run.json` at the end.
 #[derive(Debug)]
 pub struct ResultFolder {
     path: PathBuf,
+    /// The units of what is written.
+    units: UnitSystem,
     increments: File,
     forces: File,
     /// Boundaries with contact, and how the names of their files end.
@@ -77,7 +80,8 @@ impl ResultFolder {
             Ok((probe, file))
         });
         let probes = probes.collect::<io::Result<_>>()?;
-        Ok(ResultFolder { path: path.to_path_buf(), increments, forces, boundaries, probes, fields: Vec::new() })
+        let (path, units) = (path.to_path_buf(), model.units());
+        Ok(ResultFolder { path, units, increments, forces, boundaries, probes, fields: Vec::new() })
     }
 
     /// Where the results are.
@@ -90,7 +94,7 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_increment(&mut self, record: &IncrementRecord) -> io::Result<()> {
-        append(&mut self.increments, &increments::line(record))
+        append(&mut self.increments, &increments::line(record, &self.units))
     }
 
     /// Appends the forces of an increment: those on the obstacles, and what else acts on the body.
@@ -98,7 +102,7 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_forces(&mut self, contact: &[ForceRecord], balance: &BalanceRecord) -> io::Result<()> {
-        append(&mut self.forces, &increments::forces_lines(contact, balance))
+        append(&mut self.forces, &increments::forces_lines(contact, balance, &self.units))
     }
 
     /// Writes a contact line as CSV and, in two dimensions, as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`; with

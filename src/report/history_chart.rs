@@ -5,6 +5,7 @@ use super::resultant::ForceRecord;
 use super::run::RunReport;
 use super::svg::{Dash, Line, Marker};
 use crate::history::{IncrementRecord, Status};
+use crate::units::Quantity;
 
 const BLACK: [u8; 3] = [0, 0, 0];
 const COMPONENTS: [(&str, [u8; 3], Dash); 3] = [
@@ -48,6 +49,7 @@ fn forces(report: &RunReport, found: &[&ForceRecord]) -> Chart {
             boundaries.push(&record.resultant.boundary);
         }
     }
+    let told = |force: f64| report.units.of_si(Quantity::Force, force);
     let panel = |boundary: &&str| {
         let on_this = |record: &&&ForceRecord| record.resultant.boundary == **boundary;
         let records: Vec<&ForceRecord> = found.iter().filter(on_this).copied().collect();
@@ -56,7 +58,7 @@ fn forces(report: &RunReport, found: &[&ForceRecord]) -> Chart {
             label: label.to_string(),
             points: [[0.0, 0.0]]
                 .into_iter()
-                .chain(records.iter().map(|record| [record.time, record.resultant.force[c]]))
+                .chain(records.iter().map(|record| [record.time, told(record.resultant.force[c])]))
                 .collect(),
             line: Some(Line { dash, width: 1.8 }),
             marker: few(report, Marker::Disc),
@@ -66,7 +68,10 @@ fn forces(report: &RunReport, found: &[&ForceRecord]) -> Chart {
         Panel { title: if boundaries.len() > 1 { (*boundary).to_string() } else { String::new() }, curves }
     };
     let in_space = found.iter().any(|record| record.resultant.force.len() == 3);
-    let unit = if in_space { "N" } else { "N per m of depth" };
+    let unit = match (in_space, report.units.is_si()) {
+        (false, true) => "N per m of depth".to_string(),
+        _ => report.units.name(Quantity::Force),
+    };
     Chart {
         title: report.title.clone(),
         subtitle: match &boundaries[..] {

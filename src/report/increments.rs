@@ -2,8 +2,10 @@
 
 use super::balance::{Acting, BalanceRecord};
 use super::csv::{self, number};
+use super::quantities::cell;
 use super::resultant::{ForceRecord, Resultant};
 use crate::history::IncrementRecord;
+use crate::units::UnitSystem;
 
 /// What the table of every version begins with: by that a run knows the folder of an earlier one.
 pub(super) const FIRST_COLUMNS: &str = "index,time,status,iterations,backtracks,theta,";
@@ -21,7 +23,7 @@ pub(super) fn header() -> String {
 }
 
 /// The line of an increment.
-pub(super) fn line(record: &IncrementRecord) -> String {
+pub(super) fn line(record: &IncrementRecord, units: &UnitSystem) -> String {
     let r = record;
     let mut fields = vec![
         r.index.to_string(),
@@ -36,27 +38,34 @@ pub(super) fn line(record: &IncrementRecord) -> String {
     fields.extend([r.contact.open, r.contact.stick, r.contact.slip].map(|count| count.to_string()));
     let s = r.seconds;
     fields.extend([s.assembly, s.factorization, s.solve, s.rest].map(|seconds| format!("{seconds:.6}")));
-    fields.extend([r.parts.to_string(), r.rescued.to_string(), number(r.friction_work), number(r.strain_energy)]);
+    fields.extend([r.parts.to_string(), r.rescued.to_string()]);
+    fields.push(cell(units, "friction_work", r.friction_work));
+    fields.push(cell(units, "strain_energy", r.strain_energy));
     csv::line(&fields)
 }
 
 /// The header of the table of forces, for so many dimensions.
 pub(super) fn forces_header(dimension: usize) -> String {
-    let columns: &[&str] = match dimension {
+    let header = [&["index", "time", "boundary"], force_columns(dimension), &["kind", "balance"]].concat();
+    csv::table(&header, std::iter::empty())
+}
+
+/// The columns of force, moment and sums of components.
+fn force_columns(dimension: usize) -> &'static [&'static str] {
+    match dimension {
         2 => &["f_x", "f_y", "m_z", "sum_p_n", "sum_p_t"],
         _ => &["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "sum_p_n", "sum_p_t", "sum_p_o"],
-    };
-    csv::table(&[&["index", "time", "boundary"], columns, &["kind", "balance"]].concat(), std::iter::empty())
+    }
 }
 
 /// The lines of an increment: the forces on each obstacle, then those of supports, springs and loads on the body.
-pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord) -> String {
+pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, units: &UnitSystem) -> String {
     let BalanceRecord { index, time, supports, springs, loads, balance } = balance;
     let line = |at: &str, force: &[f64], moment: &[f64], sums: [Option<f64>; 3], kind: &str| {
-        let sums = &sums[..if force.len() == 2 { 2 } else { 3 }];
-        let numbers = force.iter().chain(moment).copied().map(Some).chain(sums.iter().copied());
+        let numbers = force.iter().chain(moment).copied().map(Some).chain(sums);
+        let numbers = force_columns(force.len()).iter().zip(numbers);
         let mut fields = vec![index.to_string(), number(*time), at.to_string()];
-        fields.extend(numbers.map(|x| x.map_or(String::new(), number)));
+        fields.extend(numbers.map(|(column, x)| x.map_or(String::new(), |x| cell(units, column, x))));
         fields.extend([kind.to_string(), number(*balance)]);
         csv::line(&fields)
     };

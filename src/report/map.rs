@@ -10,6 +10,7 @@ use super::colours::shade;
 use super::contact_surface::{ContactSurface, SurfaceNode};
 use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite};
 use crate::contact::ContactStatus;
+use crate::units::Quantity;
 use view::View;
 
 const WIDTH: f64 = 960.0;
@@ -35,7 +36,8 @@ impl ContactSurface {
     pub fn to_svg(&self, title: &str) -> Result<String, PlotError> {
         let values = self.nodes.iter().flat_map(|node| [node.pressure, node.traction[0], node.traction[1]]);
         expect_finite(values)?;
-        let view = View::new(self);
+        let surface = self.in_units();
+        let view = View::new(&surface);
         let mut svg = Svg::new([WIDTH, view.end()]);
         svg.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold);
         let boundary = self.boundary.as_ref().map_or(String::new(), |name| format!("boundary {name}, "));
@@ -43,13 +45,26 @@ impl ContactSurface {
         svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
         view.draw_legend(&mut svg);
         view.draw_inside(&mut svg, |svg| {
-            self.draw_patches(svg, &view);
-            self.draw_borders(svg, &view);
+            surface.draw_patches(svg, &view);
+            surface.draw_borders(svg, &view);
         });
         view.draw_frame(&mut svg, &self.axes);
-        self.draw_nodes(&mut svg, &view);
+        surface.draw_nodes(&mut svg, &view);
         view.draw_colours(&mut svg);
         Ok(svg.finish())
+    }
+
+    /// The same with places and stresses in the units of the picture.
+    fn in_units(&self) -> Self {
+        let units = self.units.of_pictures();
+        let [length, stress] = [Quantity::Length, Quantity::Stress].map(|quantity| move |x| units.of_si(quantity, x));
+        let node = |node: &SurfaceNode| SurfaceNode {
+            place: node.place.map(length),
+            pressure: stress(node.pressure),
+            traction: node.traction.map(stress),
+            ..*node
+        };
+        ContactSurface { units, nodes: self.nodes.iter().map(node).collect(), ..self.clone() }
     }
 
     /// The corners of each node's share of each facet: the node, the middle of a side, the centre, the middle of

@@ -4,6 +4,7 @@ use super::chart::{Axis, Chart, Curve, Panel, Scale};
 use super::contact_line::{ContactLine, ContactPoint};
 use super::svg::{Dash, Line, Marker, PlotError};
 use crate::contact::ContactStatus;
+use crate::units::{Quantity, UnitSystem};
 
 const NORMAL: [u8; 3] = [31, 90, 160];
 const TANGENTIAL: [u8; 3] = [190, 70, 10];
@@ -20,26 +21,32 @@ pub fn contact_stresses(line: &ContactLine, title: &str) -> Result<String, PlotE
     stress_chart(title.into(), subtitle, 1, &[(String::new(), line)]).to_svg()
 }
 
-/// A panel for each contact line under its heading: `σ_n` and `σ_t` in MPa, the friction bound
+/// A panel for each contact line under its heading: `σ_n` and `σ_t`, the friction bound
 /// `±μ σ_n`, and on `σ_t` the status of each node: filled for stick, hollow for slip, none for open. Of a line that touches
 /// in a small part only, that part is shown.
 pub fn stress_chart(title: String, subtitle: String, columns: usize, lines: &[(String, &ContactLine)]) -> Chart {
     // Contact lines are mostly level: then x says more than the distance along the line.
     let level = |line: &ContactLine| line.points.windows(2).all(|pair| pair[1].x > pair[0].x && pair[1].y == pair[0].y);
     let (abscissa, label): (fn(&ContactPoint) -> f64, _) = if lines.iter().all(|(_, line)| level(line)) {
-        (|p| p.x, "x, m")
+        (|p| p.x, "x")
     } else {
-        (|p| p.s, "distance along the contact line, m")
+        (|p| p.s, "distance along the contact line")
     };
+    let units = lines.first().map_or(UnitSystem::si(2), |(_, line)| line.units).of_pictures();
+    let axis =
+        |label: &str, quantity| Axis { label: format!("{label}, {}", units.name(quantity)), scale: Scale::Linear };
     Chart {
         title,
         subtitle,
-        x: Axis { label: label.into(), scale: Scale::Linear },
-        y: Axis { label: "contact stress, MPa".into(), scale: Scale::Linear },
+        x: axis(label, Quantity::Length),
+        y: axis("contact stress", Quantity::Stress),
         columns,
         panels: lines
             .iter()
-            .map(|(heading, line)| Panel { title: heading.clone(), curves: curves(shown(&line.points), abscissa) })
+            .map(|(heading, line)| Panel {
+                title: heading.clone(),
+                curves: curves(shown(&line.points), abscissa, &units),
+            })
             .collect(),
     }
 }
@@ -58,17 +65,18 @@ fn shown(points: &[ContactPoint]) -> &[ContactPoint] {
     if 2 * (to - from) <= points.len() { &points[from..to] } else { points }
 }
 
-fn curves(points: &[ContactPoint], abscissa: fn(&ContactPoint) -> f64) -> Vec<Curve> {
+fn curves(points: &[ContactPoint], abscissa: fn(&ContactPoint) -> f64, units: &UnitSystem) -> Vec<Curve> {
+    let told = |x: f64, y: f64| [units.of_si(Quantity::Length, x), units.of_si(Quantity::Stress, y)];
     let stress = |label: &str, dash, width, colour, ordinate: fn(&ContactPoint) -> f64| Curve {
         label: label.into(),
-        points: points.iter().map(|p| [abscissa(p), 1e-6 * ordinate(p)]).collect(),
+        points: points.iter().map(|p| told(abscissa(p), ordinate(p))).collect(),
         line: Some(Line { dash, width }),
         marker: None,
         colour,
     };
     let nodes = |status, marker| Curve {
         label: String::new(),
-        points: points.iter().filter(|p| p.status == status).map(|p| [abscissa(p), 1e-6 * p.sigma_t]).collect(),
+        points: points.iter().filter(|p| p.status == status).map(|p| told(abscissa(p), p.sigma_t)).collect(),
         line: None,
         marker: Some(marker),
         colour: TANGENTIAL,

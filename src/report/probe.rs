@@ -3,12 +3,14 @@
 use super::csv::{self, number};
 use super::deformation::deformation;
 use super::principal::von_mises;
+use super::quantities::cell;
 use crate::description::{Probe, ProbePlace};
 use crate::fault::Fault;
 use crate::fem::{reference_point, shape};
 use crate::history::Step;
 use crate::mesh::Mesh;
 use crate::model::Model;
+use crate::units::{Quantity, UnitSystem};
 use crate::vector::{minus, norm};
 
 /// How far outside the box around a cell a point may be, in sizes of the cell, that is still tried.
@@ -66,11 +68,10 @@ impl ProbeTable {
             ProbePlace::Line { from, to, .. } => vec![("from", from), ("to", to)],
         };
         if let Some((key, point)) = given.iter().find(|(_, point)| point.dimension() != dimension) {
-            let message = format!(
-                "the point {point:?} has {} components, but the body {dimension} dimensions",
-                point.dimension()
-            );
-            let help = if dimension == 2 { "give [x, y], m" } else { "give [x, y, z], m" };
+            let told = point.map(|x| model.units().number(Quantity::Length, x));
+            let message =
+                format!("the point {told:?} has {} components, but the body {dimension} dimensions", point.dimension());
+            let help = if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" };
             return Err(Fault::new(*key, message, help));
         }
         let positions = probe.points();
@@ -79,7 +80,7 @@ impl ProbeTable {
         for (k, (position, held)) in positions.iter().zip(cells).enumerate() {
             let Some((cell, reference)) = held else {
                 let key = if k == 0 { given[0].0 } else { given[given.len() - 1].0 };
-                return Err(outside(mesh, key, *position));
+                return Err(outside(mesh, &model.units(), key, *position));
             };
             points.push(Held { position: *position, cell, reference });
         }
@@ -104,26 +105,35 @@ impl ProbeTable {
 
     /// The names of the columns.
     pub(super) fn header(&self) -> String {
-        let columns: &[&str] = match self.dimension {
-            2 => &["x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_zz", "s_xy"],
-            _ => &["x", "y", "z", "u_x", "u_y", "u_z", "s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx"],
-        };
-        csv::table(&[&["index", "time", "point"], columns, &["von_mises"]].concat(), std::iter::empty())
+        header(self.dimension)
     }
 
     /// A line for each point at the end of a step.
     pub(super) fn lines(&self, model: &Model, step: &Step<'_>) -> String {
-        let d = self.dimension;
+        let (d, units) = (self.dimension, model.units());
         let line = |(k, value): (usize, ProbeValue)| {
             let ProbeValue { position, displacement, stress } = value;
             let components = if d == 2 { 4 } else { 6 };
-            let numbers = position[..d].iter().chain(&displacement[..d]).chain(&stress[..components]);
+            let mises = von_mises(stress);
+            let numbers = position[..d].iter().chain(&displacement[..d]).chain(&stress[..components]).chain([&mises]);
             let mut fields = vec![step.record.index.to_string(), number(step.record.time), (k + 1).to_string()];
-            fields.extend(numbers.map(|x| number(*x)));
-            fields.push(number(von_mises(stress)));
+            fields.extend(columns(d).iter().zip(numbers).map(|(column, x)| cell(&units, column, *x)));
             csv::line(&fields)
         };
         self.values(model, step).into_iter().enumerate().map(line).collect()
+    }
+}
+
+/// The names of the columns in so many dimensions.
+pub(super) fn header(dimension: usize) -> String {
+    csv::table(&[&["index", "time", "point"], columns(dimension)].concat(), std::iter::empty())
+}
+
+/// The columns of what is known at a point.
+fn columns(dimension: usize) -> &'static [&'static str] {
+    match dimension {
+        2 => &["x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_zz", "s_xy", "von_mises"],
+        _ => &["x", "y", "z", "u_x", "u_y", "u_z", "s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"],
     }
 }
 
@@ -146,9 +156,9 @@ fn cells(mesh: &Mesh, points: &[[f64; 3]]) -> Vec<Option<(usize, [f64; 3])>> {
     found
 }
 
-fn outside(mesh: &Mesh, key: &str, point: [f64; 3]) -> Fault {
+fn outside(mesh: &Mesh, units: &UnitSystem, key: &str, point: [f64; 3]) -> Fault {
     let nearest = mesh.nodes.iter().min_by(|a, b| norm(minus(**a, point)).total_cmp(&norm(minus(**b, point))));
-    let message = format!("the point {} m is outside of the body", mesh.place(point));
-    let node = nearest.map_or(String::new(), |node| format!("; the nearest node is at {} m", mesh.place(*node)));
-    Fault::new(key, message, format!("give a point of the undeformed mesh, m{node}"))
+    let message = format!("the point {} is outside of the body", units.place(point));
+    let node = nearest.map_or(String::new(), |node| format!("; the nearest node is at {}", units.place(*node)));
+    Fault::new(key, message, format!("give a point of the undeformed mesh{node}"))
 }

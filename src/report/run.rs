@@ -4,7 +4,9 @@ use serde::Serialize;
 
 use super::balance::BalanceRecord;
 use super::explain::Explanation;
+use super::quantities;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
+use super::unit_names::UnitNames;
 use super::unknowns::{LeftOut, Unknowns};
 use super::validity::{LargestDisplacement, LargestPressure, Validity};
 use super::warnings::Warning;
@@ -14,11 +16,13 @@ use crate::history::{HistoryOutcome, IncrementRecord, Solver, Status};
 use crate::model::Model;
 use crate::scene::Scene;
 use crate::uniqueness::CriticalFriction;
+use crate::units::UnitSystem;
 
 /// The version of the keys of a report. A key that is new does not change it; one that goes or means something else does.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// Everything about a run but the fields; SI units throughout.
+/// Everything about a run but the fields. All numbers are SI, and serde writes them as they are;
+/// [`RunReport::to_json`] tells them in the units of the model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct RunReport {
@@ -32,6 +36,9 @@ pub struct RunReport {
     pub scene_text: Option<String>,
     /// The scene's title; empty without a scene.
     pub title: String,
+    /// The units in which the report is told.
+    #[serde(skip)]
+    pub units: UnitSystem,
     /// The algorithm.
     pub method: &'static str,
     /// Its named setting.
@@ -161,6 +168,7 @@ impl RunReport {
             scene: scene.map(|scene| scene.file().to_string()),
             scene_text: scene.map(|scene| scene.text().to_string()),
             title: scene.map_or(String::new(), |scene| scene.title.clone()),
+            units: model.units(),
             method: solver.method.name(),
             setting: solver.method.setting(),
             solver: facts.linear,
@@ -194,11 +202,20 @@ impl RunReport {
         }
     }
 
-    /// The report as one JSON object. Numbers that are not finite become `null`.
+    /// The report as one JSON object, told in its [`RunReport::units`], which it names unless they are SI. Numbers that are not
+    /// finite become `null`.
     ///
     /// # Errors
     /// None that the types allow; serde's signature has one.
     pub fn to_json(&self) -> serde_json::Result<String> {
-        serde_json::to_string_pretty(self)
+        if self.units.is_si() {
+            return serde_json::to_string_pretty(self);
+        }
+        let mut report = serde_json::to_value(self)?;
+        quantities::tell(&mut report, &self.units);
+        if let Some(keys) = report.as_object_mut() {
+            keys.insert("units".to_string(), serde_json::to_value(UnitNames::of(&self.units))?);
+        }
+        serde_json::to_string_pretty(&report)
     }
 }

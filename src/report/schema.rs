@@ -6,12 +6,18 @@ use schemars::transform::{Transform, transform_subschemas};
 use serde_json::{Value, json};
 
 use super::RunReport;
+use super::unit_names::UnitNames;
 
 /// The JSON Schema (draft 2020-12) of [`RunReport`], of `run.json` and of what `--json` prints of a run.
 pub fn run_schema() -> Value {
     let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
+    // What is told in other units than SI names them. It comes first, so that what it refers to is in the schema.
+    let units = generator.subschema_for::<UnitNames>();
     let mut schema = generator.root_schema_for::<RunReport>();
     schema.insert("title".into(), json!("A run of stickslip"));
+    if let Some(properties) = schema.get_mut("properties").and_then(Value::as_object_mut) {
+        properties.insert("units".into(), units.to_value());
+    }
     // Numbers that are not finite are null: JSON has no others.
     NullForNotFinite.transform(&mut schema);
     schema.to_value()

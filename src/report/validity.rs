@@ -8,6 +8,7 @@ use crate::fem::RigidMotion;
 use crate::history::{Status, Step};
 use crate::model::Model;
 use crate::uniqueness::{NeutralMotion, neutral_motions};
+use crate::units::Quantity;
 use crate::vector::{minus, norm};
 
 /// The share of the body's size from which on displacements do not count as small. A body that turns by as much turns
@@ -100,6 +101,8 @@ impl Validity {
 
     /// The warnings that follow.
     pub fn warnings(&self, model: &Model) -> Vec<Warning> {
+        let units = model.units();
+        let unit = units.name(Quantity::Length);
         let mut warnings = Vec::new();
         let mut warn = |kind, message| warnings.push(Warning { kind, message });
         let mut boundaries = model.contact_boundaries.iter();
@@ -116,9 +119,9 @@ impl Validity {
         let steepest = touched.map(|(contact, _)| (contact, slope(contact))).max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((contact, slope)) = steepest.filter(|(_, slope)| *slope > NOT_SMALL) {
             let message = format!(
-                "at the node {} m the obstacle leans by {:.0} degrees against the normal along which it presses; use \
+                "at the node {} the obstacle leans by {:.0} degrees against the normal along which it presses; use \
                  direction = \"nearest\", or another normal",
-                model.mesh.place(contact.position),
+                units.place(contact.position),
                 slope.atan().to_degrees()
             );
             warn(WarningKind::LeaningObstacle, message);
@@ -128,10 +131,12 @@ impl Validity {
             && length > NOT_SMALL * size
         {
             let message = format!(
-                "displacements are taken as small, but the node {} m moves by {length:.2e} m at t = {time} s, {:.0} % of \
-                 the body's size; are lengths in m, moduli and tractions in Pa?",
-                model.mesh.place(position),
-                100.0 * length / size
+                "displacements are taken as small, but the node {} moves by {:.2e} {unit} at t = {time} s, {:.0} % of \
+                 the body's size; are lengths in {unit}, moduli and tractions in {}?",
+                units.place(position),
+                units.of_si(Quantity::Length, length),
+                100.0 * length / size,
+                units.name(Quantity::Stress)
             );
             warn(WarningKind::LargeDisplacements, message);
         }
@@ -155,7 +160,9 @@ fn slope(contact: &ContactNode) -> f64 {
 fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<String> {
     let motion = RigidMotion::combination(&model.rigid_motions, &neutral.weights)?;
     let room = neutral.room[0].min(neutral.room[1]);
-    let room = if room.is_finite() { format!("by {room:.2e} m") } else { "by any distance".to_string() };
+    let (units, told) = (model.units(), model.units().of_si(Quantity::Length, room));
+    let (motion, unit) = (motion.told(&units), units.name(Quantity::Length));
+    let room = if room.is_finite() { format!("by {told:.2e} {unit}") } else { "by any distance".to_string() };
     Some(format!(
         "at t = {time} s contact forces balance the loads, but nothing holds the body against {motion}: displacements are \
          one of many solutions, which may differ {room} before another node touches; stresses are the same in all; add a \
@@ -165,18 +172,18 @@ fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<Strin
 
 fn out_of_range(model: &Model, left: &RangeLeft) -> String {
     let RangeLeft { position, time, linearised, exact, share, .. } = *left;
-    let place = model.mesh.place(position);
+    let units = model.units();
+    let (place, unit) = (units.place(position), units.name(Quantity::Length));
+    let [linearised, exact] = [linearised, exact].map(|distance| units.of_si(Quantity::Length, distance));
     let remedy =
         "pressures may be as wrong; put the obstacle, in the scene, nearer to where it presses, or let it move less";
     if exact.is_nan() {
-        return format!(
-            "the obstacle is no longer in front of the contact node at {place} m at t = {time} s: {remedy}"
-        );
+        return format!("the obstacle is no longer in front of the contact node at {place} at t = {time} s: {remedy}");
     }
     let off =
         if share.is_finite() { format!(", off by {:.0} % of the indentation", 100.0 * share) } else { String::new() };
     format!(
-        "gaps are linearised in the undeformed state, and the contact leaves where that holds: at the node {place} m at \
-         t = {time} s the distance is {exact:.2e} m, not {linearised:.2e} m{off}; {remedy}"
+        "gaps are linearised in the undeformed state, and the contact leaves where that holds: at the node {place} at \
+         t = {time} s the distance is {exact:.2e} {unit}, not {linearised:.2e} {unit}{off}; {remedy}"
     )
 }

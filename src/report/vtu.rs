@@ -8,6 +8,9 @@ use std::fmt::Write;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
+use super::quantities;
+use crate::units::{Quantity, UnitSystem};
+
 /// The values of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
@@ -29,8 +32,10 @@ pub struct Field {
 }
 
 /// An unstructured grid with fields.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
+    /// The units that the file is written in; the numbers here are SI.
+    pub units: UnitSystem,
     /// The points, m.
     pub points: Vec<[f64; 3]>,
     /// The points of each cell, and its type in VTK's numbering.
@@ -53,7 +58,7 @@ impl Grid {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
         text.push_str("<Points>\n");
-        array(&mut text, "Points", "Float64", 3, self.points.iter().flatten().map(|x| x.to_le_bytes()));
+        array(&mut text, "Points", "Float64", 3, self.points.iter().flatten().map(|x| self.told(Quantity::Length, *x)));
         text.push_str("</Points>\n<Cells>\n");
         let corners = self.cells.iter().flat_map(|(corners, _)| corners);
         array(&mut text, "connectivity", "Int64", 1, corners.map(|&k| (k as i64).to_le_bytes()));
@@ -67,9 +72,10 @@ impl Grid {
         for (element, fields) in [("PointData", &self.point_fields), ("CellData", &self.cell_fields)] {
             let _ = writeln!(text, "<{element}>");
             for Field { name, components, values } in fields {
+                let quantity = quantities::field(name);
                 match values {
                     Values::Real(values) => {
-                        array(&mut text, name, "Float64", *components, values.iter().map(|x| x.to_le_bytes()));
+                        array(&mut text, name, "Float64", *components, values.iter().map(|x| self.told(quantity, *x)));
                     }
                     Values::Whole(values) => {
                         array(&mut text, name, "Int32", *components, values.iter().map(|x| x.to_le_bytes()));
@@ -80,6 +86,11 @@ impl Grid {
         }
         text.push_str("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
         text
+    }
+
+    /// The bytes of a number of SI units.
+    fn told(&self, quantity: Quantity, x: f64) -> [u8; 8] {
+        self.units.of_si(quantity, x).to_le_bytes()
     }
 }
 

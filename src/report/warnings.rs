@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::description::Action;
 use crate::fem::Element;
 use crate::model::Model;
+use crate::units::Quantity;
 
 /// A warning.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -106,9 +107,11 @@ fn layers_through_elements(model: &Model) -> Option<String> {
     let (height, count) = tops.into_iter().map(|top| (top, cut(top))).find(|cut| cut.1 > 0)?;
     let axis = ["x", "y", "z"][up];
     // A height is a sum of thicknesses; seven digits hide its rounding.
+    let height = model.units().of_si(Quantity::Length, height);
     let height: f64 = format!("{height:.6e}").parse().unwrap_or(height);
+    let unit = model.units().name(Quantity::Length);
     Some(format!(
-        "the border between layers at {axis} = {height} m goes through {count} elements, each of which is of one layer; \
+        "the border between layers at {axis} = {height} {unit} goes through {count} elements, each of which is of one layer; \
          let elements end there"
     ))
 }
@@ -124,5 +127,8 @@ fn idle_load(model: &Model) -> Option<String> {
         Action::Temperature(temperature) => temperature.uniform() != Some(0.0),
     };
     let (load, _) = loads.find(|(load, case)| acts(&load.action) && idle(case.force()))?;
-    Some(format!("the load on `{}` does nothing: supports hold the boundary in its direction", load.action.place()))
+    Some(format!(
+        "the load on `{}` does nothing: supports hold the boundary in its direction",
+        load.action.place(&model.units())
+    ))
 }

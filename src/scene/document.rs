@@ -19,6 +19,7 @@ use crate::contact::GapDirection;
 use crate::fem::{Element, Plane};
 use crate::formulation::{NewtonSystem, Partition};
 use crate::mesh::CellKind;
+use crate::units::Units;
 use crate::vector::Vector;
 
 /// `N` values, two unless it says otherwise. An array type would do but for that the TOML reader passes over what is too many.
@@ -121,6 +122,8 @@ impl Visitor<'_> for ScalarVisitor {
 #[serde(deny_unknown_fields)]
 pub(super) struct Document {
     pub title: Option<String>,
+    #[serde(default)]
+    pub units: Units,
     pub mesh: Mesh,
     pub material: Material,
     #[serde(default)]

@@ -16,13 +16,14 @@ use crate::description::{Contact, Description};
 use crate::fault::{Fault, demand, finite};
 use crate::fem::{Layer, Material, MaterialGroup};
 use crate::formula::Formula;
+use crate::units::Units;
 
 /// The scene of `document`, which was read from `source`.
 pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneError> {
     let at = |fault: Fault| source.located(fault);
     let time = time(&document.time).map_err(at)?;
     let contacts: Vec<_> = document.contact.into_iter().enumerate().collect();
-    let description = Description {
+    let given = Description {
         mesh: mesh::source(&document.mesh, &source).map_err(at)?,
         element: document.mesh.element.unwrap_or_default(),
         material: material(document.material),
@@ -31,11 +32,16 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
         springs: keyed("spring", document.spring, |given, key| action::spring(given, key).map_err(at))?,
         loads: keyed("load", document.load, |given, key| action::load(given, key, &source))?,
         times: time.all(),
+        units: Units::SI,
     };
-    description.check().map_err(at)?;
+    // Before and after the conversion: messages quote the numbers of the scene, but what is too large for the solver shows in SI.
+    given.check().map_err(at)?;
+    let description = given.given_in(document.units);
+    description.check().map_err(|fault| at(fault.in_si()))?;
     let solver = solver::solver(&document.solver, !description.contacts.is_empty()).map_err(at)?;
     let one_tangent_key = solver::one_tangent_key(solver.method);
-    let output = output::output(document.output, &time).map_err(at)?;
+    let mut output = output::output(document.output, &time).map_err(at)?;
+    output.probes = output.probes.into_iter().map(|probe| probe.given_in(document.units)).collect();
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let title = document.title.unwrap_or_else(stem);
     Ok(Scene { title, description, time, solver, one_tangent_key, output, source })
@@ -89,7 +95,7 @@ fn contact(k: usize, given: document::Contact, source: &Source) -> Result<Contac
     let friction = match friction {
         document::Friction::Number(coefficient) => coefficient.into(),
         document::Friction::Formula(text) => {
-            let help = "give Coulomb's coefficient, or a formula of x, y and z in m for it, such as \"0.1 + 0.2 * x\"";
+            let help = "give Coulomb's coefficient, or a formula of x, y and z for it, in m or as [units] says, such as \"0.1 + 0.2 * x\"";
             formula(&text, format!("contact[{k}].friction"), help, source)?.into()
         }
     };

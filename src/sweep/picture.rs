@@ -30,7 +30,7 @@ impl Sweep {
         };
         let pressed = self.variants.iter().any(|row| row.outcome.largest_pressure.is_some());
         let height = |row: &Row| match &row.outcome.largest_pressure {
-            Some(largest) if pressed => 1e-6 * largest.pressure,
+            Some(largest) if pressed => self.pressure(largest.pressure),
             _ if pressed => 0.0,
             _ => row.outcome.iterations as f64,
         };
@@ -68,7 +68,11 @@ impl Sweep {
             subtitle: format!("{drawn} variants{left_out}"),
             x,
             y: Axis {
-                label: if pressed { "largest contact pressure, MPa" } else { "iterations" }.to_string(),
+                label: if pressed {
+                    format!("largest contact pressure, {}", self.pressure_unit())
+                } else {
+                    "iterations".to_string()
+                },
                 scale: Scale::Linear,
             },
             columns: 1,

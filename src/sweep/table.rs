@@ -4,8 +4,9 @@ use serde::{Serialize, Serializer};
 
 use super::outcome::Outcome;
 use super::variation::Variation;
-use crate::report::{Resultant, SCHEMA_VERSION, Table, csv_number, csv_table};
+use crate::report::{Resultant, SCHEMA_VERSION, Table, UnitNames, csv_number, csv_table};
 use crate::scene::Scene;
+use crate::units::{Quantity, UnitSystem};
 
 /// All variants of a scene with what came of them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -18,6 +19,9 @@ pub struct Sweep {
     pub title: String,
     /// The scene file.
     pub scene: String,
+    /// The units of the outcomes, which are those of the reports of the runs.
+    #[serde(skip_serializing_if = "UnitSystem::is_si", serialize_with = "by_name")]
+    pub units: UnitSystem,
     /// What was varied.
     pub varied: Vec<Variation>,
     /// A row for each combination, the last key of which changes first.
@@ -45,6 +49,10 @@ enum Plain<'a> {
     Text(&'a str),
 }
 
+fn by_name<S: Serializer>(units: &UnitSystem, serializer: S) -> Result<S::Ok, S::Error> {
+    UnitNames::of(units).serialize(serializer)
+}
+
 fn numbers_as_such<S: Serializer>(values: &[String], serializer: S) -> Result<S::Ok, S::Error> {
     let plain = |value: &'_ String| value.parse().ok().filter(|x: &f64| x.is_finite());
     serializer.collect_seq(values.iter().map(|value| plain(value).map_or(Plain::Text(value), Plain::Number)))
@@ -55,11 +63,14 @@ const COMPONENTS: [&str; 3] = ["f_x", "f_y", "f_z"];
 impl Sweep {
     /// The sweep of `scene` over `varied`, with a row for each combination.
     pub fn new(scene: &Scene, varied: Vec<Variation>, variants: Vec<Row>) -> Self {
+        // Without a force there is nothing that depends on it.
+        let dimension = variants.iter().flat_map(|row| &row.outcome.boundaries).map(|on| on.force.len()).next();
         Sweep {
             schema_version: SCHEMA_VERSION,
             program_version: env!("CARGO_PKG_VERSION"),
             title: scene.title.clone(),
             scene: scene.file().to_string(),
+            units: scene.description.system(dimension.unwrap_or(3)),
             varied,
             variants,
         }
@@ -78,7 +89,7 @@ impl Sweep {
         boundaries
     }
 
-    /// The table as comma-separated values, SI units.
+    /// The table as comma-separated values, in the units of the sweep.
     pub fn to_csv(&self) -> String {
         let boundaries = self.boundaries();
         let mut header: Vec<String> = self.varied.iter().map(|variation| variation.key.clone()).collect();
@@ -109,13 +120,15 @@ impl Sweep {
         csv_table(&header, self.variants.iter().map(row))
     }
 
-    /// The table for people: pressures in MPa, and below it why variants ended early.
+    /// The table for people, pressures in MPa where they would be in Pa, and below it why variants ended early.
     pub fn to_text(&self) -> String {
         let boundaries = self.boundaries();
         let mut heads: Vec<String> = self.varied.iter().map(|variation| variation.key.clone()).collect();
-        heads.extend(["verdict", "inc", "iter", "s", "pressure, MPa"].map(String::from));
+        heads.extend(["verdict", "inc", "iter", "s"].map(String::from));
+        heads.push(format!("pressure, {}", self.pressure_unit()));
+        let force = self.units.name(Quantity::Force);
         for (name, components) in &boundaries {
-            heads.extend(COMPONENTS[..*components].iter().map(|component| format!("{name} {component}, N")));
+            heads.extend(COMPONENTS[..*components].iter().map(|component| format!("{name} {component}, {force}")));
         }
         heads.push("error".to_string());
         let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
@@ -125,7 +138,7 @@ impl Sweep {
             let mut row = values.clone();
             row.extend([outcome.status.clone(), outcome.converged.to_string(), outcome.iterations.to_string()]);
             row.push(shown(outcome.seconds, |seconds| format!("{seconds:.2}")));
-            let pressure = outcome.largest_pressure.as_ref().map(|largest| 1e-6 * largest.pressure);
+            let pressure = outcome.largest_pressure.as_ref().map(|largest| self.pressure(largest.pressure));
             row.push(shown(pressure, |pressure| format!("{pressure:.5e}")));
             for (name, components) in &boundaries {
                 let force = |c: usize| on(outcome, name).and_then(|found| found.force.get(c).copied());
@@ -138,6 +151,16 @@ impl Sweep {
         let reasons = early.map(|row| format!("{}: {}\n", self.name(row), row.outcome.reason));
         let reasons: String = reasons.collect();
         if reasons.is_empty() { table.to_string() } else { format!("{table}\n{reasons}") }
+    }
+
+    /// A pressure of an outcome as people are told it.
+    pub(super) fn pressure(&self, told: f64) -> f64 {
+        self.units.of_pictures().of_si(Quantity::Stress, self.units.to_si(Quantity::Stress, told))
+    }
+
+    /// The unit of these pressures.
+    pub(super) fn pressure_unit(&self) -> String {
+        self.units.of_pictures().name(Quantity::Stress)
     }
 
     /// A variant in words: `contact.friction=0.3, mesh.file=a.msh`.

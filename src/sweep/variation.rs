@@ -50,6 +50,9 @@ pub enum VariationError {
     /// A key is varied twice.
     #[error("{0} is varied twice; give all of its values at once")]
     Again(String),
+    /// Units are varied.
+    #[error("{0} cannot be varied: one table has one unit in each column; use --set")]
+    Units(String),
     /// There are too many combinations.
     #[error("there are more than {MOST_VARIANTS} combinations; vary less at once")]
     TooMany,
@@ -117,12 +120,16 @@ fn range(given: &str) -> Result<Option<Vec<String>>, VariationError> {
 /// Every combination of the values of `variations`, the last of which changes first.
 ///
 /// # Errors
-/// [`VariationError::Again`], [`VariationError::TooMany`], or [`VariationError::Syntax`] of a value.
+/// [`VariationError::Again`], [`VariationError::Units`], [`VariationError::TooMany`], or [`VariationError::Syntax`] of a value.
 pub fn combinations(variations: &[Variation]) -> Result<Vec<Variant>, VariationError> {
     let again =
         variations.iter().enumerate().find(|(k, one)| variations[..*k].iter().any(|other| other.key == one.key));
     if let Some((_, variation)) = again {
         return Err(VariationError::Again(variation.key.clone()));
+    }
+    let of_units = |key: &str| key == "units" || key.starts_with("units.");
+    if let Some(variation) = variations.iter().find(|variation| of_units(&variation.key)) {
+        return Err(VariationError::Units(variation.key.clone()));
     }
     let all = variations.iter().try_fold(1_usize, |all, variation| all.checked_mul(variation.values.len()));
     let Some(all) = all.filter(|&all| all <= MOST_VARIANTS) else { return Err(VariationError::TooMany) };

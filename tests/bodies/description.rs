@@ -236,7 +236,11 @@ fn nonsense_in_the_plane() {
             "contact[0].obstacle",
             "no finite value",
         ),
-        (contact(Obstacle::at_rest(Shape::Table { file: "none.csv".into() })), "contact[0].obstacle", "cannot be read"),
+        (
+            contact(Obstacle::at_rest(Shape::Table { file: "none.csv".into(), scale: 1.0 })),
+            "contact[0].obstacle",
+            "cannot be read",
+        ),
         (with(&|d| d.loads[1] = Load::new("right", &[1.0])), "load[1].traction", "two or three"),
         (with(&|d| d.loads[1] = Load::new("right", &[1.0, f64::NAN])), "load[1].traction", "two or three finite"),
         (with(&|d| d.loads[1] = Load::new("right", &[1.0; 3])), "load[1].traction", "3 components"),

@@ -28,5 +28,6 @@ mod scene_output;
 mod scene_overrides;
 mod scene_values;
 mod surfaces;
+mod units;
 mod verification;
 mod vtu;

@@ -111,7 +111,7 @@ fn obstacles_that_do_not_suit_the_dimension_are_refused() {
     let upwards = Obstacle { normal: Some(Z.into()), ..plane_at_rest };
     let top = both.boundary("top").unwrap();
     assert!(!PlacedObstacle::new(&both, top, &upwards).unwrap().faces(&both, top));
-    let table = at_rest(Shape::Table { file: "nowhere.csv".into() });
+    let table = at_rest(Shape::Table { file: "nowhere.csv".into(), scale: 1.0 });
     assert!(matches!(refused(&plane, &table), ObstacleError::Table(_)));
 }
 

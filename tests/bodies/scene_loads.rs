@@ -56,7 +56,7 @@ const READ: &[Fault] = &[
     (FACES, "rotation = { through = [0, 0], speed = inf }", "rotation", &["speed", "finite"], "other than nan"),
     (FACES, "rotation = { through = [0, 0], speed = 1, axis = [0, 0, 0] }", "rotation", &["a direction"], "give e.g."),
     (FACES, "temperature = \"20 +\"", "temperature", &["the formula"], "a formula of x"),
-    ("[time]", "[[spring]]\nboundary = \"top\"\n[time]", "[[spring]]", &["needs a stiffness"], "N/m"),
+    ("[time]", "[[spring]]\nboundary = \"top\"\n[time]", "[[spring]]", &["needs a stiffness"], "stiffness per area"),
     ("[time]", "[[spring]]\nnormal = 1\n[time]", "[[spring]]", &["needs a boundary or a point"], "add one"),
     ("[time]", "[[spring]]\nboundary = \"top\"\nnormal = -1\n[time]", "normal = -1", &["0 or more"], "stiffness"),
     ("[time]", "[[spring]]\nboundary = \"top\"\nnormal = 0\n[time]", "normal = 0", &["not 0 throughout"], "stiffness"),

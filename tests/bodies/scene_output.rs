@@ -61,7 +61,7 @@ fn probes_lie_in_the_body() {
         (
             "point = [0.5, 0.5, 0.5]",
             "the point [0.5, 0.5, 0.5] has 3 components, but the body 2 dimensions",
-            "give [x, y], m",
+            "give [x, y]",
         ),
     ] {
         let text = [BLOCK, "[[output.probe]]\nname = 'a'\n", probe, "\n"].concat();

@@ -37,7 +37,7 @@ pub const LIBRARY: &[Places] = &[
     ("rustix", &["report/usage.rs"]),
     ("schemars", &["auto.rs", "contact/kkt.rs", "contact/range.rs", "history/record.rs", "report/", "uniqueness.rs"]),
     ("serde", &[]),
-    ("serde_json", &["cli/", "report/run.rs", "report/schema.rs"]),
+    ("serde_json", &["cli/", "report/quantities.rs", "report/run.rs", "report/schema.rs"]),
     ("signal_hook", &["cli/interrupt.rs"]),
     ("thiserror", &[]),
     ("toml", &["scene/"]),

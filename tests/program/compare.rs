@@ -11,6 +11,7 @@ use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::scene::Scene;
+use stickslip::units::UnitSystem;
 
 const BN: SolverPath = SolverPath { method: Method::BN, linear: LinearAlgebra::Whole(SparseLu::Umfpack) };
 const IP: SolverPath = SolverPath { method: Method::IP, ..BN };
@@ -258,7 +259,13 @@ fn by_hand() -> Comparison {
         run(BN, 100, 20, 2000.0, 1e-11),
         run(IP, 100, 20, 1000.0, 1e-11),
     ];
-    Comparison { title: "by hand".into(), tolerance: 1e-10, meshes: vec![mesh(10), mesh(100)], runs }
+    Comparison {
+        title: "by hand".into(),
+        units: UnitSystem::si(2),
+        tolerance: 1e-10,
+        meshes: vec![mesh(10), mesh(100)],
+        runs,
+    }
 }
 
 #[test]

@@ -15,3 +15,4 @@ mod schema;
 mod solvability;
 mod start;
 mod sweep;
+mod units;

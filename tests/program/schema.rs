@@ -165,6 +165,7 @@ fn reports() -> Vec<Value> {
         json_of(&small(), &HALVED),
         json_of(&[&small(), "\n[[spring]]\nboundary = \"right\"\nnormal = 1e9\n"].concat(), &[]),
         report(&edit(&small(), "[solver]", "[solver]\nmax_iterations = 1"), 1),
+        json_of(&small(), &["--set", "units.length=ft", "--set", "units.stress=psi"]),
         report(&without(&small(), "[[support]]", "[[load]]"), 1),
     ]
 }
@@ -241,6 +242,7 @@ fn the_schema_of_scenes_has_the_keys_of_the_reader() {
     let base = Scene::parse("scene.toml", &small(), &[motion]).unwrap();
     for (path, place) in [
         ("{}", ""),
+        ("units.{}", "units"),
         ("mesh.{}", "mesh"),
         ("material.{}", "material"),
         ("material.group=[{name=\"body\",young=1,poisson=0,{}}]", "material_group"),

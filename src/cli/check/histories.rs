@@ -3,6 +3,7 @@
 use stickslip::contact::{Obstacle, Rotation};
 use stickslip::description::Load;
 use stickslip::scene::{Scene, Time};
+use stickslip::units::UnitSystem;
 
 /// More points than this are shortened.
 const SHOWN: usize = 8;
@@ -24,9 +25,10 @@ fn shortened(mut words: Vec<String>) -> String {
 }
 
 /// The kinks of the histories of `scene` at which no increment ends: `the kink of the load on top at 1 s`.
-pub(super) fn stepped_over(scene: &Scene) -> Vec<String> {
+pub(super) fn stepped_over(scene: &Scene, units: &UnitSystem) -> Vec<String> {
     let time = &scene.time;
-    let of_load = |load: &Load| (format!("the load on {}", load.action.place()), missed(&load.factors(time.end), time));
+    let of_load =
+        |load: &Load| (format!("the load on {}", load.action.place(units)), missed(&load.factors(time.end), time));
     let of_obstacle = |boundary: &str, obstacle: &Obstacle| {
         let rotation: &[[f64; 2]] = obstacle.rotation.as_ref().map_or(&[], |Rotation { history, .. }| history);
         [

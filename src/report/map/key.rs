@@ -12,7 +12,8 @@ impl View {
     /// The bar of colours to the right of the surface.
     pub(super) fn draw_colours(&self, svg: &mut Svg) {
         let ([_, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
-        draw_bar(svg, right + GAP, [top, bottom], self.most_pressure, "σₙ, normal, MPa");
+        let label = format!("σₙ, normal, {}", self.stress);
+        draw_bar(svg, right + GAP, [top, bottom], self.most_pressure, &label);
     }
 
     /// A row above the surface: what the colours, the markers and the arrows mean.
@@ -26,9 +27,9 @@ impl View {
             entries.push((Sample::Marker(Marker::Circle), "slip".into()));
         }
         if self.friction {
-            let stress = round_stress(1e-6 * self.most_traction);
-            let length = 1e6 * stress / self.most_traction * self.arrow;
-            entries.push((Sample::Arrow(length), format!("σₜ, tangential, {stress} MPa")));
+            let stress = round_stress(self.most_traction);
+            let length = stress / self.most_traction * self.arrow;
+            entries.push((Sample::Arrow(length), format!("σₜ, tangential, {stress} {}", self.stress)));
         }
         let width = |(sample, text): &(Sample, String)| sample.width() + 8.0 + text_width(text, LABEL_SIZE) + 24.0;
         let mut x = 0.5 * (WIDTH - entries.iter().map(width).sum::<f64>() + 24.0);

@@ -4,6 +4,7 @@ use super::{BLACK, LABEL_SIZE, NUMBER_SIZE, SurfaceNode, THIN, WIDTH};
 use crate::report::chart::axis::{Scale, Tick};
 use crate::report::contact_surface::ContactSurface;
 use crate::report::svg::{Anchor, Colour, Svg};
+use crate::units::Quantity;
 
 /// Left of the surface: the axis label and the numbers.
 const LEFT: f64 = 92.0;
@@ -24,7 +25,10 @@ const SHORTEST: f64 = 24.0;
 
 /// What is shown, and how large.
 pub(super) struct View {
-    /// The lowest and the highest coordinates, m.
+    /// The names of the units of lengths and stresses.
+    length: String,
+    pub(super) stress: String,
+    /// The lowest and the highest coordinates.
     pub(super) low: [f64; 2],
     pub(super) high: [f64; 2],
     /// The size of that in the picture, px.
@@ -74,7 +78,10 @@ impl View {
         let [across, upwards] = [0, 1].map(|c| high[c] - low[c]);
         let scale = ((WIDTH - LEFT - RIGHT) / across).min(MOST_HEIGHT / upwards);
         let spacing = scale * spacing;
+        let [length, stress] = [Quantity::Length, Quantity::Stress].map(|quantity| surface.units.name(quantity));
         View {
+            length,
+            stress,
             low,
             high,
             size: [scale * across, scale * upwards],
@@ -131,8 +138,19 @@ impl View {
             svg.line(&[[left, y], [left - tick.length(), y]], THIN, BLACK);
             svg.text([left - 10.0, y], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::End);
         }
-        svg.text([0.5 * (left + right), bottom + 44.0], &name(axes[0]), LABEL_SIZE, Anchor::Middle);
-        svg.text([left - 70.0, 0.5 * (top + bottom)], &name(axes[1]), LABEL_SIZE, Anchor::Upwards);
+        svg.text([0.5 * (left + right), bottom + 44.0], &self.axis(axes[0]), LABEL_SIZE, Anchor::Middle);
+        svg.text([left - 70.0, 0.5 * (top + bottom)], &self.axis(axes[1]), LABEL_SIZE, Anchor::Upwards);
+    }
+
+    /// An axis in words.
+    fn axis(&self, axis: [f64; 3]) -> String {
+        let name = match axis {
+            [1.0, 0.0, 0.0] => "x".into(),
+            [0.0, 1.0, 0.0] => "y".into(),
+            [0.0, 0.0, 1.0] => "z".into(),
+            [x, y, z] => format!("along ({x:.3}, {y:.3}, {z:.3})"),
+        };
+        format!("{name}, {}", self.length)
     }
 
     /// The ticks along axis `c` within the frame: a label each `room` px or so, but two at least.
@@ -153,20 +171,11 @@ impl View {
     }
 }
 
-/// An axis in words.
-fn name(axis: [f64; 3]) -> String {
-    match axis {
-        [1.0, 0.0, 0.0] => "x, m".into(),
-        [0.0, 1.0, 0.0] => "y, m".into(),
-        [0.0, 0.0, 1.0] => "z, m".into(),
-        [x, y, z] => format!("along ({x:.3}, {y:.3}, {z:.3}), m"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::contact::ContactStatus;
+    use crate::units::UnitSystem;
 
     /// A strip of facets along y, of which the middle ones are pressed.
     fn strip(left: f64, width: f64, length: f64) -> ContactSurface {
@@ -182,6 +191,7 @@ mod tests {
             time: 1.0,
             axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
             nodes: (0..22).map(node).collect(),
+            units: UnitSystem::si(3),
             facets: (0..10).map(|k| vec![2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2]).collect(),
         }
     }

@@ -30,7 +30,7 @@ pub(super) fn support(given: document::Support, key: &str) -> Result<Support, Fa
         Some(Segments(values)) => {
             let (n, d) = (values.len(), directions.len());
             let message = format!("displacement has {n} values, but the support holds {d} directions");
-            return fault("displacement", &message, "give one for each direction that is held, in the order of fix, m");
+            return fault("displacement", &message, "give one for each direction that is held, in the order of fix");
         }
     };
     if history.is_some() && displacements.iter().all(|to| *to == 0.0) {
@@ -80,11 +80,11 @@ pub(super) fn spring(given: document::Spring, key: &str) -> Result<Bed, Fault> {
             Ok(Bed::Surface { boundary, normal: normal.unwrap_or(0.0), tangential: tangential.unwrap_or(0.0) })
         }
         (Where::Boundary(_), None) => {
-            let help = "add normal and tangential, N/m³, or stiffness along the axes";
+            let help = "add normal and tangential, stiffness per area, or stiffness along the axes";
             Err(Fault::new(key, "a spring needs a stiffness", help))
         }
         (Where::Point(_), None) => {
-            Err(Fault::new(key, "a spring at a point needs stiffness", "give it along the axes, N/m"))
+            Err(Fault::new(key, "a spring at a point needs stiffness", "give it along the axes"))
         }
     }
 }
@@ -147,7 +147,7 @@ fn field(scalar: Scalar, key: &str, source: &Source) -> Result<Field, SceneError
     match scalar {
         Scalar::Number(value) => Ok(value.into()),
         Scalar::Text(text) => Formula::parse(&text).map(Field::from).map_err(|why| {
-            let help = "give a number, or a formula of x, y and z in m, such as \"1e6 * (1 - x^2)\"";
+            let help = "give a number, or a formula of x, y and z in m or as [units] says, such as \"1e6 * (1 - x^2)\"";
             source.located_within(Fault::new(key, format!("the formula: {why}"), help), &text, &why.span)
         }),
     }

@@ -15,7 +15,7 @@ pub(super) fn obstacle(given: document::Obstacle, key: &str, source: &Source) ->
     own_keys(&given).map_err(at)?;
     let shape = match (&given.kind, &given.formula) {
         (ObstacleKind::Formula, Some(text)) => {
-            let help = "give the gap in m as a formula of x, y and z in m, such as \"0.5 * x^2 / 0.1\"";
+            let help = "give the gap as a formula of x, y and z, in m or as [units] says, such as \"0.5 * x^2 / 0.1\"";
             Shape::Formula(formula(text, format!("{key}.formula"), help, source)?)
         }
         _ => shape(&given, source).map_err(at)?,
@@ -103,7 +103,7 @@ fn shape(obstacle: &document::Obstacle, source: &Source) -> Result<Shape, Fault>
         ObstacleKind::Cone => Shape::Cone { apex: apex()?, half_angle: number("half_angle", half_angle)?, axis: *axis },
         ObstacleKind::Wedge => Shape::Wedge { angle: number("angle", angle)?, apex: apex()?, axis: *axis },
         ObstacleKind::Formula => return needed("formula", None, "kind", whose),
-        ObstacleKind::Table => Shape::Table { file: path()? },
+        ObstacleKind::Table => Shape::Table { file: path()?, scale: 1.0 },
         ObstacleKind::Surface => Shape::Surface { file: path()?, scale: scale.unwrap_or(1.0) },
     })
 }

@@ -1,0 +1,234 @@
+//! What follows from the base units for each kind of quantity.
+
+use super::user::{Size, StressUnit, Units};
+
+/// A kind of physical quantity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// What has no unit, or the same one in every system: counts, ratios, times (s), temperatures (K), angles (rad).
+    Number,
+    /// m.
+    Length,
+    /// Pa.
+    Stress,
+    /// N; in two dimensions N per m of depth, as the following are per depth.
+    Force,
+    /// N m.
+    Moment,
+    /// J.
+    Energy,
+    /// Mass density, kg/m³.
+    Density,
+    /// m/s².
+    Acceleration,
+    /// Stiffness of a foundation, N/m³ in two dimensions, too.
+    Foundation,
+    /// Stiffness of a spring at a point, N/m.
+    Spring,
+}
+
+/// The units of each quantity of a body of two or three dimensions. A result that has such a system is told in these units; the
+/// numbers of its fields are SI all the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UnitSystem {
+    /// The base units.
+    pub units: Units,
+    /// The dimension of the body, 2 or 3: in two, forces and what is made of them are per depth.
+    pub dimension: usize,
+}
+
+/// Units of force that have a name of their own, N.
+const FORCES: [(f64, &str); 9] = [
+    (1e-9, "nN"),
+    (1e-6, "uN"),
+    (1e-3, "mN"),
+    (1.0, "N"),
+    (1e3, "kN"),
+    (1e6, "MN"),
+    (1e9, "GN"),
+    (4.448_221_615_260_5, "lbf"),
+    (4_448.221_615_260_5, "kip"),
+];
+
+/// Units of energy, J.
+const ENERGIES: [(f64, &str); 8] =
+    [(1e-12, "pJ"), (1e-9, "nJ"), (1e-6, "uJ"), (1e-3, "mJ"), (1.0, "J"), (1e3, "kJ"), (1e6, "MJ"), (1e9, "GJ")];
+
+/// Units of mass, kg.
+const MASSES: [(f64, &str); 4] = [(1e-6, "mg"), (1e-3, "g"), (1.0, "kg"), (1e3, "t")];
+
+/// The name of the unit of this size.
+fn named(size: Size, names: &[(f64, &'static str)]) -> Option<&'static str> {
+    let size = size.times(1.0);
+    // What rounding leaves of products.
+    names.iter().find(|(known, _)| (size - known).abs() <= 1e-12 * known).map(|(_, name)| *name)
+}
+
+impl UnitSystem {
+    /// SI units for a body of so many dimensions.
+    pub fn si(dimension: usize) -> Self {
+        UnitSystem { units: Units::SI, dimension }
+    }
+
+    /// Whether all units are SI units.
+    pub fn is_si(&self) -> bool {
+        self.units == Units::SI
+    }
+
+    /// The units of pictures: MPa where stresses are in Pa otherwise.
+    #[must_use]
+    pub fn of_pictures(self) -> Self {
+        let units = if self.is_si() { Units { stress: StressUnit::Megapascal, ..self.units } } else { self.units };
+        UnitSystem { units, ..self }
+    }
+
+    /// `x` such units in SI units.
+    pub fn to_si(&self, quantity: Quantity, x: f64) -> f64 {
+        self.size(quantity).times(x)
+    }
+
+    /// `x` SI units in such units.
+    pub fn of_si(&self, quantity: Quantity, x: f64) -> f64 {
+        self.size(quantity).parts(x)
+    }
+
+    /// A number of SI units with the name of the unit it is told in, such as `0.2 mm`.
+    pub fn text(&self, quantity: Quantity, x: f64) -> String {
+        format!("{} {}", self.number(quantity, x), self.name(quantity))
+    }
+
+    /// A number of SI units as it is told in a text: fifteen digits hide the rounding of the conversion.
+    pub fn number(&self, quantity: Quantity, x: f64) -> f64 {
+        if self.is_si() {
+            return x;
+        }
+        let told = self.of_si(quantity, x);
+        format!("{told:.14e}").parse().unwrap_or(told)
+    }
+
+    /// A point (m) as it is told in a text: `(1, 0.5) mm`.
+    pub fn place(&self, x: [f64; 3]) -> String {
+        let numbers = x[..self.dimension].iter().map(|c| self.number(Quantity::Length, *c).to_string());
+        format!("({}) {}", numbers.collect::<Vec<_>>().join(", "), self.name(Quantity::Length))
+    }
+
+    /// The name of the unit, such as `N mm`; powers are plain digits, as in `N/mm2`.
+    pub fn name(&self, quantity: Quantity) -> String {
+        let (length, stress) = (self.units.length.name(), self.units.stress.name());
+        if self.is_si() {
+            return match quantity {
+                Quantity::Number => "",
+                Quantity::Length => "m",
+                Quantity::Stress => "Pa",
+                Quantity::Force => "N",
+                Quantity::Moment => "N m",
+                Quantity::Energy => "J",
+                Quantity::Density => "kg/m3",
+                Quantity::Acceleration => "m/s2",
+                Quantity::Foundation => "N/m3",
+                Quantity::Spring => "N/m",
+            }
+            .to_string();
+        }
+        let [area, volume, mass] = [2, 3, 1].map(|b| self.product(1, b));
+        let own = named(area, &FORCES);
+        let force = own.map_or_else(|| format!("{stress} {length}2"), String::from);
+        let depth = if self.dimension == 2 { format!("/{length}") } else { String::new() };
+        match quantity {
+            Quantity::Number => String::new(),
+            Quantity::Length => length.to_string(),
+            Quantity::Stress => stress.to_string(),
+            Quantity::Force => format!("{force}{depth}"),
+            Quantity::Moment => format!("{force} {length}{depth}"),
+            Quantity::Energy => match named(volume, &ENERGIES) {
+                Some(energy) => format!("{energy}{depth}"),
+                None => format!("{force} {length}{depth}"),
+            },
+            Quantity::Density => match named(mass, &MASSES) {
+                Some(mass) => format!("{mass}/{length}3"),
+                None => format!("{stress} s2/{length}2"),
+            },
+            Quantity::Acceleration => format!("{length}/s2"),
+            Quantity::Foundation => format!("{stress}/{length}"),
+            Quantity::Spring if self.dimension == 2 => stress.to_string(),
+            Quantity::Spring => own.map_or_else(|| format!("{stress} {length}"), |force| format!("{force}/{length}")),
+        }
+    }
+
+    fn size(&self, quantity: Quantity) -> Size {
+        // Per depth there is a length less.
+        let plane = i32::from(self.dimension == 2);
+        let (stress, length) = match quantity {
+            Quantity::Number => (0, 0),
+            Quantity::Length | Quantity::Acceleration => (0, 1),
+            Quantity::Stress => (1, 0),
+            Quantity::Force => (1, 2 - plane),
+            Quantity::Moment | Quantity::Energy => (1, 3 - plane),
+            Quantity::Density => (1, -2),
+            Quantity::Foundation => (1, -1),
+            Quantity::Spring => (1, 1 - plane),
+        };
+        self.product(stress, length)
+    }
+
+    /// `stress^a · length^b`.
+    fn product(&self, a: i32, b: i32) -> Size {
+        self.units.stress.size().product(a, self.units.length.size(), b)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::LengthUnit;
+    use super::*;
+
+    fn system(length: LengthUnit, stress: StressUnit, dimension: usize) -> UnitSystem {
+        UnitSystem { units: Units::new(length, stress), dimension }
+    }
+
+    #[test]
+    fn units_follow_from_length_and_stress() {
+        use Quantity::{Acceleration, Density, Energy, Force, Foundation, Length, Moment, Spring};
+        let cases = [
+            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 3), Force, "N", 1.0),
+            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 3), Moment, "N mm", 1e-3),
+            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 3), Energy, "mJ", 1e-3),
+            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 3), Density, "t/mm3", 1e12),
+            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 3), Acceleration, "mm/s2", 1e-3),
+            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 3), Foundation, "MPa/mm", 1e9),
+            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 3), Spring, "N/mm", 1e3),
+            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 2), Force, "N/mm", 1e3),
+            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 2), Moment, "N mm/mm", 1.0),
+            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 2), Energy, "mJ/mm", 1.0),
+            (system(LengthUnit::Millimetre, StressUnit::Megapascal, 2), Spring, "MPa", 1e6),
+            (system(LengthUnit::Metre, StressUnit::Kilopascal, 3), Force, "kN", 1e3),
+            (system(LengthUnit::Millimetre, StressUnit::Gigapascal, 3), Force, "kN", 1e3),
+            (system(LengthUnit::Micrometre, StressUnit::Megapascal, 3), Force, "uN", 1e-6),
+            (system(LengthUnit::Centimetre, StressUnit::Bar, 3), Force, "bar cm2", 10.0),
+            (system(LengthUnit::Inch, StressUnit::Psi, 3), Force, "lbf", 4.448_221_615_260_5),
+            (system(LengthUnit::Inch, StressUnit::Ksi, 3), Energy, "kip in", 4_448.221_615_260_5 * 0.0254),
+            (system(LengthUnit::Foot, StressUnit::Psi, 3), Length, "ft", 0.3048),
+            (system(LengthUnit::Foot, StressUnit::Psi, 3), Force, "psi ft2", 144.0 * 4.448_221_615_260_5),
+            (system(LengthUnit::Kilometre, StressUnit::Pascal, 3), Force, "MN", 1e6),
+            (UnitSystem::si(2), Force, "N", 1.0),
+        ];
+        for (system, quantity, name, si) in cases {
+            assert_eq!(system.name(quantity), name, "{system:?}");
+            let found = system.to_si(quantity, 1.0);
+            assert!((found - si).abs() <= 4e-16 * si, "{system:?} {quantity:?}: {found}");
+            assert!((system.of_si(quantity, found) - 1.0).abs() <= 4e-16);
+        }
+    }
+
+    #[test]
+    fn powers_of_ten_are_rounded_once() {
+        let system = system(LengthUnit::Millimetre, StressUnit::Megapascal, 3);
+        for (mm, m) in [(0.3, 3e-4), (25.0, 0.025), (0.01, 1e-5), (1e-5, 1e-8)] {
+            assert_eq!((system.to_si(Quantity::Length, mm), system.of_si(Quantity::Length, m)), (m, mm));
+        }
+        assert_eq!(system.to_si(Quantity::Stress, 210e3), 210e9);
+        assert_eq!(system.text(Quantity::Length, 0.1 + 0.2), "300 mm");
+        assert_eq!(UnitSystem::si(2).text(Quantity::Length, 0.1 + 0.2), "0.30000000000000004 m");
+        assert_eq!(UnitSystem::si(2).place([1.0, 0.5, 0.0]), "(1, 0.5) m");
+    }
+}

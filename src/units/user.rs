@@ -1,0 +1,168 @@
+//! The base units that an input may choose.
+
+use serde::Deserialize;
+
+/// The units of an input and of all that is told of it: one of length and one of stress. Time is in s, temperature in K, angles
+/// are in rad, and every other unit follows from these, as that of force, stress · length².
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Units {
+    /// The unit of length.
+    pub length: LengthUnit,
+    /// The unit of stress.
+    pub stress: StressUnit,
+}
+
+/// A unit of length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum LengthUnit {
+    /// Metre.
+    #[default]
+    #[serde(rename = "m")]
+    Metre,
+    /// Millimetre.
+    #[serde(rename = "mm")]
+    Millimetre,
+    /// Centimetre.
+    #[serde(rename = "cm")]
+    Centimetre,
+    /// Micrometre.
+    #[serde(rename = "um", alias = "µm", alias = "μm")]
+    Micrometre,
+    /// Kilometre.
+    #[serde(rename = "km")]
+    Kilometre,
+    /// Inch.
+    #[serde(rename = "in")]
+    Inch,
+    /// Foot.
+    #[serde(rename = "ft")]
+    Foot,
+}
+
+/// A unit of stress.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum StressUnit {
+    /// Pascal.
+    #[default]
+    #[serde(rename = "Pa")]
+    Pascal,
+    /// Kilopascal.
+    #[serde(rename = "kPa")]
+    Kilopascal,
+    /// Megapascal, N/mm².
+    #[serde(rename = "MPa")]
+    Megapascal,
+    /// Gigapascal.
+    #[serde(rename = "GPa")]
+    Gigapascal,
+    /// Bar.
+    #[serde(rename = "bar")]
+    Bar,
+    /// Pound-force per square inch.
+    #[serde(rename = "psi")]
+    Psi,
+    /// A thousand psi.
+    #[serde(rename = "ksi")]
+    Ksi,
+}
+
+/// So many SI units: `digits · 10^power`. What is a power of ten is converted with one rounding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Size {
+    pub digits: f64,
+    pub power: i32,
+}
+
+impl Units {
+    /// Metres and pascals.
+    pub const SI: Units = Units { length: LengthUnit::Metre, stress: StressUnit::Pascal };
+
+    /// Units of length and stress.
+    pub fn new(length: LengthUnit, stress: StressUnit) -> Self {
+        Units { length, stress }
+    }
+}
+
+impl LengthUnit {
+    /// The name as a scene writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            LengthUnit::Metre => "m",
+            LengthUnit::Millimetre => "mm",
+            LengthUnit::Centimetre => "cm",
+            LengthUnit::Micrometre => "um",
+            LengthUnit::Kilometre => "km",
+            LengthUnit::Inch => "in",
+            LengthUnit::Foot => "ft",
+        }
+    }
+
+    pub(super) fn size(self) -> Size {
+        let (digits, power) = match self {
+            LengthUnit::Metre => (1.0, 0),
+            LengthUnit::Millimetre => (1.0, -3),
+            LengthUnit::Centimetre => (1.0, -2),
+            LengthUnit::Micrometre => (1.0, -6),
+            LengthUnit::Kilometre => (1.0, 3),
+            LengthUnit::Inch => (254.0, -4),
+            LengthUnit::Foot => (3048.0, -4),
+        };
+        Size { digits, power }
+    }
+}
+
+impl StressUnit {
+    /// The name as a scene writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            StressUnit::Pascal => "Pa",
+            StressUnit::Kilopascal => "kPa",
+            StressUnit::Megapascal => "MPa",
+            StressUnit::Gigapascal => "GPa",
+            StressUnit::Bar => "bar",
+            StressUnit::Psi => "psi",
+            StressUnit::Ksi => "ksi",
+        }
+    }
+
+    pub(super) fn size(self) -> Size {
+        let (digits, power) = match self {
+            StressUnit::Pascal => (1.0, 0),
+            StressUnit::Kilopascal => (1.0, 3),
+            StressUnit::Megapascal => (1.0, 6),
+            StressUnit::Gigapascal => (1.0, 9),
+            StressUnit::Bar => (1.0, 5),
+            StressUnit::Psi => (PSI, 0),
+            StressUnit::Ksi => (PSI, 3),
+        };
+        Size { digits, power }
+    }
+}
+
+/// A pound-force, 0.45359237 kg · 9.80665 m/s², per square inch, Pa.
+const PSI: f64 = 4.448_221_615_260_5 / (0.0254 * 0.0254);
+
+impl Size {
+    /// `self^a · other^b`.
+    pub(super) fn product(self, a: i32, other: Size, b: i32) -> Size {
+        Size { digits: self.digits.powi(a) * other.digits.powi(b), power: a * self.power + b * other.power }
+    }
+
+    /// So many of it in SI units.
+    pub(super) fn times(self, x: f64) -> f64 {
+        let x = x * self.digits;
+        if self.power < 0 { x / ten(-self.power) } else { x * ten(self.power) }
+    }
+
+    /// So many SI units in it.
+    pub(super) fn parts(self, x: f64) -> f64 {
+        let x = if self.power < 0 { x * ten(-self.power) } else { x / ten(self.power) };
+        x / self.digits
+    }
+}
+
+/// `10^n`, exact up to n = 22.
+fn ten(n: i32) -> f64 {
+    10.0_f64.powi(n)
+}
