@@ -127,7 +127,7 @@ impl Model {
             spring.add_to(&mut stiffness, &dofs);
         }
         let rows = HeldRows::new(&mesh, &dofs, element, |e| materials[e], &springs)?;
-        let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, !springs.is_empty())?;
+        let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows)?;
 
         let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved)?;
         let friction = contacts.friction_history(description)?;
@@ -152,7 +152,7 @@ impl Model {
         }
         // What supports move beyond the body comes as forces on the rest of it, and as gaps.
         for moved in &moved {
-            cases.push(LoadCase::new(dofs.forces(moved.forces(&rows)), moved.history.clone())?);
+            cases.push(LoadCase::new(dofs.forces(moved.forces(&mesh, &rows, &springs)), moved.history.clone())?);
             let beyond: Vec<_> = contacts.iter().map(|contact| moved.beyond(&rows, contact.node)).collect();
             if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
                 let against = |(_, beyond): (&ContactNode, &[f64; 3]), n: [f64; 3]| -dot(*beyond, n);
@@ -162,7 +162,8 @@ impl Model {
                 motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
             }
         }
-        let statics = Statics::new(&mesh, rows.clone(), support::shares(&holdings, &rows), beds, &forces);
+        let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&mesh, &springs)).collect();
+        let statics = Statics::new(&mesh, rows.clone(), support::shares(&holdings, &rows), beds, &forces, &on_springs);
         let gap = contacts.iter().map(|contact| contact.facing.gap).collect();
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 

@@ -1,6 +1,7 @@
 //! One scene with several values of some of its keys: every combination a variant, all in one table and one chart.
 //!
 //! ```
+//! use stickslip::contact::Friction;
 //! use stickslip::scene::Scene;
 //! use stickslip::sweep::{Variation, combinations};
 //!
@@ -11,7 +12,7 @@
 //! assert_eq!(variants.len(), 6);
 //!
 //! let block = Scene::parse("block.toml", include_str!("../data/scenes/block.toml"), &variants[1].overrides)?;
-//! assert_eq!(block.description.contacts[0].friction, 0.1);
+//! assert_eq!(block.description.contacts[0].friction, Friction::Uniform(0.1));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

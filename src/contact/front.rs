@@ -60,7 +60,7 @@ pub fn meetings(
             let distances = facings.iter().map(|(k, facing)| (distance(*k, facing), *k, *facing));
             distances.filter(|(distance, ..)| distance.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))
         };
-        let at_first = nearest(&|k, facing| obstacles[k].1.gap(0.0, x, facing));
+        let at_first = nearest(&|k, facing| obstacles[k].1.exact_gap(&obstacles[k].0, 0.0, x, facing));
         let later = || {
             nearest(&|k, facing| match &obstacles[k] {
                 (obstacle, _) if obstacle.out_of_reach().is_some() => f64::NAN,

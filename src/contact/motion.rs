@@ -98,6 +98,11 @@ impl ObstacleMotion {
         motions.iter().map(|(rates, history)| rates[0].gap * piecewise_linear(history, t).unwrap_or(0.0)).sum()
     }
 
+    /// The same without what it leaves out: the distance from where the obstacle then is.
+    pub fn exact_gap(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
+        self.gap(t, x, facing) + self.bend(obstacle, t, x, facing)
+    }
+
     /// The smallest gap (m) of a node at the points of all histories and at `times` (s), when the node is `moved` (m) along its
     /// normal.
     pub fn smallest_gap(
@@ -108,7 +113,7 @@ impl ObstacleMotion {
         times: &[f64],
         moved: impl Fn(f64) -> f64,
     ) -> f64 {
-        let gap = |t: f64| self.gap(t, x, facing) + self.bend(obstacle, t, x, facing) - moved(t);
+        let gap = |t: f64| self.exact_gap(obstacle, t, x, facing) - moved(t);
         self.moments(times).map(gap).fold(f64::INFINITY, f64::min)
     }
 

@@ -60,6 +60,8 @@ pub struct Balance {
     pub contact: Wrench,
     /// What all of these leave, a force or a moment, relative to the sum of the sizes of the forces on its nodes.
     pub closure: f64,
+    /// That sum, N.
+    pub size: f64,
 }
 
 /// What the balance is made from.
@@ -70,6 +72,8 @@ pub(super) struct Statics {
     shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
     springs: Vec<Vec<Spring>>,
     loads: Vec<Acting>,
+    /// The forces of springs (N) on the held nodes that each motion of supports makes at factor 1 as it carries the body.
+    on_springs: Vec<Vec<[f64; 3]>>,
 }
 
 /// A load at factor 1.
@@ -89,19 +93,24 @@ impl Statics {
         shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
         springs: Vec<Vec<Spring>>,
         loads: &[NodalForces],
+        on_springs: &[NodalForces],
     ) -> Self {
-        let acting = |forces: &NodalForces| {
+        let on_held = |forces: &NodalForces| {
             let mut on_held = vec![[0.0; 3]; rows.nodes().len()];
             for (node, force) in forces {
                 if let Ok(held) = rows.nodes().binary_search(node) {
                     (0..3).for_each(|c| on_held[held][c] += force[c]);
                 }
             }
+            on_held
+        };
+        let acting = |forces: &NodalForces| {
             let whole = forces.iter().map(|(node, force)| Wrench::at(mesh.nodes[*node], *force)).sum();
-            Acting { whole, size: forces.iter().map(|(_, force)| norm(*force)).sum(), on_held }
+            Acting { whole, size: forces.iter().map(|(_, force)| norm(*force)).sum(), on_held: on_held(forces) }
         };
         let loads = loads.iter().map(acting).collect();
-        Statics { rows, shares, springs, loads }
+        let on_springs = on_springs.iter().map(on_held).collect();
+        Statics { rows, shares, springs, loads, on_springs }
     }
 
     /// All springs, those of foundations one for each facet.
@@ -164,13 +173,16 @@ impl Model {
     /// Everything that acts on the body at time `t` (s) in the `state` it has then: the force of a support is what the stiffness
     /// of its nodes, their contact and their loads leave, `K u + Cᵀ p - f`.
     pub fn balance(&self, t: f64, state: &State) -> Balance {
-        let Statics { rows, shares, springs, loads } = &self.statics;
+        let Statics { rows, shares, springs, loads, on_springs } = &self.statics;
         let strained = self.strained(t, &state.u);
         let rest = if state.u_rest.is_empty() { Vec::new() } else { self.dofs.displacements(&state.u_rest) };
         let mut forces = rows.forces(&strained, &rest);
         let factors: Vec<f64> = self.loading.cases().iter().take(loads.len()).map(|case| case.factor(t)).collect();
         for (load, factor) in loads.iter().zip(&factors) {
             add(&mut forces, -factor, load.on_held.iter().copied().enumerate());
+        }
+        for (moved, on_held) in self.moved.iter().zip(on_springs) {
+            add(&mut forces, -moved.factor(t), on_held.iter().copied().enumerate());
         }
         let mut size = 0.0;
         let mut contact = Wrench::default();
@@ -193,9 +205,10 @@ impl Model {
                 shares.iter().map(share).sum()
             })
             .collect();
+        let displaced = if springs.is_empty() { Vec::new() } else { self.displacements(t, &state.u) };
         let springs: Vec<Wrench> = (springs.iter())
             .map(|springs| {
-                let all = springs.iter().flat_map(|spring| spring.forces(&strained));
+                let all = springs.iter().flat_map(|spring| spring.forces(&displaced));
                 all.map(|(node, force)| {
                     size += norm(force);
                     Wrench::at(self.mesh.nodes[node], force)
@@ -208,7 +221,7 @@ impl Model {
         let mut left: Wrench = loads.iter().chain(&supports).chain(&springs).copied().sum();
         left += contact;
         let closure = self.left_of(left) / size;
-        Balance { loads, supports, springs, contact, closure: if size > 0.0 { closure } else { 0.0 } }
+        Balance { loads, supports, springs, contact, closure: if size > 0.0 { closure } else { 0.0 }, size }
     }
 
     /// The size of a force, or of a moment about the middle of the body by its size.

@@ -150,7 +150,10 @@ impl Contacts {
         let weight = earlier.weight + node.weight;
         // Of equal coefficients the mean is that to the last bit.
         self.mu[same] += (mu - self.mu[same]) * (node.weight / weight);
-        let gap = |node: &ContactNode| self.obstacles[node.obstacle].1.gap(0.0, node.position, &node.facing);
+        let gap = |node: &ContactNode| {
+            let (obstacle, motion) = &self.obstacles[node.obstacle];
+            motion.exact_gap(obstacle, 0.0, node.position, &node.facing)
+        };
         let nearest = if gap(&node) < gap(earlier) { node } else { earlier.clone() };
         self.nodes[same] = ContactNode { weight, ..nearest };
         Ok(same)
@@ -232,7 +235,10 @@ fn met(
         };
         return Err(at_obstacle(j, message, help));
     }
-    let start = |met: &Meeting| obstacles[met.obstacle].1.gap(0.0, mesh.nodes[met.node], &met.facing);
+    let start = |met: &Meeting| {
+        let (obstacle, motion) = &obstacles[met.obstacle];
+        motion.exact_gap(obstacle, 0.0, mesh.nodes[met.node], &met.facing)
+    };
     for (j, (obstacle, _)) in obstacles.iter().enumerate() {
         let along = || mesh.nodes.iter().map(|x| dot(*x, obstacle.normal));
         let thickness = along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min);

@@ -4,7 +4,7 @@ use super::find;
 use super::place::{nodes, normals, suits};
 use crate::description::{Axis, Description, Direction, Held, Support, Where};
 use crate::fault::Fault;
-use crate::fem::{Dofs, HeldRows, NodalForces, nearest_translation};
+use crate::fem::{Dofs, HeldRows, NodalForces, Spring, nearest_translation};
 use crate::loading::piecewise_linear;
 use crate::mesh::Mesh;
 use crate::timeline::within;
@@ -88,14 +88,13 @@ pub(super) struct Moved {
 }
 
 impl Moved {
-    /// The motions of all supports. A body that `stands_on_springs` is not carried along: they would be strained.
+    /// The motions of all supports.
     pub(super) fn all(
         description: &Description,
         mesh: &Mesh,
         dofs: &Dofs,
         holdings: &[Holding],
         rows: &HeldRows,
-        stands_on_springs: bool,
     ) -> Result<Vec<Self>, Fault> {
         let supports = || description.supports.iter().zip(holdings).enumerate();
         let history = |support: &Support| within(description.end(), &support.factors(description.end()));
@@ -114,7 +113,7 @@ impl Moved {
             }
             prescribed.sort_by_key(|(_, node, ..)| *node);
             let values = prescribed.iter().map(|(_, _, n, to)| (*n, *to));
-            let carried = if stands_on_springs { [0.0; 3] } else { nearest_translation(values) };
+            let carried = nearest_translation(values);
             let size = prescribed.iter().fold(0.0_f64, |m, (.., to)| m.max(to.abs()));
             let mut beyond = vec![[0.0; 3]; rows.nodes().len()];
             for at_node in prescribed.chunk_by(|a, b| a.1 == b.1) {
@@ -138,9 +137,20 @@ impl Moved {
         histories.into_iter().map(of_history).collect()
     }
 
-    /// The forces (N) on all nodes at factor 1 that take the place of this motion.
-    pub(super) fn forces(&self, rows: &HeldRows) -> NodalForces {
-        rows.response(&self.beyond).into_iter().map(|(node, force)| (node, force.map(|f| -f))).collect()
+    /// The forces (N) on all nodes at factor 1 that take the place of this motion: what it strains of the body, and of the springs
+    /// that are fixed to the ground.
+    pub(super) fn forces(&self, mesh: &Mesh, rows: &HeldRows, springs: &[Spring]) -> NodalForces {
+        let strained = rows.response(&self.beyond).into_iter().map(|(node, force)| (node, force.map(|f| -f)));
+        strained.chain(self.forces_of_springs(mesh, springs)).collect()
+    }
+
+    /// The forces (N) at factor 1 of the springs of a body that is carried along.
+    pub(super) fn forces_of_springs(&self, mesh: &Mesh, springs: &[Spring]) -> NodalForces {
+        if springs.is_empty() || self.carried == [0.0; 3] {
+            return Vec::new();
+        }
+        let carried = vec![self.carried; mesh.nodes.len()];
+        springs.iter().flat_map(|spring| spring.forces(&carried)).collect()
     }
 
     /// Where `node` is moved beyond the body at factor 1, m.

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::warnings::{Warning, WarningKind};
 use crate::history::Step;
 use crate::model::{Balance, Model, Wrench};
 
@@ -24,6 +25,9 @@ pub struct BalanceRecord {
     /// What all forces on the body leave of each other, as a force or as a moment about its middle by its size, relative to the
     /// sum of the sizes of the forces on its nodes.
     pub balance: f64,
+    /// That sum, N.
+    #[serde(skip)]
+    pub size: f64,
 }
 
 /// A force on the body.
@@ -43,7 +47,7 @@ impl BalanceRecord {
     /// The balance at the end of a step.
     pub fn new(model: &Model, step: &Step<'_>) -> Self {
         let (index, time) = (step.record.index, step.record.time);
-        let Balance { loads, supports, springs, closure, .. } = model.balance(time, step.state);
+        let Balance { loads, supports, springs, closure, size, .. } = model.balance(time, step.state);
         let (description, units) = (model.description(), model.units());
         let acting = |names: Vec<String>, wrenches: Vec<Wrench>| {
             names.into_iter().zip(wrenches).map(|(at, wrench)| Acting::new(at, wrench, model.mesh.dimension)).collect()
@@ -55,8 +59,30 @@ impl BalanceRecord {
             springs: acting(description.springs.iter().map(|bed| bed.place(&units)).collect(), springs),
             loads: acting(description.loads.iter().map(|load| load.action.place(&units)).collect(), loads),
             balance: closure,
+            size,
         }
     }
+}
+
+/// More of the forces may be left than the error of each node, whose signs add up: so many tolerances count as none.
+const BALANCED: f64 = 100.0;
+
+/// The warning where forces as large as those of this run leave more of each other than the `tolerance` lets expect: beside what the
+/// stiffness makes of large displacements they are lost in its rounding, which the errors of a state cannot tell.
+pub(super) fn unbalanced(records: &[BalanceRecord], tolerance: f64) -> Option<Warning> {
+    let largest = records.iter().fold(0.0_f64, |m, record| m.max(record.size));
+    let share = |record: &BalanceRecord| record.balance * record.size / largest;
+    let worst = records.iter().max_by(|a, b| share(a).total_cmp(&share(b)))?;
+    (share(worst) > BALANCED * tolerance).then(|| Warning {
+        kind: WarningKind::Unbalanced,
+        message: format!(
+            "at t = {} s all forces on the body leave {:.1e} of their sizes: they are so small beside the stiffness and the \
+             displacements of the body that rounding counts, and may be as wrong; let the body move less, or let supports, \
+             and not contact or springs, carry it along",
+            worst.time,
+            share(worst)
+        ),
+    })
 }
 
 impl Acting {

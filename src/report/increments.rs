@@ -60,7 +60,7 @@ fn force_columns(dimension: usize) -> &'static [&'static str] {
 
 /// The lines of an increment: the forces on each obstacle, then those of supports, springs and loads on the body.
 pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, units: &UnitSystem) -> String {
-    let BalanceRecord { index, time, supports, springs, loads, balance } = balance;
+    let BalanceRecord { index, time, supports, springs, loads, balance, .. } = balance;
     let line = |at: &str, force: &[f64], moment: &[f64], sums: [Option<f64>; 3], kind: &str| {
         let numbers = force.iter().chain(moment).copied().map(Some).chain(sums);
         let numbers = force_columns(force.len()).iter().zip(numbers);

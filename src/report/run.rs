@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::balance::BalanceRecord;
+use super::balance::{BalanceRecord, unbalanced};
 use super::explain::Explanation;
 use super::quantities;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
@@ -162,6 +162,7 @@ impl RunReport {
         let Facts { scene, model, solver, choice, outcome, validity, measured, .. } = facts;
         let mut warnings = Warning::of_model(model);
         warnings.extend(validity.warnings(model));
+        warnings.extend(unbalanced(&facts.reactions, solver.tolerance));
         RunReport {
             schema_version: SCHEMA_VERSION,
             program_version: env!("CARGO_PKG_VERSION"),

@@ -38,6 +38,8 @@ pub enum WarningKind {
     GapsOutOfRange,
     /// An equilibrium that is one of many: contact leaves a motion of the body open.
     NotUnique,
+    /// Forces that are so small beside the stiffness and the displacements that rounding counts.
+    Unbalanced,
 }
 
 impl WarningKind {
@@ -49,7 +51,8 @@ impl WarningKind {
             | WarningKind::LargeDisplacements
             | WarningKind::LeaningObstacle
             | WarningKind::GapsOutOfRange
-            | WarningKind::NotUnique => true,
+            | WarningKind::NotUnique
+            | WarningKind::Unbalanced => true,
         }
     }
 }

@@ -360,3 +360,31 @@ fn a_ring_on_a_shaft_in_parts() {
         assert!((whole.contacts[i].weight - model.contacts[j].weight).abs() < 1e-12);
     }
 }
+
+/// What has moved before the beginning is where it then is: nodes meet the nearer of two rollers wherever their histories start.
+#[test]
+fn what_has_moved_before_the_beginning_is_there() {
+    let body = |apex: f64, before: f64, approach: f64| {
+        let cylinder = |x: f64| Shape::Cylinder { radius: 0.05, apex: [x, -1e-4].into(), axis: None };
+        let first = Obstacle {
+            translation: Some(vec![(0.0, [before, 0.0].into()), (1.0, [before, approach].into())]),
+            ..Obstacle::at_rest(cylinder(apex))
+        };
+        let second = Obstacle::at_rest(cylinder(0.0303)).approaching(&[[0.0, 0.0], [1.0, approach]]);
+        let mut description =
+            Description::new(MeshSource::block([0.04, 0.01], [40, 10]), Material::new(5e6, 0.3), vec![1.0])
+                .support("top", &[Axis::X, Axis::Y])
+                .contact("bottom", 0.0, first);
+        description.contacts[0].obstacles.push(second);
+        Model::build(&description).unwrap()
+    };
+    let still = body(0.01, 0.0, 2.4e-3);
+    for (apex, before) in [(0.02, -0.01), (0.018, -0.008), (0.003, 0.007)] {
+        let moved = body(apex, before, 2.4e-3);
+        for (a, b) in still.contacts.iter().zip(&moved.contacts) {
+            assert_eq!((a.node, a.obstacle), (b.node, b.obstacle), "{apex}");
+        }
+        let (gaps, expected) = (moved.loading.gaps_at(1.0), still.loading.gaps_at(1.0));
+        assert!(gaps.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-15), "{apex}");
+    }
+}

@@ -342,3 +342,24 @@ fn everything_in_balance() {
     assert_eq!([end.supports[2].force[0], end.supports[2].force[2]], [0.0; 2]);
     assert!(body.report.forces.last().unwrap().resultant.sums.sum_p_n > 1e6);
 }
+
+/// A body that a support carries along by a centimetre while springs a billion times softer hold on to it: they bear on it, and
+/// the contact keeps its force of a tenth of a newton.
+#[test]
+fn a_carried_body_drags_its_springs() {
+    let body = |displacement: f64, friction: f64| {
+        Description::new(MeshSource::block([0.2, 0.1], [16, 8]), Material::new(210e9, 0.3), vec![0.5, 1.0, 1.5, 2.0])
+            .held(Support::new("left", &BOTH).moved(&[displacement, 0.0]))
+            .spring(Bed::surface("right", 1.0, 1.0))
+            .contact("bottom", friction, Obstacle::plane(0.0))
+            .load(Load::new("top", &[0.0, -0.5]))
+    };
+    let (still, carried) = (solved(&body(0.0, 0.0)), solved(&body(0.01, 0.0)));
+    let pressed = |solved: &Solved| solved.report.forces.last().unwrap().resultant.sums.sum_p_n;
+    assert!((pressed(&carried) / pressed(&still) - 1.0).abs() < 0.02, "{} {}", pressed(&still), pressed(&carried));
+    let spring = &carried.report.reactions.last().unwrap().springs[0].force;
+    assert!((spring[0] / -(0.01 * 0.1) - 1.0).abs() < 1e-6, "{spring:?}");
+    // Friction turns the body a little against its clamp: without it the nodes press less.
+    let dragged = solved(&body(0.01, 0.4));
+    assert!((pressed(&dragged) - 0.08964).abs() < 1e-5, "{}", pressed(&dragged));
+}

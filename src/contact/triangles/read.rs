@@ -89,7 +89,7 @@ fn binary(record: &[u8]) -> Corners {
 
 /// The triangles of an ASCII file; otherwise the line that is wrong, and why.
 fn ascii(text: &str) -> Result<Vec<Corners>, (usize, String)> {
-    let (mut all, mut corners) = (Vec::new(), Vec::new());
+    let (mut all, mut corners, mut open) = (Vec::new(), Vec::new(), false);
     for (k, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
         let wrong = |message: &str| (k + 1, message.to_string());
@@ -108,11 +108,18 @@ fn ascii(text: &str) -> Result<Vec<Corners>, (usize, String)> {
                 }
                 _ => return Err(wrong("a facet needs three vertices")),
             },
-            "solid" | "facet" | "outer" | "endloop" | "endsolid" | "" => {}
+            "solid" => open = true,
+            "endsolid" => open = false,
+            "facet" | "outer" | "endloop" | "" => {}
             word => return Err((k + 1, format!("`{word}` is no word of an STL file"))),
         }
     }
-    if corners.is_empty() { Ok(all) } else { Err((text.lines().count(), "the file ends within a facet".to_string())) }
+    let within = |what: &str| Err((text.lines().count(), format!("the file ends within a {what}")));
+    match (corners.is_empty(), open) {
+        (false, _) => within("facet"),
+        (true, true) => within("solid"),
+        (true, false) => Ok(all),
+    }
 }
 
 #[cfg(test)]
@@ -152,6 +159,7 @@ mod tests {
             ("   vertex 1 0 0\n", "", "f:7: a facet needs three vertices"),
             ("outer", "inner", "f:3: `inner` is no word of an STL file"),
             (" endfacet\n", "", "f:8: the file ends within a facet"),
+            ("endsolid a b\n", "", "f:8: the file ends within a solid"),
         ] {
             let error = parse("f", FACET.replacen(from, to, 1).as_bytes()).unwrap_err();
             assert_eq!(error.to_string(), said);
