@@ -117,13 +117,26 @@ fn range(given: &str) -> Result<Option<Vec<String>>, VariationError> {
     Ok(Some((0..count).map(value).collect()))
 }
 
+/// Whether two keys name the same value, or one holds the other's: a list without an index means all of its tables.
+fn overlap(a: &str, b: &str) -> bool {
+    let parts = |segment: &str| {
+        segment
+            .split_once('[')
+            .map_or((segment.to_string(), None), |(name, index)| (name.to_string(), Some(index.to_string())))
+    };
+    a.split('.').zip(b.split('.')).all(|(a, b)| {
+        let ((name, index), (other, of_other)) = (parts(a), parts(b));
+        name == other && (index == of_other || index.is_none() || of_other.is_none())
+    })
+}
+
 /// Every combination of the values of `variations`, the last of which changes first.
 ///
 /// # Errors
 /// [`VariationError::Again`], [`VariationError::Units`], [`VariationError::TooMany`], or [`VariationError::Syntax`] of a value.
 pub fn combinations(variations: &[Variation]) -> Result<Vec<Variant>, VariationError> {
-    let again =
-        variations.iter().enumerate().find(|(k, one)| variations[..*k].iter().any(|other| other.key == one.key));
+    let again = |(k, one): &(usize, &Variation)| variations[..*k].iter().any(|other| overlap(&other.key, &one.key));
+    let again = variations.iter().enumerate().find(again);
     if let Some((_, variation)) = again {
         return Err(VariationError::Again(variation.key.clone()));
     }
@@ -189,6 +202,14 @@ mod tests {
         let [a, b] = ["a=1:2:1000", "b=1:2:1000"].map(|text| text.parse::<Variation>().unwrap());
         assert_eq!(combinations(&[a.clone(), b]).unwrap_err(), VariationError::TooMany);
         assert_eq!(combinations(&[a.clone(), a]).unwrap_err(), VariationError::Again("a".to_string()));
+        for (a, b, same) in [
+            ("contact.friction", "contact[0].friction", true),
+            ("contact[1].friction", "contact[0].friction", false),
+            ("contact[0].friction", "contact[0].obstacle.gap", false),
+            ("mesh", "mesh.elements", true),
+        ] {
+            assert_eq!(overlap(a, b), same, "{a} {b}");
+        }
     }
 
     #[test]
