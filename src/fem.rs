@@ -19,6 +19,7 @@ mod stress;
 pub use assembly::{InvertedElement, assemble};
 pub use body_force::{body_force, free_stretch, thermal_forces, thermal_stress};
 pub use dofs::Dofs;
+pub(crate) use dofs::{SAME_DIRECTION, independent};
 pub use elastic::Elasticity;
 pub use facet::{NodalForces, area, facet_load, facet_weights, traction, uniform_traction};
 pub use held::{HeldRows, nearest_translation};

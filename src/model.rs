@@ -10,7 +10,7 @@ mod range;
 mod stress;
 mod support;
 
-pub use balance::{Balance, Wrench};
+pub(crate) use balance::{Balance, Wrench};
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use crate::contact::{ContactBoundary, ContactNode, ObstacleMotion, PlacedObstacl
 use crate::description::Description;
 use crate::fault::Fault;
 use crate::fem::{
-    Dofs, Elasticity, Element, HeldRows, InvertedElement, Plane, RigidMotion, Spring, assemble, unresisted_motions,
+    Dofs, Elasticity, Element, HeldRows, InvertedElement, Plane, RigidMotion, Spring, unresisted_motions,
 };
 use crate::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::mesh::{Boundary, Mesh, MeshError, MeshFileError};
@@ -120,13 +120,9 @@ impl Model {
         let dofs = support::dofs(&mesh, &holdings)?;
         let element = element::element(description, &mesh)?;
         let materials = description.material.laws(&mesh)?;
-        let mut stiffness = assemble(&mesh, &dofs, element, |e| materials[e])?;
         let beds = load::springs(description, &mesh)?;
         let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
-        for spring in &springs {
-            spring.add_to(&mut stiffness, &dofs);
-        }
-        let rows = HeldRows::new(&mesh, &dofs, element, |e| materials[e], &springs)?;
+        let (stiffness, rows) = HeldRows::beside(&mesh, &dofs, element, |e| materials[e], &springs)?;
         let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows)?;
 
         let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved)?;

@@ -18,7 +18,7 @@ impl Model {
         if self.thermal.is_empty() && self.moved.is_empty() {
             return None;
         }
-        let displacements = self.displacements(t, &state.u);
+        let displacements = self.displaced(t, &state.u);
         let factors = self.thermal_factors(t);
         let of_cell = |(e, cell): (usize, &Cell)| {
             let corners = self.mesh.points(&cell.nodes);

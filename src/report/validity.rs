@@ -69,7 +69,7 @@ impl Validity {
         if record.status != Status::Converged {
             return;
         }
-        for (position, u) in model.mesh.nodes.iter().zip(model.displacements(record.time, &state.u)) {
+        for (position, u) in model.mesh.nodes.iter().zip(model.displaced(record.time, &state.u)) {
             let length = norm(u);
             if self.largest.is_none_or(|largest| length > largest.length) {
                 self.largest = Some(LargestDisplacement { length, position: *position, time: record.time });

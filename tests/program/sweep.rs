@@ -124,6 +124,19 @@ fn what_is_done_is_kept() {
     fs::write(folder.join("b.msh"), mesh).unwrap();
     known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 3, 4);
     known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 4, 4);
+    // A folder that was given the name of another is not the other's result.
+    let of = |friction: &str| {
+        let is_of = |name: &&String| {
+            let report = fs::read_to_string(folder.0.join("out/variants").join(name).join("run.json")).unwrap();
+            let report: Value = serde_json::from_str(&report).unwrap();
+            report["scene_text"].as_str().unwrap().contains(friction)
+        };
+        folder.0.join("out/variants").join(first.iter().find(is_of).unwrap())
+    };
+    let (one, other) = (of("friction = 0.1"), of("friction = 0.2"));
+    fs::remove_dir_all(&one).unwrap();
+    fs::rename(other, one).unwrap();
+    known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 2, 4);
 }
 
 /// What fails is a row, and the exit status says so.
