@@ -3,6 +3,7 @@
 mod processes;
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -71,6 +72,9 @@ pub(super) fn sweep(args: &SweepArgs, threads: u32) -> Result<ExitCode, Failure>
     let results = Results { path, passes: args.out.is_none() };
     fs::create_dir_all(&results.path).map_err(|error| write_failure(&results.path, &error))?;
     let processes = Processes { scene: &args.scene.scene, folder: &results.path, threads };
+    if let Some(folder) = &args.out {
+        writable(folder)?;
+    }
     processes.tidy();
 
     let mut outcomes: Vec<Option<Outcome>> = tasks.iter().map(|task| processes.kept(task)).collect();
@@ -153,10 +157,22 @@ fn one(args: &SweepArgs, overrides: &[Override]) -> Result<(String, String), Fai
     Ok((fingerprint, scene.text().to_string()))
 }
 
+/// The tables of a sweep, by the kind of file.
+const TABLES: [&str; 4] = ["csv", "json", "txt", "svg"];
+
+/// An error, before anything runs, where something stands in the way of a table.
+fn writable(folder: &Path) -> Result<(), Failure> {
+    let tables = TABLES.map(|kind| folder.join(format!("sweep.{kind}")));
+    match tables.iter().find(|table| table.is_dir()) {
+        Some(table) => Err(write_failure(table, &io::Error::from(io::ErrorKind::IsADirectory))),
+        None => Ok(()),
+    }
+}
+
 fn write(folder: &Path, sweep: &Sweep, json: &str) -> Result<(), Failure> {
     let chart = sweep.chart().to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     let (csv, text) = (sweep.to_csv(), sweep.to_text());
-    for (kind, content) in [("csv", csv.as_str()), ("json", json), ("txt", &text), ("svg", &chart)] {
+    for (kind, content) in TABLES.into_iter().zip([&csv, json, &text, &chart]) {
         write_file(folder, &format!("sweep.{kind}"), content).map_err(|error| write_failure(folder, &error))?;
     }
     Ok(())

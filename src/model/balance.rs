@@ -142,6 +142,11 @@ impl Model {
         all
     }
 
+    /// The force of each load at factor 1, N, what acts on held nodes included; in two dimensions per m of depth.
+    pub fn forces_of_loads(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        self.statics.loads.iter().map(|load| load.whole.force)
+    }
+
     /// The same from where supports have carried the body as a whole, from which gaps count.
     pub(super) fn strained(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
         let mut all = self.dofs.displacements(u);

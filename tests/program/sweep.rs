@@ -75,6 +75,18 @@ fn every_combination_is_a_row_and_a_folder() {
     }
 }
 
+/// A folder that stands where a table goes is told before anything runs.
+#[test]
+fn tables_have_their_place() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    fs::create_dir_all(folder.0.join("out/sweep.csv")).unwrap();
+    let output = stickslip(&sweep(&scene, &out, &["--vary", "contact.friction=0.2,0.4"]));
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("sweep.csv: results cannot be written"), "{}", stderr(&output));
+    assert!(results(&folder).0.is_empty());
+}
+
 /// The same command again runs nothing; a wider one what is new; a changed file what it changes.
 #[test]
 fn what_is_done_is_kept() {
