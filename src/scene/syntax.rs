@@ -55,7 +55,9 @@ fn help(message: &str, source: &Source, span: &Range<usize>) -> String {
     let quoted = given.starts_with(['"', '\'']) && given.trim_matches(['"', '\'']).parse::<f64>().is_ok();
     match message.starts_with("invalid type:") {
         true if quoted && message.contains("number") => "write the number without quotes".to_string(),
-        true if message.contains("expected a whole number") => "give one whole number, as 10".to_string(),
+        true if given.starts_with('[') && message.contains("whole number") => {
+            "give one whole number, as 10".to_string()
+        }
         true if list_expected => format!("a list stands in brackets, [ ]; {form}"),
         true => form.to_string(),
         false => "mend the TOML here".to_string(),
