@@ -95,6 +95,14 @@ impl ObstacleError {
 }
 
 impl PlacedObstacle {
+    /// The radius (m) of a cylinder or a sphere, and the axis of a cylinder.
+    pub(crate) fn roundness(&self) -> Option<(f64, Option<[f64; 3]>)> {
+        match self.surface {
+            Surface::Round { radius, axis, .. } if radius > 0.0 => Some((radius, axis)),
+            _ => None,
+        }
+    }
+
     /// The obstacle that `given`, which is sound, puts in front of `boundary`. Without a normal it faces the mean outward
     /// normal of the boundary. Without a first tangent, that is in two dimensions the normal turned by
     /// +90°, which is +x above a foundation; in three it is the projection of x on the tangent plane, or of

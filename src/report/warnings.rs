@@ -38,6 +38,18 @@ pub enum WarningKind {
     GapsOutOfRange,
     /// An equilibrium that is one of many: contact leaves a motion of the body open.
     NotUnique,
+    /// A contact zone of a few nodes, or of isolated ones.
+    ContactUnresolved,
+    /// A contact zone that is fewer than eight nodes across.
+    ContactCoarse,
+    /// A peak pressure that is far above that of the neighbours.
+    PeakScatter,
+    /// A pressure that is singular at the edge of the contact.
+    SingularEdge,
+    /// Elements that differ much in size at the end of the contact.
+    UnevenElements,
+    /// A zone that sticks, known to one element.
+    StickZoneCoarse,
     /// Forces that are so small beside the stiffness and the displacements that rounding counts.
     Unbalanced,
 }
@@ -52,6 +64,12 @@ impl WarningKind {
             | WarningKind::LeaningObstacle
             | WarningKind::GapsOutOfRange
             | WarningKind::NotUnique
+            | WarningKind::ContactUnresolved
+            | WarningKind::ContactCoarse
+            | WarningKind::PeakScatter
+            | WarningKind::SingularEdge
+            | WarningKind::UnevenElements
+            | WarningKind::StickZoneCoarse
             | WarningKind::Unbalanced => true,
         }
     }

@@ -10,6 +10,7 @@ mod contact_surface;
 mod cube;
 mod description;
 mod door;
+mod estimates;
 mod fronts;
 mod gmsh;
 mod layers;

@@ -11,7 +11,7 @@ use crate::common::edit;
 use crate::common::program::{
     Folder, assert_exit, count, csv, json, number, report, small, stdout, stickslip, without,
 };
-use serde_json::{Value, json as json_value};
+use serde_json::Value;
 
 #[test]
 fn a_good_run_fills_its_folder() {
@@ -69,7 +69,19 @@ fn a_good_run_fills_its_folder() {
     assert_eq!((number(&end["force"][0]), number(&end["moment"][0])), (value(&forces[3], 3), value(&forces[3], 5)));
     assert_eq!(written["forces"][3]["force"], end["force"]);
     assert!(number(&written["increments"][1]["friction_work"]) > 0.0);
-    assert_eq!(written["warnings"], json_value!([]));
+    // Four elements along the contact are few.
+    assert_eq!(self::kinds(&written), ["contact-unresolved"]);
+}
+
+/// The kinds of the warnings of a report.
+fn kinds(report: &Value) -> Vec<&str> {
+    report["warnings"].as_array().unwrap().iter().map(|warning| warning["kind"].as_str().unwrap()).collect()
+}
+
+/// Those that are not of the mesh in the contact: the scenes here have a few elements.
+fn kinds_but_of_the_mesh(report: &Value) -> Vec<&str> {
+    let of_the_mesh = ["contact-unresolved", "contact-coarse", "singular-edge"];
+    kinds(report).into_iter().filter(|kind| !of_the_mesh.contains(kind)).collect()
 }
 
 /// What may make an answer wrong although every law holds is told beside the verdict and in the report, and costs no exit status.
@@ -92,10 +104,10 @@ fn warnings() {
         ),
     ] {
         let report = report(&scene, 0);
-        let kinds: Vec<_> = report["warnings"].as_array().unwrap().iter().map(|warning| &warning["kind"]).collect();
+        let kinds = kinds_but_of_the_mesh(&report);
         // A wedge is left sideways, too.
         let more = if kind == "leaning-obstacle" { 2 } else { 1 };
-        assert_eq!((kinds[0].as_str(), kinds.len()), (Some(kind), more), "{}", report["warnings"]);
+        assert_eq!((kinds[0], kinds.len()), (kind, more), "{}", report["warnings"]);
         assert!(report["warnings"][0]["message"].as_str().unwrap().contains(words), "{}", report["warnings"]);
         let (_folder, scene) = Folder::with_scene(&scene);
         assert!(stdout(&stickslip(&["run", &scene])).contains(words), "{kind}");
@@ -122,8 +134,7 @@ time = { end = 1, increments = 2 }
     assert!(message.contains("differ by 1.27e-1 m"), "{message}");
     // With a support there is one only.
     let held = format!("{scene}support = [{{ boundary = \"left\", fix = [\"x\"] }}]\n");
-    let report = self::report(&held, 0);
-    assert_eq!(report["warnings"], json_value!([]));
+    assert_eq!(kinds_but_of_the_mesh(&self::report(&held, 0)), [""; 0]);
 }
 
 /// Planes that touch from the start: nothing is indented, and what rounding leaves of gaps is no error of theirs.
@@ -133,7 +144,8 @@ fn planes_that_touch_have_no_warning() {
     let upright = "[[support]]\nboundary = \"left\"\nfix = [\"x\"]";
     let clamped = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]";
     for scene in [edit(&touching, clamped, upright), touching] {
-        assert_eq!(report(&edit(&scene, "\"paper\"", "\"default\""), 0)["warnings"], json_value!([]));
+        let report = report(&edit(&scene, "\"paper\"", "\"default\""), 0);
+        assert_eq!(kinds_but_of_the_mesh(&report), [""; 0]);
     }
 }
 

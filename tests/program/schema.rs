@@ -165,6 +165,14 @@ fn reports() -> Vec<Value> {
         json_of(&small(), &HALVED),
         json_of(&[&small(), "\n[[spring]]\nboundary = \"right\"\nnormal = 1e9\n"].concat(), &[]),
         report(&edit(&small(), "[solver]", "[solver]\nmax_iterations = 1"), 1),
+        json_of(
+            &edit(
+                &small(),
+                "{ kind = \"plane\", gap = 1e-5 }",
+                "{ kind = \"cylinder\", radius = 9, apex = [0.5, -1e-6] }",
+            ),
+            &[],
+        ),
         json_of(&small(), &["--set", "units.length=ft", "--set", "units.stress=psi"]),
         report(&without(&small(), "[[support]]", "[[load]]"), 1),
     ]

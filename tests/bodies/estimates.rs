@@ -1,0 +1,156 @@
+//! What a report says of its own mesh. doc/estimates.md has the figures, which `--nocapture` prints.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+use stickslip::contact::{Obstacle, Shape};
+use stickslip::description::{Axis, Description};
+use stickslip::estimate::{ContactEstimate, peak_error};
+use stickslip::fem::Material;
+use stickslip::history::{Method, Solver, Status};
+use stickslip::mesh::{HalfPlane, MeshSource};
+use stickslip::model::Model;
+use stickslip::report::{RunReport, WarningKind};
+use stickslip::run::Run;
+
+use crate::common::hertz::Hertz;
+
+const YOUNG: f64 = 210e9;
+const NU: f64 = 0.3;
+const MODULUS: f64 = YOUNG / (1.0 - NU * NU);
+const RADIUS: f64 = 100.0;
+/// The contact is looked for so far to each side.
+const REACH: f64 = 0.06;
+
+fn solved(description: &Description) -> RunReport {
+    let model = Model::build(description).unwrap();
+    let report = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
+    assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+    report
+}
+
+fn contact(report: &RunReport) -> &ContactEstimate {
+    let [contact] = &report.estimates.contact[..] else { panic!("{:?}", report.estimates) };
+    contact
+}
+
+fn kinds(report: &RunReport) -> Vec<WarningKind> {
+    report.warnings.iter().map(|warning| warning.kind).collect()
+}
+
+/// A cylinder on a block, right of the symmetry plane x = 0 or on both sides of it, with elements of the size `REACH / n`.
+fn pressed_by_a_cylinder(n: usize, half: bool, approach: f64) -> Description {
+    let right = ([REACH, 2.0 - REACH], [n, 24], [1.0, 60.0]);
+    let (sizes, elements, grading) = if half {
+        (right.0.to_vec(), right.1.to_vec(), right.2.to_vec())
+    } else {
+        (vec![2.0 - REACH, 2.0 * REACH, 2.0 - REACH], vec![24, 2 * n, 24], vec![1.0 / 60.0, 1.0, 60.0])
+    };
+    let start = if half { 0.0 } else { -2.0 };
+    let mesh = MeshSource::segmented(
+        &[sizes, vec![2.0]],
+        &[elements, vec![24 + n / 4]],
+        Some(&[grading, vec![1.0 / 200.0]]),
+        None,
+    );
+    // A block begins at 0, so that the cylinder stands in its middle, or at its left side.
+    let cylinder = Shape::Cylinder { radius: RADIUS, apex: [-start, 2.0].into(), axis: None };
+    let body = Description::new(mesh.unwrap(), Material::new(YOUNG, NU), vec![1.0])
+        .support("bottom", &[Axis::X, Axis::Y])
+        .contact("top", 0.0, Obstacle::at_rest(cylinder).approaching(&[[0.0, 0.0], [1.0, approach]]));
+    if half { body.support("left", &[Axis::X]) } else { body }
+}
+
+/// Whatever the number of nodes across, the peak is as near to Hertz' for the force as the estimate says.
+#[test]
+fn the_peak_is_within_its_estimate() {
+    for n in [2, 3, 4, 5, 6, 8, 12, 16] {
+        for approach in [2e-5, 5e-5] {
+            let report = solved(&pressed_by_a_cylinder(n, true, approach));
+            let contact = contact(&report);
+            let across = contact.nodes_across.unwrap();
+            let hertz = Hertz::line(2.0 * contact.force, RADIUS, MODULUS);
+            let error = contact.peak_pressure / hertz.p0 - 1.0;
+            println!(
+                "{across} across: peak {:.1} %, estimate {:.1} %",
+                100.0 * error,
+                100.0 * contact.peak_error.unwrap()
+            );
+            assert!(across < 2 || error.abs() <= peak_error(across), "{across}: {error}");
+            let expected = match across {
+                0..4 => vec![WarningKind::ContactUnresolved],
+                4..8 => vec![WarningKind::ContactCoarse],
+                _ => vec![],
+            };
+            assert_eq!(kinds(&report), expected, "{across}: {:?}", report.warnings);
+            // What Hertz has for the force is told where the mesh cannot tell.
+            assert_eq!(contact.hertz.is_some(), across < 4);
+            if let Some(found) = contact.hertz {
+                assert!(
+                    (found.half_width / hertz.a - 1.0).abs() < 1e-12
+                        && (found.peak_pressure / hertz.p0 - 1.0).abs() < 1e-12
+                );
+            }
+        }
+    }
+}
+
+/// Half of a body with a symmetry plane is told as the whole.
+#[test]
+fn a_symmetry_plane_hides_nothing() {
+    for n in [4, 10] {
+        let [half, whole] = [true, false].map(|half| solved(&pressed_by_a_cylinder(n, half, 5e-5)));
+        let [a, b] = [contact(&half), contact(&whole)];
+        assert_eq!(a.nodes_across, b.nodes_across);
+        for (a, b) in [(a.peak_pressure, b.peak_pressure), (2.0 * a.force, b.force), (a.scatter, b.scatter)] {
+            assert!((a - b).abs() < 1e-9 * b, "{a} {b}");
+        }
+        assert_eq!(kinds(&half), kinds(&whole));
+    }
+}
+
+/// Under a cylinder across the diagonals of coarse elements no two closed nodes are neighbours; along the elements they are, but
+/// only one is across.
+#[test]
+fn nodes_without_neighbours_are_told() {
+    let mesh = || MeshSource::block([0.1, 0.1, 0.05], [10, 10, 5]);
+    for (axis, isolated) in [([1.0, 1.0, 0.0], 1.0), ([0.0, 1.0, 0.0], 0.0)] {
+        let cylinder = Shape::Cylinder { radius: 0.02, apex: [0.05, 0.05, 0.05].into(), axis: Some(axis.into()) };
+        let report = solved(
+            &Description::new(mesh(), Material::new(YOUNG, NU), vec![1.0])
+                .support("bottom", &[Axis::X, Axis::Y, Axis::Z])
+                .contact("top", 0.0, Obstacle::at_rest(cylinder).approaching(&[[0.0, 0.0], [1.0, 1e-4]])),
+        );
+        let contact = contact(&report);
+        assert_eq!((contact.nodes_across, contact.unresolved_share), (Some(1), 1.0));
+        assert!((contact.isolated_share - isolated).abs() < 1e-12);
+        assert_eq!(kinds(&report), [WarningKind::ContactUnresolved]);
+        let length = 0.1 * axis.iter().map(|c: &f64| c * c).sum::<f64>().sqrt();
+        let hertz = Hertz::line(contact.force / length, 0.02, MODULUS);
+        let found = contact.hertz.unwrap();
+        assert!((found.half_width / hertz.a - 1.0).abs() < 1e-12, "{found:?} {}", hertz.a);
+    }
+}
+
+/// Under a flat punch the pressure is singular at the edge, and elements that jump in size there spoil the inside, too.
+#[test]
+fn punches_have_singular_edges() {
+    for (outer, uneven) in [(8, true), (64, false)] {
+        let mesh = MeshSource::HalfPlane(HalfPlane {
+            size: [0.5, 0.5],
+            contact_width: 0.06,
+            contact_elements: 24,
+            outer_elements: outer,
+            layers: 20,
+        });
+        let report = solved(
+            &Description::new(mesh, Material::new(YOUNG, NU), vec![1.0])
+                .support("left", &[Axis::X])
+                .support("bottom", &[Axis::Y])
+                .contact("contact", 0.0, Obstacle::plane(0.0).approaching(&[[0.0, 0.0], [1.0, 1e-5]])),
+        );
+        let contact = contact(&report);
+        println!("{outer} outside: {contact:?}");
+        assert_eq!(contact.nodes_across, None);
+        let expected = [Some(WarningKind::SingularEdge), uneven.then_some(WarningKind::UnevenElements)];
+        assert_eq!(kinds(&report), expected.into_iter().flatten().collect::<Vec<_>>());
+    }
+}
