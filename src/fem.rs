@@ -8,7 +8,6 @@ mod facet;
 mod held;
 mod locate;
 mod material;
-mod quadrature;
 mod rigid;
 mod shape;
 mod spring;
@@ -21,14 +20,15 @@ pub use body_force::{body_force, free_stretch, thermal_forces, thermal_stress};
 pub use dofs::Dofs;
 pub(crate) use dofs::{SAME_DIRECTION, independent};
 pub use elastic::Elasticity;
-pub use facet::{NodalForces, area, facet_load, facet_weights, traction, uniform_traction};
+pub use facet::{
+    NodalForces, area, bernstein, facet_load, facet_mass, facet_normals, facet_weights, traction, uniform_traction,
+};
 pub use held::{HeldRows, nearest_translation};
 pub use locate::reference_point;
 pub use material::{Layer, Material, MaterialGroup, Plane};
-pub use quadrature::{fine_quadrature, quadrature};
 pub use rigid::{RigidMotion, rigid_motions, unresisted_motions};
-pub use shape::{gradients, shape};
+pub use shape::gradients;
 pub use spring::{Bedding, Spring};
 pub use stiffness::element_stiffness;
 pub use strain::Element;
-pub use stress::{centre_stress, strain_energy, stress_at};
+pub use stress::{cell_volume, centre_stress, strain_energy, stress_at};

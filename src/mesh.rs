@@ -6,6 +6,11 @@ mod boundaries;
 mod check;
 mod gmsh;
 mod half_plane;
+mod interpolation;
+mod kind;
+mod midsides;
+mod quadrature;
+mod rules;
 mod sides;
 mod simplices;
 mod source;
@@ -14,9 +19,11 @@ pub use block::block;
 pub use check::MeshFault;
 pub(crate) use gmsh::faces;
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
+pub use interpolation::shape;
+pub(crate) use interpolation::{Jacobian, local_gradients};
+pub use kind::CellKind;
+pub use quadrature::{fine_quadrature, quadrature, quadrature_of};
 pub use source::{HalfPlane, MeshError, MeshSource, Segment};
-
-use serde::{Deserialize, Serialize};
 
 use crate::vector::{cross, minus};
 
@@ -40,28 +47,15 @@ pub struct Mesh {
 pub struct Cell {
     /// The kind of the cell.
     pub kind: CellKind,
-    /// The corners of the cell, as many as the kind has, in the order of [`CellKind`].
+    /// The nodes of the cell, as many as the kind has, in the order of [`CellKind`].
     pub nodes: Vec<usize>,
     /// The material group of the cell, an index of [`Mesh::groups`].
     pub group: usize,
 }
 
-/// The kinds of cells. Corners are in the order of VTK and Gmsh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum CellKind {
-    /// Three corners, counterclockwise.
-    Triangle,
-    /// Four corners, counterclockwise.
-    Quadrilateral,
-    /// Four corners: the first three are counterclockwise seen from the fourth.
-    Tetrahedron,
-    /// Eight corners: four counterclockwise seen from inside, then those above them.
-    Hexahedron,
-}
-
-/// The corners of a part of the boundary: an edge in two dimensions, a triangle or a quadrilateral
-/// in three. An edge has the body on its left; a face is counterclockwise seen from outside.
+/// The nodes of a part of the boundary in order: an edge in two dimensions from end to end, a triangle or a quadrilateral
+/// in three all around. An edge has the body on its left; a face is counterclockwise seen from outside. In cells of second order
+/// the nodes between corners stand between these: an edge has three, a triangle six.
 pub type Facet = Vec<usize>;
 
 /// A named part of the boundary.
@@ -71,44 +65,6 @@ pub struct Boundary {
     pub name: String,
     /// The facets of the boundary; in two dimensions in a row.
     pub facets: Vec<Facet>,
-}
-
-impl CellKind {
-    /// The cells of a block with so many axes, if nothing else is asked for.
-    fn of_block(axes: usize) -> Self {
-        if axes == 2 { CellKind::Quadrilateral } else { CellKind::Hexahedron }
-    }
-
-    /// Whether the cell is a triangle or a tetrahedron.
-    pub fn is_simplex(self) -> bool {
-        matches!(self, CellKind::Triangle | CellKind::Tetrahedron)
-    }
-
-    /// 2 or 3.
-    pub fn dimension(self) -> usize {
-        match self {
-            CellKind::Triangle | CellKind::Quadrilateral => 2,
-            CellKind::Tetrahedron | CellKind::Hexahedron => 3,
-        }
-    }
-
-    /// The centre of the reference cell, whose coordinates go from -1 to 1, of a triangle or tetrahedron from 0 to 1.
-    pub fn centre(self) -> [f64; 3] {
-        match self {
-            CellKind::Quadrilateral | CellKind::Hexahedron => [0.0; 3],
-            CellKind::Triangle => [1.0 / 3.0, 1.0 / 3.0, 0.0],
-            CellKind::Tetrahedron => [0.25; 3],
-        }
-    }
-
-    /// The number of corners.
-    pub fn corners(self) -> usize {
-        match self {
-            CellKind::Triangle => 3,
-            CellKind::Quadrilateral | CellKind::Tetrahedron => 4,
-            CellKind::Hexahedron => 8,
-        }
-    }
 }
 
 impl Mesh {
@@ -137,7 +93,8 @@ impl Mesh {
 
     /// The centre of cell `e`, the mean of its corners, m.
     pub fn centre(&self, e: usize) -> [f64; 3] {
-        let corners = self.points(&self.cells[e].nodes);
+        let cell = &self.cells[e];
+        let corners = self.points(&cell.nodes[..cell.kind.corners()]);
         [0, 1, 2].map(|c| corners.iter().map(|x| x[c]).sum::<f64>() / corners.len() as f64)
     }
 
@@ -151,21 +108,32 @@ impl Mesh {
         self.extent().into_iter().fold(0.0, f64::max)
     }
 
-    /// The outward normal of a facet times its length (m) or area (m²): exact for curved bilinear faces,
-    /// too, since the integral of the normal depends on the edges alone.
+    /// The outward normal of a facet times its length (m) or area (m²): exact for curved faces and edges,
+    /// too, since the integral of the normal depends on the edges or ends alone.
     pub fn area_vector(&self, facet: &[usize]) -> [f64; 3] {
-        let corners = self.points(facet);
-        let from = |k: usize| minus(corners[k], corners[0]);
+        let points = self.points(facet);
         if self.dimension == 2 {
-            let [dx, dy, _] = from(1);
+            let [dx, dy, _] = minus(points[points.len() - 1], points[0]);
             return [dy, -dx, 0.0];
         }
-        let mut sum = [0.0; 3];
-        for k in 2..corners.len() {
-            let triangle = cross(from(k - 1), from(k));
-            sum.iter_mut().zip(triangle).for_each(|(sum, c)| *sum += 0.5 * c);
+        let polygon = |points: &mut dyn Iterator<Item = [f64; 3]>| {
+            let (mut sum, mut last) = ([0.0; 3], None::<[f64; 3]>);
+            let Some(first) = points.next() else { return sum };
+            for point in points {
+                let from = minus(point, first);
+                if let Some(last) = last.replace(from) {
+                    sum.iter_mut().zip(cross(last, from)).for_each(|(sum, c)| *sum += 0.5 * c);
+                }
+            }
+            sum
+        };
+        let all = polygon(&mut points.iter().copied());
+        if !self.is_quadratic(facet) {
+            return all;
         }
-        sum
+        // Simpson's rule, as edges are parabolas.
+        let corners = polygon(&mut points.iter().copied().step_by(2));
+        [0, 1, 2].map(|c| (4.0 * all[c] - corners[c]) / 3.0)
     }
 
     /// A point in words: `(x, y)` or `(x, y, z)`.

@@ -112,6 +112,8 @@ fn body(scene: &Scene, model: &Model) {
     let cells = match (&cells[..], model.element()) {
         ([CellKind::Triangle], _) => "linear triangles",
         ([CellKind::Tetrahedron], _) => "linear tetrahedra",
+        ([CellKind::Triangle6], _) => "quadratic triangles",
+        ([CellKind::Tetrahedron10], _) => "quadratic tetrahedra",
         ([CellKind::Quadrilateral], Element::Bilinear) => "bilinear quadrilaterals",
         ([CellKind::Quadrilateral], Element::BBar) => "B-bar quadrilaterals",
         ([CellKind::Hexahedron], Element::Bilinear) => "trilinear hexahedra",

@@ -22,7 +22,7 @@ pub struct Tractions {
     pub weight: Vec<f64>,
     /// The traction of the body on the obstacle at each contact node (32), in the directions of space, n_c, Pa.
     pub values: Vec<[f64; 3]>,
-    /// The facets between contact nodes: segments, triangles, and quadrilaterals cut into these.
+    /// The facets between contact nodes: segments, triangles, and what else there is cut into these.
     pub pieces: Vec<Vec<usize>>,
 }
 
@@ -57,7 +57,7 @@ impl Tractions {
         for boundary in &model.contact_boundaries {
             let places: HashMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
             let facets = model.mesh.boundary(&boundary.name).map_or(&[][..], |boundary| &boundary.facets);
-            for facet in facets {
+            for facet in facets.iter().flat_map(|facet| model.mesh.pieces_of(facet)) {
                 // A node that supports hold along the normal, or no obstacle reaches, is no contact node.
                 let Some(corners) = facet.iter().map(|node| places.get(node).copied()).collect::<Option<Vec<_>>>()
                 else {

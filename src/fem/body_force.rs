@@ -2,25 +2,24 @@
 
 use super::elastic::Elasticity;
 use super::facet::NodalForces;
-use super::quadrature::fine_quadrature;
-use super::shape::{gradients, shape};
+use super::shape::{gradients, gradients_at};
 use super::strain::{Element, mean_gradients, strain_columns};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, fine_quadrature, shape};
 
 /// The forces `∫ N_a b dV` (N; in two dimensions per unit depth) of the body force `force` (N/m³) of each cell and
 /// position (m).
 ///
-/// Exact for a force that is linear in the position on simplices, and quadratic on undistorted quadrilaterals and
-/// hexahedra.
+/// Exact for a force that is linear in the position on simplices of the first order, quadratic on undistorted quadrilaterals and
+/// hexahedra and on straight simplices of the second order.
 pub fn body_force(mesh: &Mesh, force: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> NodalForces {
     let mut forces = Vec::new();
     for (e, cell) in mesh.cells.iter().enumerate() {
-        let corners = mesh.points(&cell.nodes);
+        let nodes = mesh.points(&cell.nodes);
         for (point, weight) in fine_quadrature(cell.kind) {
             // Assembly has refused cells that have none.
-            let Some((_, det)) = gradients(cell.kind, point, &corners) else { continue };
+            let Some((_, det)) = gradients(cell.kind, point, &nodes) else { continue };
             let shape = shape(cell.kind, point);
-            let force = force(e, at(&shape, &corners));
+            let force = force(e, at(&shape, &nodes));
             forces.extend(cell.nodes.iter().zip(&shape).map(|(&node, n)| (node, force.map(|f| n * weight * det * f))));
         }
     }
@@ -39,17 +38,13 @@ pub fn thermal_forces(
 ) -> NodalForces {
     let mut forces = Vec::new();
     for (e, cell) in mesh.cells.iter().enumerate() {
-        let corners = mesh.points(&cell.nodes);
+        let nodes = mesh.points(&cell.nodes);
         let rule = fine_quadrature(cell.kind);
-        let at_points = rule.iter().map(|(point, weight)| {
-            let (gradients, det) = gradients(cell.kind, *point, &corners)?;
-            Some((gradients, det * weight))
-        });
-        let Some(points) = at_points.collect::<Option<Vec<_>>>() else { continue };
+        let Some(points) = gradients_at(cell.kind, &rule, &nodes) else { continue };
         let mean = mean_gradients(&points);
         let mut of_cell = vec![[0.0; 3]; cell.nodes.len()];
         for ((point, _), (gradients, volume)) in rule.iter().zip(&points) {
-            let stress = thermal_stress(&material(e), thin, strain(e, at(&shape(cell.kind, *point), &corners)));
+            let stress = thermal_stress(&material(e), thin, strain(e, at(&shape(cell.kind, *point), &nodes)));
             let dilatation = match element {
                 Element::Bilinear => gradients,
                 Element::BBar => &mean,
@@ -77,9 +72,9 @@ pub fn free_stretch(thin: bool, strain: f64) -> [f64; 6] {
     [strain, strain, if thin { 0.0 } else { strain }, 0.0, 0.0, 0.0]
 }
 
-/// The position at which the corners have these shape functions.
-fn at(shape: &[f64], corners: &[[f64; 3]]) -> [f64; 3] {
-    [0, 1, 2].map(|c| shape.iter().zip(corners).map(|(n, x)| n * x[c]).sum())
+/// The position at which the nodes have these shape functions.
+fn at(shape: &[f64], nodes: &[[f64; 3]]) -> [f64; 3] {
+    [0, 1, 2].map(|c| shape.iter().zip(nodes).map(|(n, x)| n * x[c]).sum())
 }
 
 #[cfg(test)]

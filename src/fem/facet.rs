@@ -1,17 +1,15 @@
 //! Integrals over the facets of the boundary: shares of its nodes, consistent nodal forces.
 
 use super::dofs::Dofs;
-use super::quadrature::quadrature;
-use super::shape::{local_gradients, shape};
-use crate::mesh::{Boundary, CellKind, Mesh};
-use crate::vector::{cross, norm};
+use crate::mesh::{Boundary, CellKind, Mesh, fine_quadrature, local_gradients, quadrature, shape};
+use crate::vector::{cross, norm, unit};
 
 /// Forces on nodes (N; in two dimensions per unit depth), each with the number of its node; those on one node add up.
 pub type NodalForces = Vec<(usize, [f64; 3])>;
 
 /// A point of a facet at which something is integrated.
 pub(super) struct FacetPoint {
-    /// The shape functions of the corners of the facet.
+    /// The shape functions of the nodes of the facet.
     pub shape: Vec<f64>,
     /// The position, m.
     pub position: [f64; 3],
@@ -20,60 +18,145 @@ pub(super) struct FacetPoint {
 }
 
 /// The integration points of a facet: exact for cubic polynomials along an edge and along both axes of a quadrilateral,
-/// for quadratic ones on a triangle.
+/// for quadratic ones on a triangle; of second order for polynomials of degree five along an edge and of degree four on a triangle.
 pub(super) fn facet_points(mesh: &Mesh, facet: &[usize]) -> Vec<FacetPoint> {
-    let corners = mesh.points(facet);
-    let position = |shape: &[f64]| [0, 1, 2].map(|c| shape.iter().zip(&corners).map(|(n, x)| n * x[c]).sum());
+    let nodes = mesh.points(facet);
+    let position = |shape: &[f64]| [0, 1, 2].map(|c| shape.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum());
     let flat = |shape: Vec<f64>, weight: f64| FacetPoint {
         position: position(&shape),
         shape,
         area: mesh.area_vector(facet).map(|a| weight * a),
     };
-    match facet.len() {
-        2 => [-1.0, 1.0].map(|side| 0.5 * (1.0 + side / 3.0_f64.sqrt())).map(|s| flat(vec![1.0 - s, s], 0.5)).into(),
-        3 => (0..3)
+    match (mesh.dimension, facet.len()) {
+        (2, 2) => {
+            [-1.0, 1.0].map(|side| 0.5 * (1.0 + side / 3.0_f64.sqrt())).map(|s| flat(vec![1.0 - s, s], 0.5)).into()
+        }
+        (3, 3) => (0..3)
             .map(|k| flat((0..3).map(|j| if j == k { 2.0 / 3.0 } else { 1.0 / 6.0 }).collect(), 1.0 / 3.0))
             .collect(),
-        _ => (quadrature(CellKind::Quadrilateral).into_iter())
-            .map(|(point, weight)| {
-                let shape = shape(CellKind::Quadrilateral, point);
-                let [along, across] = tangents(&corners, point);
-                FacetPoint { position: position(&shape), shape, area: cross(along, across).map(|a| weight * a) }
+        _ => (curved_points(mesh, facet).into_iter())
+            .map(|Point { shape, along: [along, across], weight }| FacetPoint {
+                position: position(&shape),
+                shape,
+                area: cross(along, across).map(|a| weight * a),
             })
             .collect(),
     }
 }
 
-/// `∂x/∂ξ` and `∂x/∂η` of a quadrilateral with these corners.
-fn tangents(corners: &[[f64; 3]], point: [f64; 3]) -> [[f64; 3]; 2] {
-    let mut along = [[0.0; 3]; 2];
-    for (d, x) in local_gradients(CellKind::Quadrilateral, point).iter().zip(corners) {
-        for r in 0..2 {
-            for c in 0..3 {
-                along[r][c] += d[r] * x[c];
-            }
-        }
-    }
-    along
+/// A point of a facet whose normal or size changes along it.
+struct Point {
+    /// The shape functions of the nodes of the facet.
+    shape: Vec<f64>,
+    /// `∂x/∂ξ` and `∂x/∂η`, which is across the plane in two dimensions.
+    along: [[f64; 3]; 2],
+    weight: f64,
 }
 
-/// `∫ N_a dA` for each corner of a facet: its share of the length (m, half of an edge) or of the area (m²).
-/// Exact for edges, triangles and flat quadrilaterals.
-pub fn facet_weights(mesh: &Mesh, facet: &[usize]) -> Vec<f64> {
-    let size = norm(mesh.area_vector(facet));
-    let corners = facet.len();
-    if corners < 4 {
-        return vec![size / corners as f64; corners];
+/// Gauss points on [0, 1].
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_31, 0.277_777_777_777_777_8),
+    (0.5, 0.444_444_444_444_444_4),
+    (0.887_298_334_620_741_7, 0.277_777_777_777_777_8),
+];
+
+/// The integration points of a quadrilateral, an edge of three nodes or a triangle of six.
+fn curved_points(mesh: &Mesh, facet: &[usize]) -> Vec<Point> {
+    let rule = match (mesh.dimension, facet.len()) {
+        (2, _) => GAUSS.map(|(s, weight)| ([s, 0.0, 0.0], weight)).into(),
+        (_, 6) => fine_quadrature(CellKind::Triangle6),
+        _ => quadrature(CellKind::Quadrilateral),
+    };
+    rule.into_iter().map(|(at, weight)| point(mesh, facet, at, weight)).collect()
+}
+
+/// The point of such a facet at `[ξ, η]`; along an edge ξ goes from 0 to 1.
+fn point(mesh: &Mesh, facet: &[usize], at: [f64; 3], weight: f64) -> Point {
+    let nodes = mesh.points(facet);
+    let sum = |d: &[f64]| [0, 1, 2].map(|c| d.iter().zip(&nodes).map(|(d, x)| d * x[c]).sum::<f64>());
+    if mesh.dimension == 2 {
+        let [s, ..] = at;
+        let shape = vec![(1.0 - s) * (1.0 - 2.0 * s), 4.0 * s * (1.0 - s), s * (2.0 * s - 1.0)];
+        let along = [sum(&[4.0 * s - 3.0, 4.0 - 8.0 * s, 4.0 * s - 1.0]), [0.0, 0.0, 1.0]];
+        return Point { shape, along, weight };
     }
-    let mut weights = vec![0.0; corners];
-    for (point, weight) in quadrature(CellKind::Quadrilateral) {
-        let [along, across] = tangents(&mesh.points(facet), point);
+    let kind = if facet.len() == 6 { CellKind::Triangle6 } else { CellKind::Quadrilateral };
+    let all = |value: &dyn Fn(usize) -> f64| (0..facet.len()).map(|k| value(place(kind, k))).collect::<Vec<f64>>();
+    let (values, gradients) = (shape(kind, at), local_gradients(kind, at));
+    Point { shape: all(&|k| values[k]), along: [0, 1].map(|r| sum(&all(&|k| gradients[k][r]))), weight }
+}
+
+/// The number in a face of this kind of node `k` of a facet, which has the nodes between corners among these.
+fn place(kind: CellKind, k: usize) -> usize {
+    if kind.is_quadratic() { k / 2 + 3 * (k % 2) } else { k }
+}
+
+/// `∫ N_a dA` for each node of a facet: its share of the length (m, half of an edge) or of the area (m²).
+/// Exact for edges, triangles and flat quadrilaterals; of second order where they are straight. The corners of a flat triangle of
+/// six nodes have 0.
+pub fn facet_weights(mesh: &Mesh, facet: &[usize]) -> Vec<f64> {
+    let nodes = facet.len();
+    if nodes <= mesh.dimension {
+        return vec![norm(mesh.area_vector(facet)) / nodes as f64; nodes];
+    }
+    let mut weights = vec![0.0; nodes];
+    for Point { shape, along: [along, across], weight } in curved_points(mesh, facet) {
         let area = weight * norm(cross(along, across));
-        for (sum, n) in weights.iter_mut().zip(shape(CellKind::Quadrilateral, point)) {
+        for (sum, n) in weights.iter_mut().zip(shape) {
             *sum += n * area;
         }
     }
     weights
+}
+
+/// What takes the place of `values` of the shape functions of a facet's nodes where these are to be nowhere negative, so that
+/// what is weighted by them keeps its sign: Bernstein's polynomials on facets of second order,
+///
+/// ```text
+/// Ñ_a = N_a + ¼ Σ N_m    at corners, m between a and others,
+/// Ñ_m = ½ N_m            between corners.
+/// ```
+///
+/// They add up to 1, too. On facets of the first order they are the shape functions.
+pub fn bernstein(mesh: &Mesh, facet: &[usize], values: &[f64]) -> Vec<f64> {
+    let mut changed = values.to_vec();
+    for (k, _) in mesh.bent_edges(facet).iter().enumerate() {
+        let [a, m, b] = [2 * k, 2 * k + 1, (2 * k + 2) % facet.len()];
+        changed[m] = 0.5 * values[m];
+        changed[a] += 0.25 * values[m];
+        changed[b] += 0.25 * values[m];
+    }
+    changed
+}
+
+/// `∫ Ñ_a Ñ_b dA` (m or m²) for all nodes of a facet, with the functions of [`bernstein`].
+pub fn facet_mass(mesh: &Mesh, facet: &[usize]) -> Vec<Vec<f64>> {
+    let mut mass = vec![vec![0.0; facet.len()]; facet.len()];
+    for FacetPoint { shape, area, .. } in facet_points(mesh, facet) {
+        let (n, d_area) = (bernstein(mesh, facet, &shape), norm(area));
+        for (row, n_a) in mass.iter_mut().zip(&n) {
+            row.iter_mut().zip(&n).for_each(|(entry, n_b)| *entry += n_a * n_b * d_area);
+        }
+    }
+    mass
+}
+
+/// The outward normal in each node of a facet, as long as the facet is: its area vector on facets of the first order, turned as the
+/// facet is curved on those of the second.
+pub fn facet_normals(mesh: &Mesh, facet: &[usize]) -> Vec<[f64; 3]> {
+    let area = mesh.area_vector(facet);
+    if !mesh.is_quadratic(facet) {
+        return vec![area; facet.len()];
+    }
+    let normal = |k: usize| {
+        let at = match mesh.dimension {
+            2 => [0.5 * k as f64, 0.0, 0.0],
+            _ => [[0.0; 3], [0.5, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.5, 0.0]][k],
+        };
+        let [along, across] = point(mesh, facet, at, 1.0).along;
+        unit(cross(along, across)).map(|c| norm(area) * c)
+    };
+    (0..facet.len()).map(normal).collect()
 }
 
 /// The length (m) or area (m²) of `boundary`.

@@ -1,25 +1,21 @@
 //! The stiffness of one element.
 
 use super::elastic::Elasticity;
-use super::quadrature::quadrature;
-use super::shape::gradients;
+use super::shape::gradients_at;
 use super::strain::{Element, mean_gradients, strain_columns};
-use crate::mesh::CellKind;
+use crate::mesh::{CellKind, quadrature_of};
 
-/// The stiffness `∫ Bᵀ D B` of a cell with `corners` (m); N/m, in two dimensions per unit depth. Unknowns
-/// `(u_x, u_y)` or `(u_x, u_y, u_z)` corner by corner. `None` if the element is inverted or degenerate.
+/// The stiffness `∫ Bᵀ D B` of a cell with `nodes` (m); N/m, in two dimensions per unit depth. Unknowns
+/// `(u_x, u_y)` or `(u_x, u_y, u_z)` node by node. `None` if the element is inverted or degenerate.
 pub fn element_stiffness(
     kind: CellKind,
-    corners: &[[f64; 3]],
+    nodes: &[[f64; 3]],
     element: Element,
     material: &Elasticity,
 ) -> Option<Vec<Vec<f64>>> {
-    let points: Vec<_> = quadrature(kind)
-        .into_iter()
-        .map(|(point, weight)| gradients(kind, point, corners).map(|(gradients, det)| (gradients, det * weight)))
-        .collect::<Option<_>>()?;
+    let points = gradients_at(kind, &quadrature_of(kind, nodes), nodes)?;
     let mean = mean_gradients(&points);
-    let unknowns = kind.dimension() * corners.len();
+    let unknowns = kind.dimension() * nodes.len();
     let mut k = vec![vec![0.0; unknowns]; unknowns];
     for (gradients, volume) in &points {
         let dilatation = match element {

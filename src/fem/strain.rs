@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How the strain follows from the corner displacements of an element.
+/// How the strain follows from the nodal displacements of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Element {
-    /// The strain of the linear, bilinear or trilinear displacements. It locks when `ν → 1/2`: every Gauss point
+    /// The strain of the displacements themselves, whatever the shape functions: linear, quadratic, bilinear or trilinear. It locks when `ν → 1/2`: every Gauss point
     /// holds a volume, four in a quadrilateral and eight in a hexahedron, with two or three displacements
     /// for each element.
     #[default]
@@ -21,9 +21,9 @@ pub enum Element {
 pub(super) type Strain = [f64; 6];
 
 /// The columns of `B` in `dimension` dimensions: the strains (1/m) of a unit displacement in each of the
-/// unknowns, corner by corner, at a point with the gradients `∂N_a/∂(x, y, z)` (1/m), with `dilatation` in place of
+/// unknowns, node by node, at a point with the gradients `∂N_a/∂(x, y, z)` (1/m), with `dilatation` in place of
 /// the trace of the strain: `ε̄ = ε + (θ̄ - tr ε) 1 / 3`.
-/// A unit displacement of corner `a` along `c` has `tr ε = ∂N_a/∂x_c`, so `dilatation` has the shape of
+/// A unit displacement of node `a` along `c` has `tr ε = ∂N_a/∂x_c`, so `dilatation` has the shape of
 /// the gradients, and the gradients themselves leave `B` as it is.
 pub(super) fn strain_columns(dimension: usize, gradients: &[[f64; 3]], dilatation: &[[f64; 3]]) -> Vec<Strain> {
     let mut columns = Vec::with_capacity(dimension * gradients.len());
@@ -55,8 +55,8 @@ pub(super) fn mean_gradients(points: &[(Vec<[f64; 3]>, f64)]) -> Vec<[f64; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fem::{gradients, quadrature};
-    use crate::mesh::CellKind;
+    use crate::fem::gradients;
+    use crate::mesh::{CellKind, quadrature};
 
     const DISTORTED: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [2.0, 0.3, 0.0], [1.7, 1.4, 0.0], [-0.2, 1.1, 0.0]];
 

@@ -1,38 +1,34 @@
 //! Stresses in an element.
 
 use super::elastic::Elasticity;
-use super::quadrature::quadrature;
-use super::shape::gradients;
+use super::shape::{gradients, gradients_at};
 use super::strain::{Element, mean_gradients, strain_columns};
-use crate::mesh::CellKind;
+use crate::mesh::{CellKind, quadrature_of};
 
-/// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of a cell with `corners` (m) and the
+/// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of a cell with `nodes` (m) and the
 /// `displacements` (m) of these; see [`Elasticity::stress`] for the plane. `None` if the element is inverted
 /// or degenerate.
 pub fn centre_stress(
     kind: CellKind,
-    corners: &[[f64; 3]],
+    nodes: &[[f64; 3]],
     displacements: &[[f64; 3]],
     element: Element,
     material: &Elasticity,
 ) -> Option<[f64; 6]> {
-    stress_at(kind, kind.centre(), corners, displacements, element, material)
+    stress_at(kind, kind.centre(), nodes, displacements, element, material)
 }
 
 /// The same at the reference point `point` of the cell.
 pub fn stress_at(
     kind: CellKind,
     point: [f64; 3],
-    corners: &[[f64; 3]],
+    nodes: &[[f64; 3]],
     displacements: &[[f64; 3]],
     element: Element,
     material: &Elasticity,
 ) -> Option<[f64; 6]> {
-    let (here, _) = gradients(kind, point, corners)?;
-    let points: Vec<_> = quadrature(kind)
-        .into_iter()
-        .map(|(point, weight)| gradients(kind, point, corners).map(|(gradients, det)| (gradients, det * weight)))
-        .collect::<Option<_>>()?;
+    let (here, _) = gradients(kind, point, nodes)?;
+    let points = gradients_at(kind, &quadrature_of(kind, nodes), nodes)?;
     let mean = mean_gradients(&points);
     let dilatation = match element {
         Element::Bilinear => &here,
@@ -41,20 +37,22 @@ pub fn stress_at(
     Some(material.stress(strain(kind, &here, dilatation, displacements)))
 }
 
+/// The volume (m³; in two dimensions the area, m²) of a cell as above.
+pub fn cell_volume(kind: CellKind, nodes: &[[f64; 3]]) -> Option<f64> {
+    Some(gradients_at(kind, &quadrature_of(kind, nodes), nodes)?.iter().map(|(_, volume)| volume).sum())
+}
+
 /// The strain energy `½ ∫ (ε - ε₀) D (ε - ε₀) dV` of a cell as above, J, in two dimensions per unit depth, with the stress-free
 /// strain `free`, ε₀. `None` if the element is inverted or degenerate.
 pub fn strain_energy(
     kind: CellKind,
-    corners: &[[f64; 3]],
+    nodes: &[[f64; 3]],
     displacements: &[[f64; 3]],
     element: Element,
     material: &Elasticity,
     free: [f64; 6],
 ) -> Option<f64> {
-    let points: Vec<_> = quadrature(kind)
-        .into_iter()
-        .map(|(point, weight)| gradients(kind, point, corners).map(|(gradients, det)| (gradients, det * weight)))
-        .collect::<Option<_>>()?;
+    let points = gradients_at(kind, &quadrature_of(kind, nodes), nodes)?;
     let mean = mean_gradients(&points);
     let at_point = |(gradients, volume): &(Vec<[f64; 3]>, f64)| {
         let dilatation = match element {
@@ -68,7 +66,7 @@ pub fn strain_energy(
     Some(points.iter().map(at_point).sum())
 }
 
-/// The strain of `displacements` of the corners, see [`strain_columns`].
+/// The strain of `displacements` of the nodes, see [`strain_columns`].
 fn strain(kind: CellKind, gradients: &[[f64; 3]], dilatation: &[[f64; 3]], displacements: &[[f64; 3]]) -> [f64; 6] {
     let columns = strain_columns(kind.dimension(), gradients, dilatation);
     let unknowns = displacements.iter().flat_map(|u| &u[..kind.dimension()]);

@@ -64,14 +64,14 @@ impl Mesh {
             return Err(MeshFault::OutOfPlane(lifted));
         }
         let (nodes, groups) = (self.nodes.len(), self.groups.len());
-        for (element, Cell { kind, nodes: corners, group }) in self.cells.iter().enumerate() {
+        for (element, Cell { kind, nodes: own, group }) in self.cells.iter().enumerate() {
             if kind.dimension() != self.dimension {
                 return Err(MeshFault::Dimensions { element, cell: kind.dimension(), mesh: self.dimension });
             }
-            if corners.len() != kind.corners() {
-                return Err(MeshFault::Corners { element, given: corners.len(), needed: kind.corners() });
+            if own.len() != kind.nodes() {
+                return Err(MeshFault::Corners { element, given: own.len(), needed: kind.nodes() });
             }
-            if let Some(&node) = corners.iter().find(|&&node| node >= nodes) {
+            if let Some(&node) = own.iter().find(|&&node| node >= nodes) {
                 return Err(MeshFault::NoNode { element, node, nodes });
             }
             if *group >= groups {

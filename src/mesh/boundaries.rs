@@ -5,7 +5,10 @@ use std::collections::HashMap;
 use super::{Boundary, Cell, Facet, MeshFault};
 
 /// The outer facets of a mesh by their nodes in ascending order.
-pub(super) struct Outline(HashMap<Facet, Option<Facet>>);
+pub(super) struct Outline {
+    outer: HashMap<Facet, Option<Facet>>,
+    dimension: Option<usize>,
+}
 
 fn sorted(nodes: &[usize]) -> Facet {
     let mut key = nodes.to_vec();
@@ -20,7 +23,7 @@ impl Outline {
             // A facet of two cells is inside the body.
             outer.entry(sorted(&facet)).and_modify(|facet| *facet = None).or_insert(Some(facet));
         }
-        Outline(outer)
+        Outline { outer, dimension: cells.first().map(|cell| cell.kind.dimension()) }
     }
 
     /// The boundary `name` of `facets`, each with its number for messages; in two dimensions in a row.
@@ -32,21 +35,24 @@ impl Outline {
             if let Some(first) = taken.insert(sorted(nodes), *number) {
                 return Err(MeshFault::RepeatedFacet { boundary: boundary(), elements: (first, *number) });
             }
-            match self.0.get(&sorted(nodes)) {
+            match self.outer.get(&sorted(nodes)) {
                 Some(Some(facet)) => outwards.push(facet.clone()),
                 Some(None) => return Err(MeshFault::InnerFacet { boundary: boundary(), element: *number }),
                 None => return Err(MeshFault::LooseFacet { boundary: boundary(), element: *number }),
             }
         }
-        let edges = outwards.iter().all(|facet| facet.len() == 2);
-        Ok(Boundary { name: boundary(), facets: if edges { in_a_row(&outwards) } else { outwards } })
+        Ok(Boundary {
+            name: boundary(),
+            facets: if self.dimension == Some(2) { in_a_row(&outwards) } else { outwards },
+        })
     }
 }
 
 /// Edges in the order in which they follow one another, chain by chain.
 fn in_a_row(edges: &[Facet]) -> Vec<Facet> {
     let from: HashMap<usize, usize> = edges.iter().enumerate().map(|(k, edge)| (edge[0], k)).collect();
-    let ends: std::collections::HashSet<usize> = edges.iter().map(|edge| edge[1]).collect();
+    let end = |edge: &Facet| edge[edge.len() - 1];
+    let ends: std::collections::HashSet<usize> = edges.iter().map(end).collect();
     let begins = |k: &usize| !ends.contains(&edges[*k][0]);
     let mut taken = vec![false; edges.len()];
     let mut row = Vec::with_capacity(edges.len());
@@ -56,7 +62,7 @@ fn in_a_row(edges: &[Facet]) -> Vec<Facet> {
         while let Some(k) = next.filter(|&k| !taken[k]) {
             taken[k] = true;
             row.push(edges[k].clone());
-            next = from.get(&edges[k][1]).copied();
+            next = from.get(&end(&edges[k])).copied();
         }
     }
     row
@@ -68,7 +74,7 @@ mod tests {
 
     #[test]
     fn edges_follow_one_another() {
-        let edges = [vec![3, 4], vec![1, 2], vec![2, 3], vec![8, 7], vec![7, 8]];
+        let edges = [vec![3, 4], vec![1, 2], vec![2, 9, 3], vec![8, 7], vec![7, 8]];
         let row: Vec<usize> = in_a_row(&edges).iter().map(|edge| edge[0]).collect();
         assert_eq!(row, [1, 2, 3, 8, 7]);
     }

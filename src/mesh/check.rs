@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::sides::Pieces;
-use super::{Cell, CellKind, Mesh};
+use super::{Cell, Jacobian, Mesh, fine_quadrature, quadrature_of};
 use crate::vector::{cross, dot, minus};
 
 /// Corner determinants and distances below this, relative to the size of the cell or body, are zero up to
@@ -53,6 +53,12 @@ pub enum MeshFault {
         /// How many its kind has.
         needed: usize,
     },
+    /// Cells with nodes at the middles of their edges beside others without.
+    #[error("element {} is of another order than element {}: one has nodes at the middles of its edges", .elements.1, .elements.0)]
+    MixedOrders {
+        /// The cells.
+        elements: (usize, usize),
+    },
     /// A cell with a node that is not there.
     #[error("element {element} names the node {node}, but there are {nodes} nodes, counted from 0")]
     NoNode {
@@ -90,6 +96,9 @@ pub enum MeshFault {
     /// Cells without volume, at one corner at least.
     #[error("the {} degenerate: without volume at a corner", elements(.0))]
     Degenerate(Vec<usize>),
+    /// Cells whose curved edges turn them inside out, or leave no volume, at a node or an integration point.
+    #[error("the {} folded: inside out, or without volume, at a node or an integration point", elements(.0))]
+    Folded(Vec<usize>),
     /// Nodes that belong to no cell.
     #[error("nodes belong to no element of the body: {}", list(.0))]
     UnusedNodes(Vec<usize>),
@@ -168,7 +177,8 @@ impl MeshFault {
             MeshFault::OutOfPlane(_) => "give z = 0 in two dimensions; a body in space needs cells with a volume",
             MeshFault::Dimensions { .. } => "let all cells be plane, or all have a volume",
             MeshFault::Corners { .. } => {
-                "give 3 nodes of a triangle, 4 of a quadrilateral or tetrahedron, 8 of a hexahedron"
+                "give 3 nodes of a triangle, 4 of a quadrilateral or tetrahedron, 8 of a hexahedron; of second order 6 of a \
+                 triangle, 10 of a tetrahedron"
             }
             MeshFault::NoNode { .. } => "number nodes from 0 on",
             MeshFault::NoGroup { .. } => "number groups from 0 on; without names there is the one group 0",
@@ -176,6 +186,11 @@ impl MeshFault {
             MeshFault::TurnedFacet { .. } => "make the mesh by Mesh::new, which turns facets",
             MeshFault::Inverted(_) => "reverse the surface or volume in Gmsh, or mesh it again",
             MeshFault::Degenerate(_) => "mesh again; look for slivers, and for edges or angles of zero size",
+            MeshFault::Folded(_) => {
+                "make elements smaller where the surface is curved, or let Gmsh straighten them (Mesh.HighOrderOptimize = 2); look \
+                 at the order of their nodes, too"
+            }
+            MeshFault::MixedOrders { .. } => "mesh the whole body with one order (Mesh.ElementOrder)",
             MeshFault::UnusedNodes(_) => "put only lines, surfaces and volumes of the body into physical groups",
             MeshFault::CoincidentNodes(_) => "join the parts in Gmsh (Coherence, or Coherence Mesh) and mesh again",
             MeshFault::Overlapping(_) | MeshFault::RepeatedFacet { .. } => {
@@ -208,6 +223,10 @@ impl Mesh {
     /// Whether the cells, which name nodes that are there, are sound.
     pub(super) fn check_cells(&self, numbers: &Numbers<'_>) -> Result<(), MeshFault> {
         let named = |bad: &mut dyn Iterator<Item = usize>| bad.map(|e| numbers.cells[e]).collect::<Vec<usize>>();
+        let quadratic = |e: usize| self.cells[e].kind.is_quadratic();
+        if let Some(e) = (1..self.cells.len()).find(|&e| quadratic(e) != quadratic(0)) {
+            return Err(MeshFault::MixedOrders { elements: (numbers.cells[0], numbers.cells[e]) });
+        }
         let is = |e: &usize, sound: fn(f64, f64) -> bool| {
             self.corner_volumes(&self.cells[*e]).iter().any(|&(volume, size)| sound(volume, NEGLIGIBLE * size))
         };
@@ -218,6 +237,10 @@ impl Mesh {
         let degenerate = named(&mut (0..self.cells.len()).filter(|e| is(e, |volume, least| volume <= least)));
         if !degenerate.is_empty() {
             return Err(MeshFault::Degenerate(degenerate));
+        }
+        let folded = named(&mut (0..self.cells.len()).filter(|&e| self.is_folded(&self.cells[e])));
+        if !folded.is_empty() {
+            return Err(MeshFault::Folded(folded));
         }
         let mut used = vec![false; self.nodes.len()];
         self.cells.iter().flat_map(|cell| &cell.nodes).for_each(|&node| used[node] = true);
@@ -245,18 +268,7 @@ impl Mesh {
     /// square or cube of the longest of all edges at corners.
     pub(super) fn corner_volumes(&self, cell: &Cell) -> Vec<(f64, f64)> {
         let points = self.points(&cell.nodes);
-        let n = points.len();
-        let neighbours: Vec<Vec<usize>> = match cell.kind {
-            CellKind::Triangle | CellKind::Quadrilateral => {
-                (0..n).map(|k| vec![(k + 1) % n, (k + n - 1) % n]).collect()
-            }
-            CellKind::Tetrahedron => vec![vec![1, 2, 3]],
-            CellKind::Hexahedron => {
-                let lower = |k: usize| vec![(k + 1) % 4, (k + 3) % 4, k + 4];
-                let upper = |k: usize| vec![(k + 3) % 4 + 4, (k + 1) % 4 + 4, k];
-                (0..4).map(lower).chain((0..4).map(upper)).collect()
-            }
-        };
+        let neighbours = cell.kind.properties().neighbours;
         let corners = neighbours.iter().enumerate().map(|(k, others)| {
             let edges: Vec<[f64; 3]> = others.iter().map(|&other| minus(points[other], points[k])).collect();
             let span = cross(edges[0], edges[1]);
@@ -267,6 +279,19 @@ impl Mesh {
         let longest = (0..neighbours.len()).flat_map(edge).map(|edge| dot(edge, edge)).fold(0.0, f64::max).sqrt();
         let size = longest.powi(cell.kind.dimension() as i32);
         corners.into_iter().map(|volume| (volume, size)).collect()
+    }
+
+    /// Whether the map of a cell of second order, whose corners are sound, is not so at a node or an integration point.
+    fn is_folded(&self, cell: &Cell) -> bool {
+        if !cell.kind.is_quadratic() {
+            return false;
+        }
+        let points = self.points(&cell.nodes);
+        let size = self.corner_volumes(cell).iter().fold(0.0_f64, |m, (_, size)| m.max(*size));
+        let nodes = (0..cell.kind.nodes()).map(|k| cell.kind.reference_node(k));
+        let rules = [quadrature_of(cell.kind, &points), fine_quadrature(cell.kind)];
+        let inner = rules.iter().flatten().map(|(point, _)| *point);
+        nodes.chain(inner).any(|at| Jacobian::new(cell.kind, at, &points).determinant <= NEGLIGIBLE * size)
     }
 
     /// Nodes in one place, each with the next of them: a stack of n nodes makes n - 1 pairs.

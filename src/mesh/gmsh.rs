@@ -1,4 +1,4 @@
-//! Meshes from Gmsh: files in the format MSH 4.1 (ASCII), first-order cells.
+//! Meshes from Gmsh: files in the format MSH 4.1 (ASCII).
 //!
 //! The dimension is that of the highest-dimensional elements. Physical groups of that dimension become
 //! material groups, those of one less become boundaries; a group without a name is called by its number.
@@ -62,6 +62,8 @@ pub struct GmshError {
 enum ElementKind {
     Point,
     Line,
+    /// With a node at its middle.
+    Line3,
     Cell(CellKind),
 }
 
@@ -71,21 +73,24 @@ impl ElementKind {
         Ok(match number {
             15 => ElementKind::Point,
             1 => ElementKind::Line,
-            2 => ElementKind::Cell(CellKind::Triangle),
-            3 => ElementKind::Cell(CellKind::Quadrilateral),
-            4 => ElementKind::Cell(CellKind::Tetrahedron),
-            5 => ElementKind::Cell(CellKind::Hexahedron),
-            6 => return Err("6 (prism)".to_string()),
-            7 => return Err("7 (pyramid)".to_string()),
-            8..=12 | 16..=19 => return Err(format!("{number} (second order)")),
-            _ => return Err(number.to_string()),
+            8 => ElementKind::Line3,
+            _ => match (CellKind::ALL.into_iter().find(|kind| kind.properties().gmsh == number), number) {
+                (Some(kind), _) => ElementKind::Cell(kind),
+                (None, 6) => return Err("6 (prism)".to_string()),
+                (None, 7) => return Err("7 (pyramid)".to_string()),
+                (None, 10 | 16) => return Err(format!("{number} (quadrilateral of second order)")),
+                (None, 12 | 17) => return Err(format!("{number} (hexahedron of second order)")),
+                (None, 13 | 14 | 18 | 19) => return Err(format!("{number} (prism or pyramid of second order)")),
+                (None, 20..) => return Err(format!("{number} (third order or higher)")),
+                _ => return Err(number.to_string()),
+            },
         })
     }
 
     fn dimension(self) -> usize {
         match self {
             ElementKind::Point => 0,
-            ElementKind::Line => 1,
+            ElementKind::Line | ElementKind::Line3 => 1,
             ElementKind::Cell(kind) => kind.dimension(),
         }
     }
@@ -94,7 +99,8 @@ impl ElementKind {
         match self {
             ElementKind::Point => 1,
             ElementKind::Line => 2,
-            ElementKind::Cell(kind) => kind.corners(),
+            ElementKind::Line3 => 3,
+            ElementKind::Cell(kind) => kind.nodes(),
         }
     }
 }
@@ -104,10 +110,8 @@ impl fmt::Display for ElementKind {
         f.write_str(match self {
             ElementKind::Point => "point",
             ElementKind::Line => "line",
-            ElementKind::Cell(CellKind::Triangle) => "triangle",
-            ElementKind::Cell(CellKind::Quadrilateral) => "quadrilateral",
-            ElementKind::Cell(CellKind::Tetrahedron) => "tetrahedron",
-            ElementKind::Cell(CellKind::Hexahedron) => "hexahedron",
+            ElementKind::Line3 => "line of three nodes",
+            ElementKind::Cell(kind) => kind.name(),
         })
     }
 }
@@ -118,8 +122,8 @@ impl fmt::Display for ElementKind {
 /// volume is refused.
 ///
 /// # Errors
-/// When the file cannot be read, is not MSH 4.1 in ASCII, has cells other than first-order triangles,
-/// quadrilaterals, tetrahedra and hexahedra, or is not a sound mesh; with line, or element numbers.
+/// When the file cannot be read, is not MSH 4.1 in ASCII, has cells other than [`CellKind`] knows, or is not a sound mesh; with
+/// line, or element numbers.
 pub fn gmsh(path: &Path, scale: f64) -> Result<Mesh, MeshFileError> {
     let name = path.display().to_string();
     let bytes = crate::input::bytes(path).map_err(|error| MeshFileError::Io { path: name.clone(), error })?;
@@ -143,10 +147,15 @@ pub fn from_gmsh(name: &str, bytes: &[u8], scale: f64) -> Result<Mesh, MeshFileE
     Ok(mesh)
 }
 
-/// The corners of all faces, triangles and quadrilaterals, in the text of a Gmsh file, in its unit; `name` stands for the file
-/// in messages.
+/// The corners of all faces, triangles and quadrilaterals, in the text of a Gmsh file, in its unit; triangles of six nodes are four
+/// flat ones. `name` stands for the file in messages.
 pub(crate) fn faces(name: &str, bytes: &[u8]) -> Result<Vec<Vec<[f64; 3]>>, GmshError> {
     let file = read::read(name, bytes)?;
-    let faces = file.blocks.iter().filter(|block| block.kind.dimension() == 2).flat_map(|block| &block.elements);
-    Ok(faces.map(|(_, nodes)| nodes.iter().map(|&node| file.nodes[node]).collect()).collect())
+    let faces = file.blocks.iter().filter(|block| block.kind.dimension() == 2).flat_map(|block| {
+        block.elements.iter().flat_map(|(_, nodes)| match nodes[..] {
+            [a, b, c, ab, bc, ca] => vec![vec![a, ab, ca], vec![ab, b, bc], vec![bc, c, ca], vec![ab, bc, ca]],
+            _ => vec![nodes.clone()],
+        })
+    });
+    Ok(faces.map(|nodes| nodes.iter().map(|&node| file.nodes[node]).collect()).collect())
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Cell, CellKind, Facet, Mesh};
+use super::{Cell, Facet, Mesh};
 use crate::sets::Sets;
 
 /// The pieces that a mesh falls into.
@@ -17,16 +17,13 @@ pub(super) struct Pieces {
 impl Cell {
     /// The sides of the cell, each with its outside as [`Facet`] wants it.
     pub(super) fn facets(&self) -> Vec<Facet> {
-        let n = self.nodes.len();
-        let sides: Vec<Vec<usize>> = match self.kind {
-            CellKind::Triangle | CellKind::Quadrilateral => (0..n).map(|k| vec![k, (k + 1) % n]).collect(),
-            CellKind::Tetrahedron => vec![vec![0, 2, 1], vec![0, 1, 3], vec![1, 2, 3], vec![0, 3, 2]],
-            CellKind::Hexahedron => {
-                let around = |k: usize| vec![k, (k + 1) % 4, (k + 1) % 4 + 4, k + 4];
-                [vec![0, 3, 2, 1], vec![4, 5, 6, 7]].into_iter().chain((0..4).map(around)).collect()
-            }
-        };
+        let sides = self.kind.properties().sides;
         sides.iter().map(|side| side.iter().map(|&k| self.nodes[k]).collect()).collect()
+    }
+
+    /// The nodes of a plane cell all around.
+    pub(crate) fn around(&self) -> Vec<usize> {
+        self.facets().iter().flat_map(|side| &side[..side.len() - 1]).copied().collect()
     }
 }
 
@@ -90,8 +87,8 @@ pub(super) fn from_least(mut facet: Facet) -> Facet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::block;
     use crate::mesh::half_plane::half_plane;
+    use crate::mesh::{CellKind, block};
 
     #[test]
     fn what_is_made_here_is_one_piece() {

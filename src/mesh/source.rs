@@ -170,7 +170,8 @@ impl MeshSource {
                     [xs, ys, zs] => graded_block(xs, ys, Some(zs)),
                     _ => return Err(MeshError::Source(no_dimension(&lines))),
                 };
-                if cells.is_simplex() { mesh.into_simplices() } else { mesh }
+                let mesh = if cells.is_simplex() { mesh.into_simplices() } else { mesh };
+                if cells.is_quadratic() { mesh.into_second_order() } else { mesh }
             }
             MeshSource::HalfPlane(m) => {
                 half_plane(m.size, m.contact_width, m.contact_elements, m.outer_elements, m.layers)
@@ -184,9 +185,11 @@ impl MeshSource {
     /// The number of nodes and the dimension; `None` if they are not known before a file is read.
     pub fn nodes(&self) -> Option<(usize, usize)> {
         match self {
-            MeshSource::Block { axes, .. } => {
-                let nodes = axes.iter().map(|axis| 1 + axis.iter().map(|segment| segment.elements).sum::<usize>());
-                Some((nodes.product(), axes.len()))
+            MeshSource::Block { axes, cells } => {
+                // The edges of simplices end, or have their middles, at each point of a lattice twice as fine.
+                let each = if cells.is_quadratic() { 2 } else { 1 };
+                let along = |axis: &Vec<Segment>| 1 + each * axis.iter().map(|segment| segment.elements).sum::<usize>();
+                Some((axes.iter().map(along).product(), axes.len()))
             }
             MeshSource::HalfPlane(m) => Some(((m.contact_elements + m.outer_elements + 1) * (m.layers + 1), 2)),
             MeshSource::Gmsh { .. } => None,
@@ -240,7 +243,8 @@ fn check_block(axes: &[Vec<Segment>], cells: CellKind) -> Result<(), Fault> {
         return Ok(());
     }
     let message = format!("mesh.cells have {} dimensions, but mesh.size has {}", cells.dimension(), axes.len());
-    let help = "use \"triangle\" or \"quadrilateral\" in two dimensions, \"tetrahedron\" or \"hexahedron\" in three";
+    let help = "use \"triangle\", \"triangle6\" or \"quadrilateral\" in two dimensions, \"tetrahedron\", \"tetrahedron10\" or \
+                \"hexahedron\" in three";
     Err(Fault::new("mesh.cells", message, help))
 }
 

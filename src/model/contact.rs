@@ -66,6 +66,10 @@ impl Contacts {
         let Body { description, mesh, dofs, moved, .. } = *body;
         let contact = &description.contacts[k];
         let boundary = find(mesh, &contact.boundary, &format!("contact[{k}]"))?;
+        if boundary.facets.iter().any(|facet| mesh.is_quadratic(facet)) {
+            let message = format!("the boundary `{}` has contact, but elements of second order", contact.boundary);
+            return Err(Fault::new(format!("contact[{k}].boundary"), message, "mesh with elements of the first order"));
+        }
         let mut obstacles = placed(contact, description.end(), mesh, boundary, k)?;
         for (_, motion) in &mut obstacles {
             for Moved { carried, history, .. } in moved {

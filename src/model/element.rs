@@ -10,7 +10,8 @@ pub(super) fn element(description: &Description, mesh: &Mesh) -> Result<Element,
     let element = description.element;
     if element == Element::BBar && mesh.cells.iter().any(|cell| cell.kind.is_simplex()) {
         let message = "mesh.element is \"b-bar\", but the mesh has triangles or tetrahedra";
-        let help = "their dilatation is uniform already, so that they lock: use quadrilaterals or hexahedra";
+        let help = "use quadrilaterals or hexahedra, or triangles of six and tetrahedra of ten nodes without b-bar: those of the first \
+                    order have a uniform dilatation already, so that they lock";
         return Err(Fault::new("mesh.element", message, help));
     }
     Ok(element)

@@ -3,6 +3,7 @@
 use super::find;
 use crate::description::Where;
 use crate::fault::Fault;
+use crate::fem::facet_normals;
 use crate::mesh::{Boundary, Mesh};
 use crate::units::UnitSystem;
 use crate::vector::{Vector, minus, norm, unit};
@@ -55,8 +56,7 @@ pub(super) fn of_dimension(mesh: &Mesh, key: &str, count: usize) -> Result<usize
 pub(super) fn normals(mesh: &Mesh, boundary: &Boundary) -> Vec<Option<[f64; 3]>> {
     let mut sums = vec![[0.0; 3]; mesh.nodes.len()];
     for facet in &boundary.facets {
-        let area = mesh.area_vector(facet);
-        for &node in facet {
+        for (&node, area) in facet.iter().zip(facet_normals(mesh, facet)) {
             sums[node].iter_mut().zip(area).for_each(|(sum, a)| *sum += a);
         }
     }

@@ -1,7 +1,9 @@
 //! The stresses of a body from its displacements.
 
+use std::collections::BTreeMap;
+
 use super::Model;
-use crate::fem::{stress_at, thermal_stress};
+use crate::fem::{cell_volume, stress_at, thermal_stress};
 use crate::problem::ProblemError;
 use crate::problem::error::expect_length;
 
@@ -21,6 +23,27 @@ impl Model {
     pub(crate) fn stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
         let cells = self.mesh.cells.iter().enumerate();
         cells.map(|(e, cell)| self.stress_in(e, cell.kind.centre(), factors, displacements)).collect()
+    }
+
+    /// The stress in each node (Pa), the mean of those that the elements around it have there, each with the weight of its volume; at a
+    /// border between materials only those of the material of the first element.
+    pub(crate) fn nodal_stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
+        let mut sums: BTreeMap<usize, (usize, f64, [f64; 6])> = BTreeMap::new();
+        for (e, cell) in self.mesh.cells.iter().enumerate() {
+            let volume = cell_volume(cell.kind, &self.mesh.points(&cell.nodes)).unwrap_or(f64::NAN);
+            let alike =
+                |first: usize| self.materials[first] == self.materials[e] && self.mesh.cells[first].group == cell.group;
+            for (k, &node) in cell.nodes.iter().enumerate() {
+                let (first, weight, sum) = sums.entry(node).or_insert((e, 0.0, [0.0; 6]));
+                if alike(*first) {
+                    let stress = self.stress_in(e, cell.kind.reference_node(k), factors, displacements);
+                    *weight += volume;
+                    sum.iter_mut().zip(stress).for_each(|(sum, s)| *sum += volume * s);
+                }
+            }
+        }
+        // Every node is of a cell.
+        sums.into_values().map(|(_, weight, sum)| sum.map(|s| s / weight)).collect()
     }
 
     /// The factors of the loads by temperature at time `t` (s).

@@ -77,10 +77,10 @@ impl DeformedBody {
         let stresses: Vec<f64> = model.stresses(&factors, &displacements).into_iter().map(von_mises).collect();
         let view = View::of(mesh.dimension);
         let surface = mesh.surface();
-        let faces: Vec<(&[usize], usize)> = if mesh.dimension == 2 {
-            mesh.cells.iter().enumerate().map(|(e, cell)| (cell.nodes.as_slice(), e)).collect()
+        let faces: Vec<(Vec<usize>, usize)> = if mesh.dimension == 2 {
+            mesh.cells.iter().enumerate().map(|(e, cell)| (cell.around(), e)).collect()
         } else {
-            surface.iter().map(|(facet, e)| (facet.as_slice(), *e)).collect()
+            surface.clone()
         };
         let mut patches: Vec<(f64, Vec<[f64; 2]>, f64)> = Vec::new();
         for (nodes, e) in faces {
@@ -95,7 +95,11 @@ impl DeformedBody {
             patches.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
         let outline = if mesh.dimension == 2 {
-            surface.iter().map(|(facet, _)| [mesh.nodes[facet[0]], mesh.nodes[facet[1]]]).collect()
+            surface
+                .iter()
+                .flat_map(|(facet, _)| facet.windows(2))
+                .map(|ends| [mesh.nodes[ends[0]], mesh.nodes[ends[1]]])
+                .collect()
         } else {
             edges(surface.iter().map(|(facet, _)| mesh.points(facet)), view.towards)
         };

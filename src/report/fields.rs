@@ -6,7 +6,7 @@ use super::principal::{principal_stresses, von_mises};
 use super::vtu::{Field, Grid, Values};
 use crate::contact::ContactStatus;
 use crate::history::Step;
-use crate::mesh::{Cell, CellKind};
+use crate::mesh::Cell;
 use crate::model::Model;
 
 /// The body with its fields at the end of a step, SI.
@@ -15,6 +15,7 @@ use crate::model::Model;
 /// body on the obstacle), `slip` (m, the vector of motion past the obstacle since the beginning), `gap` (m, the distance
 /// that is left), all NaN off the contact; `status`: -1 off the contact, 0 open, 1 stick, 2 slip. A node that meets
 /// two obstacles shows the one that presses more.
+/// Where cells are of second order `nodal_stress` (Pa, as `stress` below), the mean of the cells around a node.
 /// Of cells: `stress` (Pa, at the centre, all nine components row by row), `principal_stress` (Pa, the most tensile first),
 /// `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the order of the elements.
 pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
@@ -24,27 +25,35 @@ pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     if !model.contacts.is_empty() {
         point_fields.extend(contact_fields(model, step));
     }
+    if mesh.cells.iter().any(|cell| cell.kind.is_quadratic()) {
+        point_fields.push(real("nodal_stress", 9, tensors(&model.nodal_stresses(&factors, &displacements))));
+    }
     let stresses = model.stresses(&factors, &displacements);
-    let tensors = stresses.iter().flat_map(|&[xx, yy, zz, xy, yz, zx]| [xx, xy, zx, xy, yy, yz, zx, yz, zz]);
     let cell_fields = vec![
-        real("stress", 9, tensors.collect()),
+        real("stress", 9, tensors(&stresses)),
         real("principal_stress", 3, stresses.iter().flat_map(|&stress| principal_stresses(stress)).collect()),
         real("von_mises", 1, stresses.iter().copied().map(von_mises).collect()),
         whole("material", materials(model)),
     ];
-    let cells = mesh.cells.iter().map(|cell| (cell.nodes.clone(), vtk(cell.kind))).collect();
+    let cells = mesh.cells.iter().map(|cell| (cell.nodes.clone(), cell.kind.vtk())).collect();
     Grid { units: model.units(), points: mesh.nodes.clone(), cells, point_fields, cell_fields }
+}
+
+/// All nine components of stresses, row by row.
+fn tensors(stresses: &[[f64; 6]]) -> Vec<f64> {
+    stresses.iter().flat_map(|&[xx, yy, zz, xy, yz, zx]| [xx, xy, zx, xy, yy, yz, zx, yz, zz]).collect()
 }
 
 /// The names of all fields.
 #[cfg(test)]
-pub(super) const NAMES: [&str; 10] = [
+pub(super) const NAMES: [&str; 11] = [
     "displacement",
     "contact_pressure",
     "tangential_traction",
     "slip",
     "gap",
     "status",
+    "nodal_stress",
     "stress",
     "principal_stress",
     "von_mises",
@@ -101,14 +110,4 @@ fn real(name: &'static str, components: usize, values: Vec<f64>) -> Field {
 
 fn whole(name: &'static str, values: Vec<i32>) -> Field {
     Field { name, components: 1, values: Values::Whole(values) }
-}
-
-/// VTK's number of a kind of cell.
-fn vtk(kind: CellKind) -> u8 {
-    match kind {
-        CellKind::Triangle => 5,
-        CellKind::Quadrilateral => 9,
-        CellKind::Tetrahedron => 10,
-        CellKind::Hexahedron => 12,
-    }
 }

@@ -6,15 +6,16 @@ use super::principal::von_mises;
 use super::quantities::cell;
 use crate::description::{Probe, ProbePlace};
 use crate::fault::Fault;
-use crate::fem::{reference_point, shape};
+use crate::fem::reference_point;
 use crate::history::Step;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, shape};
 use crate::model::Model;
 use crate::units::{Quantity, UnitSystem};
 use crate::vector::{minus, norm};
 
-/// How far outside the box around a cell a point may be, in sizes of the cell, that is still tried.
-const MARGIN: f64 = 1e-6;
+/// How far outside the box around the nodes of a cell a point may be, in sizes of the cell, that is still tried; a curved edge
+/// leaves the box by an eighth of its length at most.
+const MARGINS: [f64; 2] = [1e-6, 0.25];
 
 /// The points of a probe, each with the cell that holds it.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,11 +142,12 @@ fn columns(dimension: usize) -> &'static [&'static str] {
 fn cells(mesh: &Mesh, points: &[[f64; 3]]) -> Vec<Option<(usize, [f64; 3])>> {
     let mut found = vec![None; points.len()];
     for (e, cell) in mesh.cells.iter().enumerate() {
-        let corners = || cell.nodes.iter().map(|&node| mesh.nodes[node]);
+        let nodes = || cell.nodes.iter().map(|&node| mesh.nodes[node]);
         let bounds = [0, 1, 2].map(|c| {
-            corners().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x[c]), high.max(x[c])))
+            nodes().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x[c]), high.max(x[c])))
         });
-        let margin = MARGIN * bounds.iter().map(|(low, high)| high - low).fold(0.0, f64::max);
+        let margin = MARGINS[usize::from(cell.kind.is_quadratic())]
+            * bounds.iter().map(|(low, high)| high - low).fold(0.0, f64::max);
         let near = |x: &[f64; 3]| (0..3).all(|c| x[c] >= bounds[c].0 - margin && x[c] <= bounds[c].1 + margin);
         for (point, place) in points.iter().zip(&mut found).filter(|(_, place)| place.is_none()) {
             if near(point) {

@@ -27,7 +27,7 @@ const COLUMNS: &Table = &[
 /// The fields of bodies.
 const FIELDS: &Table = &[
     (&["displacement", "slip", "gap"], Length),
-    (&["contact_pressure", "tangential_traction", "stress", "principal_stress", "von_mises"], Stress),
+    (&["contact_pressure", "tangential_traction", "nodal_stress", "stress", "principal_stress", "von_mises"], Stress),
     (&["status", "material"], Number),
 ];
 

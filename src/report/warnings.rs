@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::description::Action;
 use crate::fem::Element;
+use crate::mesh::CellKind;
 use crate::model::Model;
 use crate::units::Quantity;
 
@@ -78,6 +79,9 @@ impl WarningKind {
 /// Poisson's ratio from which elements may lock: K is 50 times as stiff against a change of volume as against shear.
 const LOCKING: f64 = 0.49;
 
+/// The same of elements of second order, which at 0.499 are as good as B-bar elements.
+const QUADRATIC_LOCKING: f64 = 0.499;
+
 /// Relative to the size of the body, what rounding leaves of the corners of an element.
 const ROUNDING: f64 = 1e-9;
 
@@ -98,13 +102,18 @@ fn locking(model: &Model) -> Option<String> {
         return None;
     }
     let poisson = model.materials().iter().map(|law| 0.5 * law.lambda / (law.lambda + law.mu)).fold(0.0, f64::max);
-    let cells = match (model.mesh.cells.iter().any(|cell| cell.kind.is_simplex()), model.mesh.dimension) {
-        (false, _) => "",
-        (true, 2) => " with quadrilaterals",
-        (true, _) => " with hexahedra",
+    let has = |what: fn(CellKind) -> bool| model.mesh.cells.iter().any(|cell| what(cell.kind));
+    let quadratic = has(CellKind::is_quadratic);
+    let cells = match (has(CellKind::is_simplex), quadratic, model.mesh.dimension) {
+        (false, ..) => "",
+        (true, true, 2) => " with quadrilaterals",
+        (true, true, _) => " with hexahedra",
+        (true, false, 2) => " with quadrilaterals, or triangles of six nodes",
+        (true, false, _) => " with hexahedra, or tetrahedra of ten nodes",
     };
+    let limit = if quadratic { QUADRATIC_LOCKING } else { LOCKING };
     // What is computed back from Lamé's constants may miss the ratio by rounding.
-    (poisson > LOCKING + ROUNDING).then(|| {
+    (poisson > limit + ROUNDING).then(|| {
         format!(
             "elements lock near nu = 0.5, and nu is {poisson:.6}: the body may be far too stiff; \
              use mesh.element = \"b-bar\"{cells}"

@@ -28,6 +28,7 @@ mod scene_loads;
 mod scene_output;
 mod scene_overrides;
 mod scene_values;
+mod second_order;
 mod surfaces;
 mod unit_conversion;
 mod units;

@@ -4,8 +4,8 @@
 use std::f64::consts::PI;
 
 use crate::common;
-use stickslip::fem::{Dofs, Elasticity, Element, assemble, facet_load, gradients, quadrature, shape};
-use stickslip::mesh::{CellKind, Mesh, block};
+use stickslip::fem::{Dofs, Elasticity, Element, assemble, facet_load, gradients};
+use stickslip::mesh::{CellKind, Mesh, block, quadrature, shape};
 
 const QUAD: CellKind = CellKind::Quadrilateral;
 

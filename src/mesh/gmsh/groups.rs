@@ -36,7 +36,8 @@ pub(super) fn mesh(file: File, name: &str) -> Result<(Mesh, Vec<usize>), GmshErr
             groups.len() - 1
         });
         for (number, nodes) in elements {
-            cells.push(Cell { kind, nodes: nodes.clone(), group });
+            let nodes = kind.properties().gmsh_order.iter().map(|&place| nodes[place]).collect();
+            cells.push(Cell { kind, nodes, group });
             numbers.push(*number);
         }
     }
@@ -62,7 +63,7 @@ pub(super) fn mesh(file: File, name: &str) -> Result<(Mesh, Vec<usize>), GmshErr
     let mut mesh = Mesh { dimension, nodes, cells, groups, boundaries: Vec::new() };
     let clockwise = |cell: &Cell| mesh.corner_volumes(cell).iter().all(|&(volume, _)| volume < 0.0);
     if dimension == 2 && mesh.cells.iter().all(clockwise) {
-        mesh.cells.iter_mut().for_each(|cell| cell.nodes.reverse());
+        mesh.cells.iter_mut().for_each(Cell::turn_over);
     }
     Ok((mesh, numbers))
 }

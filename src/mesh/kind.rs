@@ -1,0 +1,270 @@
+//! The kinds of cells, and the table of what there is to know of each.
+
+use serde::{Deserialize, Serialize};
+
+use super::rules::{self, Rule};
+
+/// The kinds of cells. Their nodes are in the order of VTK: first the corners, then, in cells of second order, the nodes at
+/// the middles of the edges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CellKind {
+    /// Three corners, counterclockwise.
+    Triangle,
+    /// Four corners, counterclockwise.
+    Quadrilateral,
+    /// Four corners: the first three are counterclockwise seen from the fourth.
+    Tetrahedron,
+    /// Eight corners: four counterclockwise seen from inside, then those above them.
+    Hexahedron,
+    /// A triangle with nodes at the middles of its edges, from corner 0 to 1, 1 to 2 and 2 to 0, which may be curved.
+    Triangle6,
+    /// A tetrahedron with nodes at the middles of its edges, from corner 0 to 1, 1 to 2, 2 to 0, 0 to 3, 1 to 3 and 2 to 3,
+    /// which may be curved.
+    Tetrahedron10,
+}
+
+/// The shape functions of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Functions {
+    /// The barycentric coordinates of a simplex.
+    Linear,
+    /// Quadratic ones on a simplex.
+    Quadratic,
+    /// Products of linear ones along the axes of a square or cube.
+    Multilinear,
+}
+
+/// What there is to know of a kind of cell.
+pub(super) struct Properties {
+    /// What one is called.
+    pub name: &'static str,
+    /// 2 or 3.
+    pub dimension: usize,
+    pub functions: Functions,
+    /// For each corner those at the other ends of its edges, as many as there are dimensions, in right-handed order; of a
+    /// tetrahedron one corner tells of all.
+    pub neighbours: &'static [&'static [usize]],
+    /// The corners at the ends of the edge of each node that is no corner.
+    pub edges: &'static [[usize; 2]],
+    /// The sides, each with its outside as [`super::Facet`] wants it.
+    pub sides: &'static [&'static [usize]],
+    /// Integrates the stiffness.
+    pub rule: fn() -> Rule,
+    /// The same where edges are curved.
+    pub curved_rule: fn() -> Rule,
+    /// Integrates loads, which are polynomials in place of constants.
+    pub fine_rule: fn() -> Rule,
+    /// Gmsh's number of the type.
+    pub gmsh: i64,
+    /// For each node its place in the order of Gmsh.
+    pub gmsh_order: &'static [usize],
+    /// VTK's number of the type.
+    pub vtk: u8,
+}
+
+const AROUND_A_TRIANGLE: &[&[usize]] = &[&[1, 2], &[2, 0], &[0, 1]];
+
+const TRIANGLE: Properties = Properties {
+    name: "triangle",
+    dimension: 2,
+    functions: Functions::Linear,
+    neighbours: AROUND_A_TRIANGLE,
+    edges: &[],
+    sides: &[&[0, 1], &[1, 2], &[2, 0]],
+    rule: rules::triangle1,
+    curved_rule: rules::triangle1,
+    fine_rule: rules::triangle3,
+    gmsh: 2,
+    gmsh_order: &[0, 1, 2],
+    vtk: 5,
+};
+
+const QUADRILATERAL: Properties = Properties {
+    name: "quadrilateral",
+    dimension: 2,
+    functions: Functions::Multilinear,
+    neighbours: &[&[1, 3], &[2, 0], &[3, 1], &[0, 2]],
+    edges: &[],
+    sides: &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]],
+    rule: rules::square4,
+    curved_rule: rules::square4,
+    fine_rule: rules::square4,
+    gmsh: 3,
+    gmsh_order: &[0, 1, 2, 3],
+    vtk: 9,
+};
+
+const TETRAHEDRON: Properties = Properties {
+    name: "tetrahedron",
+    dimension: 3,
+    functions: Functions::Linear,
+    neighbours: &[&[1, 2, 3]],
+    edges: &[],
+    sides: &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[0, 3, 2]],
+    rule: rules::tetrahedron1,
+    curved_rule: rules::tetrahedron1,
+    fine_rule: rules::tetrahedron4,
+    gmsh: 4,
+    gmsh_order: &[0, 1, 2, 3],
+    vtk: 10,
+};
+
+const HEXAHEDRON: Properties = Properties {
+    name: "hexahedron",
+    dimension: 3,
+    functions: Functions::Multilinear,
+    neighbours: &[&[1, 3, 4], &[2, 0, 5], &[3, 1, 6], &[0, 2, 7], &[7, 5, 0], &[4, 6, 1], &[5, 7, 2], &[6, 4, 3]],
+    edges: &[],
+    sides: &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]],
+    rule: rules::cube8,
+    curved_rule: rules::cube8,
+    fine_rule: rules::cube8,
+    gmsh: 5,
+    gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7],
+    vtk: 12,
+};
+
+const TRIANGLE6: Properties = Properties {
+    name: "triangle of six nodes",
+    dimension: 2,
+    functions: Functions::Quadratic,
+    neighbours: AROUND_A_TRIANGLE,
+    edges: &[[0, 1], [1, 2], [2, 0]],
+    sides: &[&[0, 3, 1], &[1, 4, 2], &[2, 5, 0]],
+    rule: rules::triangle3,
+    curved_rule: rules::triangle3,
+    fine_rule: rules::triangle6,
+    gmsh: 9,
+    gmsh_order: &[0, 1, 2, 3, 4, 5],
+    vtk: 22,
+};
+
+const TETRAHEDRON10: Properties = Properties {
+    name: "tetrahedron of ten nodes",
+    dimension: 3,
+    functions: Functions::Quadratic,
+    neighbours: &[&[1, 2, 3]],
+    edges: &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
+    sides: &[&[0, 6, 2, 5, 1, 4], &[0, 4, 1, 8, 3, 7], &[1, 5, 2, 9, 3, 8], &[0, 7, 3, 9, 2, 6]],
+    // Four points are exact on straight edges. The gradients times the determinant of curved ones are cubic, and four points
+    // fail the patch test.
+    rule: rules::tetrahedron4,
+    curved_rule: rules::tetrahedron8,
+    fine_rule: rules::tetrahedron27,
+    gmsh: 11,
+    gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
+    vtk: 24,
+};
+
+/// The corners of the cube [-1, 1]³; those of the square are the first four, without ζ.
+const CUBE: [[f64; 3]; 8] = [
+    [-1.0, -1.0, -1.0],
+    [1.0, -1.0, -1.0],
+    [1.0, 1.0, -1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+];
+
+/// The corners of the reference tetrahedron; those of the triangle are the first three.
+const SIMPLEX: [[f64; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+impl CellKind {
+    /// All of them.
+    pub const ALL: [CellKind; 6] = [
+        CellKind::Triangle,
+        CellKind::Quadrilateral,
+        CellKind::Tetrahedron,
+        CellKind::Hexahedron,
+        CellKind::Triangle6,
+        CellKind::Tetrahedron10,
+    ];
+
+    pub(super) fn properties(self) -> &'static Properties {
+        match self {
+            CellKind::Triangle => &TRIANGLE,
+            CellKind::Quadrilateral => &QUADRILATERAL,
+            CellKind::Tetrahedron => &TETRAHEDRON,
+            CellKind::Hexahedron => &HEXAHEDRON,
+            CellKind::Triangle6 => &TRIANGLE6,
+            CellKind::Tetrahedron10 => &TETRAHEDRON10,
+        }
+    }
+
+    /// The cells of a block with so many axes, if nothing else is asked for.
+    pub(super) fn of_block(axes: usize) -> Self {
+        if axes == 2 { CellKind::Quadrilateral } else { CellKind::Hexahedron }
+    }
+
+    /// The kind with the same corners and nodes at the middles of the edges, too.
+    pub(super) fn of_second_order(self) -> Option<Self> {
+        match self {
+            CellKind::Triangle => Some(CellKind::Triangle6),
+            CellKind::Tetrahedron => Some(CellKind::Tetrahedron10),
+            _ => None,
+        }
+    }
+
+    /// What one is called.
+    pub fn name(self) -> &'static str {
+        self.properties().name
+    }
+
+    /// Whether the cell is a triangle or a tetrahedron.
+    pub fn is_simplex(self) -> bool {
+        self.properties().functions != Functions::Multilinear
+    }
+
+    /// Whether there are nodes at the middles of the edges.
+    pub fn is_quadratic(self) -> bool {
+        self.properties().functions == Functions::Quadratic
+    }
+
+    /// 2 or 3.
+    pub fn dimension(self) -> usize {
+        self.properties().dimension
+    }
+
+    /// The centre of the reference cell, whose coordinates go from -1 to 1, of a triangle or tetrahedron from 0 to 1.
+    pub fn centre(self) -> [f64; 3] {
+        match (self.is_simplex(), self.dimension()) {
+            (false, _) => [0.0; 3],
+            (true, 2) => [1.0 / 3.0, 1.0 / 3.0, 0.0],
+            (true, _) => [0.25; 3],
+        }
+    }
+
+    /// The number of corners.
+    pub fn corners(self) -> usize {
+        self.nodes() - self.properties().edges.len()
+    }
+
+    /// The number of nodes.
+    pub fn nodes(self) -> usize {
+        self.properties().gmsh_order.len()
+    }
+
+    /// Where node `k` is in the reference cell.
+    pub(crate) fn reference_node(self, k: usize) -> [f64; 3] {
+        let corner = |k: usize| match (self.is_simplex(), self.dimension()) {
+            (true, _) => SIMPLEX[k],
+            (false, 2) => [CUBE[k][0], CUBE[k][1], 0.0],
+            (false, _) => CUBE[k],
+        };
+        match k.checked_sub(self.corners()) {
+            None => corner(k),
+            Some(middle) => {
+                let [a, b] = self.properties().edges[middle].map(corner);
+                [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]))
+            }
+        }
+    }
+
+    /// VTK's number of the kind.
+    pub fn vtk(self) -> u8 {
+        self.properties().vtk
+    }
+}
