@@ -3,6 +3,7 @@
 
 mod cone;
 pub mod coulomb;
+mod crossing;
 mod description;
 mod friction;
 mod front;

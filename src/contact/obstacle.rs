@@ -5,10 +5,10 @@ use std::sync::Arc;
 use super::cone::Cone;
 use super::description::{GapDirection, Obstacle, Rotation, SKEW, Shape};
 use super::gap_table::{GapTable, TableError};
-use super::surface::{Beyond, Surface};
+use super::surface::Surface;
 use super::triangles::{SurfaceError, Triangles};
 use crate::mesh::{Boundary, Mesh};
-use crate::vector::{Vector, across, axis_across, cross, dot, norm, unit};
+use crate::vector::{Vector, across, axis_across, cross, dot, minus, norm, unit};
 
 /// An obstacle in front of a part of the boundary. Small displacements: gaps are measured once, in
 /// the undeformed state.
@@ -37,6 +37,13 @@ pub struct Facing {
     /// At right angles to the surface in front of the node, into the obstacle, with a component 1 along the
     /// normal: a surface that moves by `d` adds `d · inward` to the gap.
     pub inward: [f64; 3],
+}
+
+impl Facing {
+    /// The slope of the surface in front of the node, against its normal: the tangent of the angle.
+    pub fn slope(&self) -> f64 {
+        norm(minus(self.inward, self.normal))
+    }
 }
 
 /// Why an obstacle does not fit its boundary.
@@ -169,10 +176,7 @@ impl PlacedObstacle {
         match self.direction {
             GapDirection::Normal => {
                 let gap = self.surface.along(self.normal, x, self.normal, x);
-                let [t, o] = self.tangents;
-                // Steps of 1e-6 leave half the digits of a slope in double precision.
-                let step = 1e-6 * self.extent;
-                let inward = self.surface.inward([self.normal, t, o], x, (gap, self.normal), step);
+                let inward = self.inward(x, (gap, self.normal));
                 let closing = dot(inward, self.normal);
                 Facing { gap, normal: self.normal, tangents: self.tangents, inward: inward.map(|c| c / closing) }
             }
@@ -203,6 +207,11 @@ impl PlacedObstacle {
         self.extent
     }
 
+    /// Whether gaps are measured along one normal.
+    pub fn has_one_normal(&self) -> bool {
+        self.direction == GapDirection::Normal
+    }
+
     /// Whether its surface is a plane.
     pub fn is_plane(&self) -> bool {
         matches!(self.surface, Surface::Plane { .. })
@@ -224,24 +233,45 @@ impl PlacedObstacle {
     /// Why a node that has no distance from the obstacle may not stand there, and what helps, in words; nothing where such a
     /// node is simply not in front of it.
     pub fn out_of_reach(&self) -> Option<(&'static str, &'static str)> {
-        match (self.surface.beyond(), &self.surface) {
-            (Beyond::Nothing, _) => None,
-            (Beyond::Obstacle, _) => Some((
+        match &self.surface {
+            Surface::Table(_) => {
+                Some(("the table of gaps does not reach", "extend the table; outside it nothing is assumed"))
+            }
+            Surface::Formula(_) => {
+                Some(("the formula has no finite value at", "mend the formula, or use a smaller boundary"))
+            }
+            surface => surface.surrounds().then_some((
                 "the bore or socket is narrower than the body at",
                 "use a larger radius, a smaller boundary or direction = \"nearest\"",
             )),
-            (Beyond::Unknown, Surface::Table(_)) => {
-                Some(("the table of gaps does not reach", "extend the table; outside it nothing is assumed"))
-            }
-            (Beyond::Unknown, _) => {
-                Some(("the formula has no finite value at", "mend the formula, or use a smaller boundary"))
-            }
         }
     }
 
-    /// Whether a line that misses the obstacle runs inside it.
-    pub(crate) fn surrounds(&self) -> bool {
-        self.surface.beyond() == Beyond::Obstacle
+    /// Whether a line can miss it only inside it: a bore or a socket.
+    pub(super) fn surrounds(&self) -> bool {
+        self.surface.surrounds()
+    }
+
+    /// Whether a point at `x` (m) in the obstacle at rest that came from `reference` is inside it, but has no distance along `n`
+    /// that tells how deep.
+    pub(super) fn swallows(&self, x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> bool {
+        self.distance(x, n, reference).is_nan() && self.surface.swallows(self.normal, x, n, reference)
+    }
+
+    /// The slope of the surface in front of a point at `x` (m) in the obstacle at rest, against the unit vector `n`: the tangent
+    /// of the angle; NaN if the obstacle is not in front of it.
+    pub(super) fn slope(&self, x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> f64 {
+        let gap = self.distance(x, n, reference);
+        let inward = self.inward(x, (gap, n));
+        let closing = dot(inward, n);
+        norm(minus(inward.map(|c| c / closing), n))
+    }
+
+    /// A vector into the obstacle where the line from `x` along `n` meets it after `gap`.
+    fn inward(&self, x: [f64; 3], (gap, n): (f64, [f64; 3])) -> [f64; 3] {
+        let [t, o] = self.tangents;
+        // Steps of 1e-6 leave half the digits of a slope in double precision.
+        self.surface.inward([self.normal, t, o], x, (gap, n), 1e-6 * self.extent)
     }
 
     /// The number of triangles of a surface.

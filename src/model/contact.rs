@@ -211,9 +211,11 @@ fn met(
     let units = description.system(mesh.dimension);
     let place = |node: usize| units.place(mesh.nodes[node]);
     let times = &description.times;
-    let met = meetings(mesh, boundary, obstacles, times).map_err(|Unclear { node, obstacle, why: (what, help) }| {
-        at_obstacle(obstacle, format!("{what} the contact node at {}", place(node)), help)
-    })?;
+    let met =
+        meetings(mesh, boundary, obstacles, times).map_err(|Unclear { node, obstacle, time, why: (what, help) }| {
+            let when = time.map_or(String::new(), |t| format!(" at t = {t} s"));
+            at_obstacle(obstacle, format!("{what} the contact node at {}{when}", place(node)), help)
+        })?;
     if let [(obstacle, _)] = obstacles
         && !obstacle.faces(mesh, boundary)
     {

@@ -28,6 +28,7 @@ mod scene_output;
 mod scene_overrides;
 mod scene_values;
 mod surfaces;
+mod turning;
 mod units;
 mod verification;
 mod vtu;

@@ -4,37 +4,15 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fmt::Write as _;
-use std::fs;
-use std::path::PathBuf;
 
 use crate::common::edit;
 use crate::common::faults::{BLOCK, line_of, verify};
+use crate::common::scratch::Scratch;
 use crate::common::{Keep, run};
 use stickslip::history::Status;
 use stickslip::model::{Model, ModelError};
 use stickslip::problem::State;
 use stickslip::scene::{Scene, SceneError};
-
-/// A file that goes with the value.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(name: &str, bytes: &[u8]) -> Self {
-        let path = std::env::temp_dir().join(format!("stickslip-surface-{}-{name}", std::process::id()));
-        fs::write(&path, bytes).unwrap();
-        Scratch(path)
-    }
-
-    fn path(&self) -> &str {
-        self.0.to_str().unwrap()
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = fs::remove_file(&self.0);
-    }
-}
 
 type Triangle = [[f64; 3]; 3];
 
