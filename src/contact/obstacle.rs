@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::cone::Cone;
-use super::description::{GapDirection, Obstacle, Rotation, SKEW, Shape};
+use super::description::{GapDirection, Obstacle, Place, Rotation, SKEW, Shape};
 use super::gap_table::{GapTable, TableError};
 use super::surface::Surface;
 use super::triangles::{SurfaceError, Triangles};
@@ -127,6 +127,7 @@ impl PlacedObstacle {
             (Some(axis), _) if dot(axis, normal).abs() > SKEW => Err(ObstacleError::SkewAxis),
             (Some(axis), _) => Ok(axis),
         };
+        let round = |radius: f64, place: Place, axis| Surface::Round { radius, apex: place.apex(radius, normal), axis };
         let flat = mesh.dimension == 2;
         let surface = match &given.shape {
             Shape::Plane { gap } => {
@@ -134,18 +135,14 @@ impl PlacedObstacle {
                 Surface::Plane { level: along.fold(f64::NEG_INFINITY, f64::max), gap: *gap }
             }
             Shape::PlaneThrough { through } => Surface::Plane { level: dot(normal, through.components()), gap: 0.0 },
-            Shape::Cylinder { radius, apex, axis: given } => {
-                Surface::Round { radius: *radius, apex: apex.components(), axis: Some(axis(*given)?) }
-            }
-            Shape::Bore { radius, apex, axis: given } => {
-                Surface::Round { radius: -radius, apex: apex.components(), axis: Some(axis(*given)?) }
-            }
+            Shape::Cylinder { radius, place, axis: given } => round(*radius, *place, Some(axis(*given)?)),
+            Shape::Bore { radius, place, axis: given } => round(-radius, *place, Some(axis(*given)?)),
             Shape::Sphere { .. } if flat => return Err(ObstacleError::OnlyInSpace("sphere")),
             Shape::Socket { .. } if flat => return Err(ObstacleError::OnlyInSpace("socket")),
             Shape::Cone { .. } if flat => return Err(ObstacleError::OnlyInSpace("cone")),
             Shape::Surface { .. } if flat => return Err(ObstacleError::OnlyInSpace("surface")),
-            Shape::Sphere { radius, apex } => Surface::Round { radius: *radius, apex: apex.components(), axis: None },
-            Shape::Socket { radius, apex } => Surface::Round { radius: -radius, apex: apex.components(), axis: None },
+            Shape::Sphere { radius, place } => round(*radius, *place, None),
+            Shape::Socket { radius, place } => round(-radius, *place, None),
             Shape::Cone { apex, half_angle, axis: given } => {
                 let axis = along(*given).unwrap_or(normal);
                 if dot(axis, normal) <= SKEW {
@@ -183,8 +180,14 @@ impl PlacedObstacle {
             GapDirection::Nearest => {
                 let (gap, normal) = self.surface.nearest(self.normal, x);
                 let first = across(self.tangents[0], normal);
-                // A tangent that has become the normal gives way to the other one.
-                let first = if norm(first) > SKEW { unit(first) } else { cross(self.tangents[1], normal) };
+                // About an axis it goes round with the normal, where its projection points back after a quarter of a turn.
+                let back = dot(self.normal, normal) < 0.0 && self.surface.goes_round_along(self.tangents[0]);
+                let first = match (norm(first) > SKEW, back) {
+                    (true, false) => unit(first),
+                    (true, true) => unit(first).map(|c| -c),
+                    // A tangent that has become the normal gives way to the other one.
+                    (false, _) => cross(self.tangents[1], normal),
+                };
                 Facing { gap, normal, tangents: [first, cross(normal, first)], inward: normal }
             }
         }
@@ -222,11 +225,11 @@ impl PlacedObstacle {
         self.surface.is_the_same_about(self.normal, axis, through)
     }
 
-    /// Whether the normals point out of the body on the whole of `boundary`.
-    pub fn faces(&self, mesh: &Mesh, boundary: &Boundary) -> bool {
-        boundary.facets.iter().all(|facet| {
+    /// The first node of `boundary` at which the normal does not point out of the body, on each facet there.
+    pub fn faces_away(&self, mesh: &Mesh, boundary: &Boundary) -> Option<usize> {
+        boundary.facets.iter().find_map(|facet| {
             let outwards = mesh.area_vector(facet);
-            facet.iter().all(|&node| dot(outwards, self.at(mesh.nodes[node]).normal) > 0.0)
+            facet.iter().copied().find(|&node| dot(outwards, self.at(mesh.nodes[node]).normal) <= 0.0)
         })
     }
 
@@ -287,18 +290,12 @@ impl PlacedObstacle {
 fn lies_in_plane(given: &Obstacle) -> Result<(), ObstacleError> {
     let leaves = |vector: Vector| vector.components()[2] != 0.0;
     let upright = |axis: Vector| norm(cross(unit(axis.components()), [0.0, 0.0, 1.0])) <= SKEW;
-    let (point, axis) = match given.shape {
-        Shape::PlaneThrough { through } => (Some(through), None),
-        Shape::Cylinder { apex, axis, .. } | Shape::Bore { apex, axis, .. } | Shape::Wedge { apex, axis, .. } => {
-            (Some(apex), axis)
-        }
-        _ => (None, None),
-    };
+    let (point, axis) = given.shape.stands();
     let turning = given.rotation.as_ref().is_some_and(|Rotation { axis, .. }| axis.is_some_and(|axis| !upright(axis)));
     for (name, leaves) in [
         ("the normal", given.normal.is_some_and(leaves)),
         ("the tangent", given.tangent.is_some_and(leaves)),
-        ("the place", point.is_some_and(leaves)),
+        ("the place", point.is_some_and(|(_, point)| leaves(point))),
         ("the axis", axis.is_some_and(|axis| !upright(axis))),
         ("the translation", given.translation.iter().flatten().any(|(_, to)| leaves(*to))),
         ("the rotation", turning),

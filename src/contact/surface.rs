@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::cone::Cone;
 use super::crossing::crossing;
+use super::description::SKEW;
 use super::gap_table::GapTable;
 use super::triangles::Triangles;
 use crate::formula::Formula;
@@ -134,6 +135,11 @@ impl Surface {
     /// Whether a line can miss it that does not leave the obstacle at all: a bore or a socket.
     pub(super) fn surrounds(&self) -> bool {
         matches!(self, Surface::Round { radius, .. } if *radius < 0.0)
+    }
+
+    /// Whether it is round about an axis at right angles to the unit vector `tangent`.
+    pub(super) fn goes_round_along(&self, tangent: [f64; 3]) -> bool {
+        matches!(self, Surface::Round { axis: Some(axis), .. } if dot(*axis, tangent).abs() <= SKEW)
     }
 
     /// Whether a turn about the unit vector `axis` `through` a point (m) maps the surface on itself, but for the rounding of

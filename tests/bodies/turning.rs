@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use crate::common::faults::{line_of, verify};
 use crate::common::scratch::Scratch;
-use stickslip::contact::{Facing, Obstacle, ObstacleMotion, PlacedObstacle, Rotation, Shape};
+use stickslip::contact::{Facing, Obstacle, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape};
 use stickslip::formula::Formula;
 use stickslip::mesh::{Mesh, block};
 use stickslip::model::{Model, ModelError};
@@ -52,7 +52,7 @@ fn fields_of_gaps_turn_as_the_shapes_they_are() {
     let (_plane, flat) = table("flat.csv", "x,gap\n-4,0.1\n5,0.1\n");
     let (_wedge, roof) = table("roof.csv", "x,gap\n-5.5,0.7\n0.5,0.1\n6.5,0.7\n");
     let wedge = || Shape::Wedge { apex: [0.5, -0.1].into(), angle: 0.1_f64.atan(), axis: None };
-    let circle = Shape::Cylinder { radius: 3.0, apex: [0.5, -0.1].into(), axis: None };
+    let circle = Shape::Cylinder { radius: 3.0, place: Place::Apex([0.5, -0.1].into()), axis: None };
     for (shape, field) in [
         (Shape::Plane { gap: 0.1 }, formula("0.1")),
         (Shape::Plane { gap: 0.1 }, flat),
@@ -69,7 +69,7 @@ fn fields_of_gaps_turn_as_the_shapes_they_are() {
     // In space, about an oblique axis.
     let cube = block(&[1.0; 3], &[3; 3]);
     let about = ([0.48, 0.6, 0.64], [0.3, 0.9, -0.2]);
-    let sphere = Shape::Sphere { radius: 3.0, apex: [0.5, 0.4, -0.1].into() };
+    let sphere = Shape::Sphere { radius: 3.0, place: Place::Apex([0.5, 0.4, -0.1].into()) };
     let cap = formula("3.1 - sqrt(9 - (x - 0.5)^2 - (y - 0.4)^2)");
     for angle in [0.2, -0.6] {
         let (exact, found) = [&sphere, &cap].map(|shape| turned(&cube, shape.clone(), about, angle)).into();
@@ -103,7 +103,7 @@ fn a_back_does_not_press() {
         assert!((gap - exact).abs() < 1e-13, "{k}: {gap} {exact}");
     }
     // A roller that has gone round the body is above it, and not a body's height inside.
-    let roller = Shape::Cylinder { radius: 0.05, apex: [0.5, -0.01].into(), axis: None };
+    let roller = Shape::Cylinder { radius: 0.05, place: Place::Apex([0.5, -0.01].into()), axis: None };
     assert_eq!(turned(&square, roller, about(0.5, 0.25), PI), extent);
 }
 
