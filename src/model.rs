@@ -20,7 +20,6 @@ use crate::fault::Fault;
 use crate::fem::{
     Dofs, Elasticity, Element, HeldRows, InvertedElement, Plane, RigidMotion, Spring, assemble, unresisted_motions,
 };
-use crate::formula::Formula;
 use crate::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::problem::{ContactProblem, Parts, ProblemError};
@@ -117,7 +116,7 @@ impl Model {
     pub fn build(description: &Description) -> Result<Self, ModelError> {
         description.check()?;
         let mesh = description.mesh.made()?;
-        formulas_suit(description, &mesh)?;
+        description.formulas_suit(mesh.dimension)?;
         let holdings = support::holdings(description, &mesh)?;
         let dofs = support::dofs(&mesh, &holdings)?;
         let element = element::element(description, &mesh)?;
@@ -242,18 +241,6 @@ impl Model {
     /// Units for the numbers inside, see [`ContactProblem::scaling`].
     pub fn scaling(&self) -> Scaling {
         self.problem.scaling(self.loading.largest_force(), self.loading.largest_interference())
-    }
-}
-
-/// Refuses formulas of z for a body in the plane.
-fn formulas_suit(description: &Description, mesh: &Mesh) -> Result<(), Fault> {
-    let of_z = |(_, formula): &(String, &Formula)| formula.has_coordinate(2);
-    match description.formulas().into_iter().find(of_z) {
-        Some((key, formula)) if mesh.dimension == 2 => {
-            let message = format!("`{}` has z, but the body has two dimensions", formula.text());
-            Err(Fault::new(key, message, "use x and y: y points up in the plane"))
-        }
-        _ => Ok(()),
     }
 }
 

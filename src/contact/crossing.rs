@@ -15,17 +15,20 @@ pub(super) fn crossing(height: impl Fn(f64) -> f64, closing: f64) -> f64 {
     if closing <= 0.0 || above.is_nan() {
         return f64::NAN;
     }
-    let mut reach = 1.0 / closing;
+    let (mut reach, mut ends) = (1.0 / closing, false);
     for _ in 0..MOST {
         let next = here + reach * above;
+        if !next.is_finite() {
+            return f64::NAN;
+        }
         if above == 0.0 || (next - here).abs() <= ROUNDING * next.abs() {
-            // A step that had to be shortened leads to the rim.
-            return if reach * closing < 0.5 { f64::NAN } else { here };
+            // Steps that had to be shortened lead to the rim.
+            return if ends { f64::NAN } else { here };
         }
         let there = height(next);
         if there.is_nan() {
-            // Off the surface: it may end in between.
-            reach *= 0.5;
+            // Off the surface, which may be met before.
+            (reach, ends) = (0.5 * reach, true);
         } else if there * above <= 0.0 {
             return between(height, (here, above), (next, there));
         } else {

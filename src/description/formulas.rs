@@ -1,12 +1,24 @@
-//! All formulas of a description, with their keys.
+//! All formulas of a description, and whether they suit the body.
 
 use super::{Action, Description, Field};
 use crate::contact::{Friction, Shape};
+use crate::fault::Fault;
 use crate::formula::Formula;
 
 impl Description {
+    /// Refuses formulas of z for a body of two dimensions.
+    pub(crate) fn formulas_suit(&self, dimension: usize) -> Result<(), Fault> {
+        match self.formulas().into_iter().find(|(_, formula)| formula.has_coordinate(2)) {
+            Some((key, formula)) if dimension == 2 => {
+                let message = format!("`{}` has z, but the body has two dimensions", formula.text());
+                Err(Fault::new(key, message, "use x and y: y points up in the plane"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Each formula with the key at which it stands.
-    pub(crate) fn formulas(&self) -> Vec<(String, &Formula)> {
+    fn formulas(&self) -> Vec<(String, &Formula)> {
         let mut formulas = Vec::new();
         for (k, contact) in self.contacts.iter().enumerate() {
             if let Friction::Formula(formula) = &contact.friction {

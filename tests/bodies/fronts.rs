@@ -351,6 +351,9 @@ fn a_ring_on_a_shaft_in_parts() {
             obstacles: shaft(normal).into(),
         });
     }
+    // A facet may be of one contact only: it would count twice.
+    let error = Model::build(&parts.clone().contact("bore", 0.3, shaft([-1.0, 0.0]))).unwrap_err().to_string();
+    assert!(error.starts_with("contact[4].boundary: the boundaries `q3` and `bore` have the facet at ("), "{error}");
     let (model, four) = solved(&parts);
     assert_eq!((model.contacts.len(), whole.contacts.len()), (around, around));
     let order: Vec<usize> = whole
