@@ -116,6 +116,7 @@ impl Model {
     pub fn build(description: &Description) -> Result<Self, ModelError> {
         description.check()?;
         let mesh = description.mesh.made()?;
+        description.formulas_suit(mesh.dimension)?;
         let holdings = support::holdings(description, &mesh)?;
         let dofs = support::dofs(&mesh, &holdings)?;
         let element = element::element(description, &mesh)?;
@@ -224,6 +225,13 @@ impl Model {
     /// Whether the body is a thin plate, in plane stress.
     pub fn is_thin(&self) -> bool {
         self.description.material.plane == Some(Plane::Stress)
+    }
+
+    /// The key of obstacle `k` of [`Model::obstacles`] in a scene, as `contact[0].obstacle[1]`.
+    pub fn obstacle_key(&self, k: usize) -> String {
+        let contact = self.contact_boundaries.iter().position(|boundary| boundary.obstacles.contains(&k)).unwrap_or(0);
+        let first = self.contact_boundaries.get(contact).map_or(0, |boundary| boundary.obstacles.start);
+        self.description.contacts[contact].obstacle_key(contact, k - first)
     }
 
     /// Units for the numbers inside, see [`ContactProblem::scaling`].

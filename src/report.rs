@@ -50,7 +50,7 @@ pub use principal::{principal_stresses, von_mises};
 pub use probe::{ProbeTable, ProbeValue};
 pub use pvd::series as pvd_series;
 pub use quantities::{column as column_quantity, key as key_quantity};
-pub use resultant::{ComponentSums, ForceRecord, Resultant};
+pub use resultant::{ComponentSums, ForceRecord, OnObstacle, Resultant};
 pub use run::{Facts, Measured, RunReport, SCHEMA_VERSION, Totals};
 #[cfg(feature = "cli")]
 pub use schema::run_schema;

@@ -31,6 +31,7 @@ mod scene_values;
 mod second_order;
 mod surfaces;
 mod unit_conversion;
+mod turning;
 mod units;
 mod verification;
 mod vtu;

@@ -4,7 +4,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use stickslip::contact::{ContactStatus, GapDirection, Obstacle, Shape};
+use stickslip::contact::{ContactStatus, GapDirection, Obstacle, Place, Shape};
 use stickslip::description::{Action, Axis, Description};
 use stickslip::fem::{Material, Plane};
 use stickslip::formula::Formula;
@@ -45,7 +45,7 @@ fn shrink_fit() {
     let exact = YOUNG * interference / a / ((a * a + b * b) / (b * b - a * a) + NU);
     let errors = [10, 20, 40].map(|n| {
         let radius = a + interference;
-        let shaft = Shape::Cylinder { radius, apex: [radius * FRAC_1_SQRT_2; 2].into(), axis: None };
+        let shaft = Shape::Cylinder { radius, place: Place::Apex([radius * FRAC_1_SQRT_2; 2].into()), axis: None };
         let shaft = Obstacle { direction: GapDirection::Nearest, ..Obstacle::at_rest(shaft) };
         let ring = Description::new(ring(a, b, n), Material::new(YOUNG, NU).in_plane(Plane::Stress), vec![1.0])
             .support("x axis", &[Axis::Y])
