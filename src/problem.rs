@@ -225,9 +225,10 @@ impl ContactProblem {
             return balance;
         }
         let mut balance = vec![Twofold::default(); state.u.len()];
+        let (u, rest) = self.strained(state);
         for (row, column, value) in self.stiffness().entries() {
-            balance[row].add_product(value, state.u[column]);
-            balance[row].add(value * state.u_rest[column]);
+            balance[row].add_product(value, u[column]);
+            balance[row].add(value * rest[column]);
         }
         for (map, forces) in [(self.c_n(), &state.p_n), (self.c_t(), &state.p_t), (self.c_o(), &state.p_o)] {
             for (i, p) in forces.iter().enumerate() {
@@ -236,6 +237,30 @@ impl ContactProblem {
         }
         balance.iter_mut().zip(force).for_each(|(sum, force)| sum.add(-force));
         balance.into_iter().map(Twofold::value).collect()
+    }
+
+    /// The displacements of `state`, and what rounding leaves off them, without the part along the free motions, which strains
+    /// nothing. Where contact has carried a body far, beside that the forces would be lost in the rounding of `K`.
+    pub(crate) fn strained(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let mut left = (state.u.clone(), state.u_rest.clone());
+        if left.1.is_empty() {
+            left.1 = vec![0.0; left.0.len()];
+        }
+        let mut taken = Vec::<Vec<f64>>::new();
+        for motion in &self.free_motions {
+            let mut motion = motion.clone();
+            for other in &taken {
+                let share = product(&motion, other) / product(other, other);
+                motion.iter_mut().zip(other).for_each(|(r, other)| *r -= share * other);
+            }
+            let share = product(&left.0, &motion) / product(&motion, &motion);
+            for ((u, rest), r) in left.0.iter_mut().zip(&mut left.1).zip(&motion) {
+                (*u, *rest) = less(*u, *rest, share, *r);
+            }
+            taken.push(motion);
+        }
+        left
     }
 
     /// `w_T - w̄_T` of contact node `i`, the slip increment (m), with the `u_rest` of `state`: a slip may be that small
@@ -298,6 +323,17 @@ impl ContactProblem {
         let stiffness = median(&mut self.stiffness().diagonal()).unwrap_or(1.0);
         Scaling::near(stiffness, interference.max(largest_force / stiffness))
     }
+}
+
+/// `u + rest - a b`, and what rounding leaves off.
+fn less(u: f64, rest: f64, a: f64, b: f64) -> (f64, f64) {
+    let mut sum = Twofold::default();
+    sum.add(u);
+    sum.add_product(-a, b);
+    sum.add(rest);
+    let rounded = sum.value();
+    sum.add(-rounded);
+    (rounded, sum.value())
 }
 
 impl State {

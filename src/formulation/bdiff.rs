@@ -55,6 +55,11 @@ impl Bdiff {
         &self.data.scaling
     }
 
+    /// `r` of the normal row of node `i`, scaled.
+    pub fn r_n(&self, i: usize) -> f64 {
+        self.rows.r_n[i]
+    }
+
     /// The cases of node `i` at `z`.
     fn case(&self, i: usize, z: &[f64]) -> Case {
         let (data, r_n, r_t) = (&self.data, self.rows.r_n[i], self.rows.r_t[i]);

@@ -1,11 +1,12 @@
 //! What an observer is told while an increment is solved.
 
 use super::observer::{Observer, Step};
+use super::path::Path;
 use super::record::{ContactCounts, IncrementRecord, Seconds};
 use super::walked::Walked;
 use crate::contact::statuses_of;
 use crate::nonlinear::{Flow, Iteration};
-use crate::problem::{ContactProblem, Increment};
+use crate::problem::ContactProblem;
 
 /// The observer of increment `index`.
 pub(super) struct Told<'a> {
@@ -20,13 +21,15 @@ impl Told<'_> {
         if flow == Flow::Stop { flow } else { self.observer.iteration(self.index, &iteration.record) }
     }
 
-    /// A part that ends at `time` before the increment does.
-    pub(super) fn part(&mut self, time: f64, data: &Increment<'_>, walked: &Walked) {
-        let state = &walked.attempt.state;
-        let statuses = statuses_of(self.problem, data, state, &walked.attempt.scales);
+    /// A part of a `path` that ends at `time`, before the increment does.
+    pub(super) fn part(&mut self, time: f64, path: &Path<'_>, walked: &Walked) {
+        let (data, state) = (path.data(), &walked.attempt.state);
+        let statuses = statuses_of(self.problem, &data, state, &walked.attempt.scales);
         let counts = ContactCounts::of(&statuses);
         let record = record(self.problem, data.force, self.index, time, walked, counts, Seconds::default());
-        self.observer.part(&Step { record: &record, increment: data, state, statuses: &statuses });
+        path.show(state, |increment, state| {
+            self.observer.part(&Step { record: &record, increment, state, statuses: &statuses });
+        });
     }
 }
 
