@@ -11,11 +11,13 @@
 mod check;
 mod contact_stiffness;
 pub(crate) mod error;
+mod strained;
 
 use std::collections::BTreeSet;
 
 pub use error::ProblemError;
 use serde::Serialize;
+pub(crate) use strained::strained;
 
 use crate::linear::{LinearError, null_space_of};
 use crate::sparse::{Csr, Symmetric, Twofold};
@@ -239,28 +241,9 @@ impl ContactProblem {
         balance.into_iter().map(Twofold::value).collect()
     }
 
-    /// The displacements of `state`, and what rounding leaves off them, without the part along the free motions, which strains
-    /// nothing. Where contact has carried a body far, beside that the forces would be lost in the rounding of `K`.
+    /// [`strained`] of the displacements of `state`.
     pub(crate) fn strained(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let mut left = (state.u.clone(), state.u_rest.clone());
-        if left.1.is_empty() {
-            left.1 = vec![0.0; left.0.len()];
-        }
-        let mut taken = Vec::<Vec<f64>>::new();
-        for motion in &self.free_motions {
-            let mut motion = motion.clone();
-            for other in &taken {
-                let share = product(&motion, other) / product(other, other);
-                motion.iter_mut().zip(other).for_each(|(r, other)| *r -= share * other);
-            }
-            let share = product(&left.0, &motion) / product(&motion, &motion);
-            for ((u, rest), r) in left.0.iter_mut().zip(&mut left.1).zip(&motion) {
-                (*u, *rest) = less(*u, *rest, share, *r);
-            }
-            taken.push(motion);
-        }
-        left
+        strained(&self.free_motions, &state.u, &state.u_rest)
     }
 
     /// `w_T - w̄_T` of contact node `i`, the slip increment (m), with the `u_rest` of `state`: a slip may be that small
@@ -323,17 +306,6 @@ impl ContactProblem {
         let stiffness = median(&mut self.stiffness().diagonal()).unwrap_or(1.0);
         Scaling::near(stiffness, interference.max(largest_force / stiffness))
     }
-}
-
-/// `u + rest - a b`, and what rounding leaves off.
-fn less(u: f64, rest: f64, a: f64, b: f64) -> (f64, f64) {
-    let mut sum = Twofold::default();
-    sum.add(u);
-    sum.add_product(-a, b);
-    sum.add(rest);
-    let rounded = sum.value();
-    sum.add(-rounded);
-    (rounded, sum.value())
 }
 
 impl State {

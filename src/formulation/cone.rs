@@ -248,7 +248,9 @@ impl InteriorPoint for Cone {
                 let far = 0.5 * mu * size(slip) / length;
                 let inside = 2.0 / (1.0 + 1.0_f64.hypot(2.0 * far));
                 for (k, n) in layout.tangential(i).into_iter().zip(direction(slip)) {
-                    k.into_iter().for_each(|k| z[k] = inside * far * mu * force * n);
+                    if let Some(k) = k {
+                        z[k] = inside * far * mu * force * n;
+                    }
                 }
                 (z[pair.force], z[pair.length]) = (mu * force * inside, length / mu / inside);
             }

@@ -145,7 +145,9 @@ impl<'a> Path<'a> {
                 if to_come.is_empty() {
                     return Ok(walked);
                 }
-                told.part(end, self, &walked);
+                self.show(&walked.attempt.state, |increment, state| {
+                    told.part(end, &self.data(), &walked, increment, state);
+                });
                 (solved, ends) = (Some(walked.solved), walked.ends);
             } else {
                 let half = 0.5 * (end - from);
