@@ -18,9 +18,10 @@ fn model(text: &str) -> Model {
 /// A steel block of 10 mm at a distance from a floor and a wall, pressed against both.
 fn on_the_way(elements: &str, gap: f64, force: f64) -> Model {
     let plane = elements.split(',').count() == 2;
-    let (size, down, left) = match plane {
-        true => ("[0.01, 0.01]", format!("[0, -{force:e}]"), format!("[-{force:e}, 0]")),
-        false => ("[0.01, 0.01, 0.01]", format!("[0, 0, -{force:e}]"), format!("[-{force:e}, 0, 0]")),
+    let (size, down, left) = if plane {
+        ("[0.01, 0.01]", format!("[0, -{force:e}]"), format!("[-{force:e}, 0]"))
+    } else {
+        ("[0.01, 0.01, 0.01]", format!("[0, 0, -{force:e}]"), format!("[-{force:e}, 0, 0]"))
     };
     model(&format!(
         r#"
