@@ -189,8 +189,12 @@ impl Model {
     /// of its nodes, their contact and their loads leave, `K u + Cᵀ p - f`.
     pub(crate) fn balance(&self, t: f64, state: &State) -> Balance {
         let Statics { rows, shares, springs, loads, on_springs } = &self.statics;
-        let strained = self.strained(t, &state.u);
-        let rest = if state.u_rest.is_empty() { Vec::new() } else { self.dofs.displacements(&state.u_rest) };
+        let (strained, rest) = if state.u_rest.is_empty() {
+            (self.strained(t, &state.u), Vec::new())
+        } else {
+            let (u, rest) = self.problem.strained(state);
+            (self.strained(t, &u), self.dofs.displacements(&rest))
+        };
         let mut forces = rows.forces(&strained, &rest);
         let factors: Vec<f64> = self.loading.cases().iter().take(loads.len()).map(|case| case.factor(t)).collect();
         for (load, factor) in loads.iter().zip(&factors) {

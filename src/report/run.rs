@@ -168,7 +168,7 @@ impl RunReport {
         let mut warnings = Warning::of_model(model);
         warnings.extend(validity.warnings(model));
         warnings.extend(facts.estimates.warnings(model));
-        warnings.extend(unbalanced(&facts.reactions, solver.tolerance));
+        warnings.extend(unbalanced(&facts.reactions, &outcome.records, solver.tolerance));
         RunReport {
             schema_version: SCHEMA_VERSION,
             program_version: env!("CARGO_PKG_VERSION"),

@@ -137,6 +137,40 @@ time = { end = 1, increments = 2 }
     assert_eq!(kinds_but_of_the_mesh(&self::report(&held, 0)), [""; 0]);
 }
 
+/// A support turns a body by 1e-3 m, and a few newtons on it are lost in the rounding of its stiffness. What did not converge is in
+/// balance with nothing, and needs no warning.
+#[test]
+fn forces_that_are_lost_in_rounding_are_told() {
+    let turned = |young: &str| {
+        let scene = r#"
+mesh = { kind = "block", size = [0.2, 0.2], elements = [4, 4] }
+material = { young = YOUNG, poisson = 0.3 }
+support = [{ point = [0, 0], fix = ["x", "y"] }, { point = [0.2, 0], fix = ["y"], displacement = [0.001] }]
+load = [{ boundary = "right", force = [1, -1] }]
+time = { end = 1, increments = 1 }
+"#;
+        report(&edit(scene, "YOUNG", young), 0)
+    };
+    assert_eq!(turned("1e9")["warnings"], json_value!([]));
+    let stiff = turned("1e16");
+    let balance = stiff["reactions"][0]["balance"].as_f64().unwrap();
+    assert!((1e-5..0.1).contains(&balance), "{balance}");
+    assert_eq!(stiff["warnings"].as_array().unwrap().len(), 1);
+    assert_eq!(stiff["warnings"][0]["kind"], "unbalanced");
+    let message = stiff["warnings"][0]["message"].as_str().unwrap();
+    assert!(message.contains(&format!("leave {balance:.1e} of their sizes")), "{message}");
+
+    let lifted = r#"
+mesh = { kind = "block", size = [1.0, 1.0], elements = [4, 4] }
+material = { young = 1e9, poisson = 0.3 }
+contact = [{ boundary = "bottom", friction = 0.5, obstacle = { kind = "plane" } }]
+load = [{ boundary = "top", traction = [0, 1e3] }]
+time = { end = 1, increments = 1 }
+"#;
+    let report = report(lifted, 1);
+    assert_eq!((report["status"].as_str(), &report["warnings"]), (Some("no-equilibrium"), &json_value!([])));
+}
+
 /// Planes that touch from the start: nothing is indented, and what rounding leaves of gaps is no error of theirs.
 #[test]
 fn planes_that_touch_have_no_warning() {
