@@ -31,4 +31,4 @@ pub use shape::gradients;
 pub use spring::{Bedding, Spring};
 pub use stiffness::element_stiffness;
 pub use strain::Element;
-pub use stress::{cell_volume, centre_stress, strain_energy, stress_at};
+pub use stress::{cell_volume, centre_stress, strains, stress_at};

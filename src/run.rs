@@ -187,7 +187,7 @@ impl<'a> Run<'a> {
             choice: &self.choice,
             outcome: &outcome,
             validity: &validity,
-            estimates: estimates.estimates(),
+            estimates: estimates.estimates(self.model()),
             forces,
             reactions,
             critical_friction,

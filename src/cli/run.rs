@@ -137,7 +137,7 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
     for (k, LeftOut { count, unknown, reason }) in left_out.iter().enumerate() {
         say!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
     }
-    for warning in Warning::of_model(model) {
+    for warning in Warning::of_model(model).iter().filter(|warning| !warning.kind.needs_the_solution()) {
         say!("warning      {}", warning.message);
     }
 }

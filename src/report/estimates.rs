@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::warnings::{Warning, WarningKind};
-use crate::estimate::{ContactEstimate, ContactGraph, HertzContact, peak_error};
+use crate::estimate::{ContactEstimate, ContactGraph, ElementEstimate, HertzContact, peak_error};
 use crate::history::{Status, Step};
 use crate::model::Model;
 use crate::units::{Quantity, UnitSystem};
@@ -14,6 +14,11 @@ use crate::units::{Quantity, UnitSystem};
 pub struct Estimates {
     /// Of each contact surface that ever touched.
     pub contact: Vec<ContactEstimate>,
+    /// By what share the body is too stiff because elements lock, about, when its strain energy was largest: within a factor of
+    /// two where it is below 1; none where no cell can lock.
+    pub locking: Option<f64>,
+    /// The error of the mesh in the energy norm then, as a share of the solution; none on cells of second order.
+    pub discretisation: Option<f64>,
 }
 
 /// Watches the converged increments of a history: each contact surface counts when its force is largest.
@@ -21,6 +26,8 @@ pub struct Estimates {
 pub struct EstimateWatch {
     graph: ContactGraph,
     contact: Vec<Option<ContactEstimate>>,
+    /// The state with the largest strain energy (J): that, its time and its displacements.
+    strained: Option<(f64, f64, Vec<f64>)>,
 }
 
 /// Zones with fewer nodes across have a peak that may be a tenth off.
@@ -43,7 +50,7 @@ impl EstimateWatch {
     pub fn new(model: &Model) -> Self {
         let graph = ContactGraph::new(model);
         let contact = graph.forces(&vec![0.0; model.contacts.len()]).map(|_| None).collect();
-        EstimateWatch { graph, contact }
+        EstimateWatch { graph, contact, strained: None }
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
@@ -57,11 +64,28 @@ impl EstimateWatch {
                 self.contact[k] = ContactEstimate::new(model, &self.graph, k, time, step.state, step.statuses);
             }
         }
+        let (energy, time) = (step.record.strain_energy, step.record.time);
+        match &mut self.strained {
+            Some((largest, ..)) if *largest >= energy => {}
+            Some((largest, at, u)) => {
+                (*largest, *at) = (energy, time);
+                u.copy_from_slice(&step.state.u);
+            }
+            None => self.strained = Some((energy, time, step.state.u.clone())),
+        }
     }
 
     /// What was found.
-    pub fn estimates(&self) -> Estimates {
-        Estimates { contact: self.contact.iter().flatten().cloned().collect() }
+    pub fn estimates(&self, model: &Model) -> Estimates {
+        let elements = self
+            .strained
+            .as_ref()
+            .map(|(_, time, u)| ElementEstimate::new(model, &model.thermal_factors(*time), &model.displaced(*time, u)));
+        Estimates {
+            contact: self.contact.iter().flatten().cloned().collect(),
+            locking: elements.as_ref().and_then(|elements| elements.locking),
+            discretisation: elements.and_then(|elements| elements.discretisation).map(|error| error.whole),
+        }
     }
 }
 
@@ -70,7 +94,8 @@ impl Estimates {
     pub fn warnings(&self, model: &Model) -> Vec<Warning> {
         let units = model.units();
         let simplices = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
-        self.contact.iter().flat_map(|contact| of_contact(contact, &units, simplices)).collect()
+        let contact = self.contact.iter().flat_map(|contact| of_contact(contact, &units, simplices));
+        contact.chain(self.locking.and_then(|share| Warning::of_locking(model, share))).collect()
     }
 }
 

@@ -28,7 +28,7 @@ const COLUMNS: &Table = &[
 const FIELDS: &Table = &[
     (&["displacement", "slip", "gap"], Length),
     (&["contact_pressure", "tangential_traction", "nodal_stress", "stress", "principal_stress", "von_mises"], Stress),
-    (&["status", "material"], Number),
+    (&["status", "material", "discretisation_error"], Number),
 ];
 
 /// The keys of a report below which there is something with a unit of these; doc/results.md has them all.

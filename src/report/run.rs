@@ -10,7 +10,7 @@ use super::resultant::{ComponentSums, ForceRecord, Resultant};
 use super::unit_names::UnitNames;
 use super::unknowns::{LeftOut, Unknowns};
 use super::validity::{LargestDisplacement, LargestPressure, Validity};
-use super::warnings::Warning;
+use super::warnings::{Warning, WarningKind};
 use crate::auto::{Choice, Faster};
 use crate::contact::RangeLeft;
 use crate::history::{HistoryOutcome, IncrementRecord, Solver, Status};
@@ -166,6 +166,8 @@ impl RunReport {
     pub fn new(facts: Facts<'_>) -> Self {
         let Facts { scene, model, solver, choice, outcome, validity, measured, .. } = facts;
         let mut warnings = Warning::of_model(model);
+        // What elements have done takes the place of what was expected of them.
+        warnings.retain(|warning| warning.kind != WarningKind::Locking || facts.estimates.locking.is_none());
         warnings.extend(validity.warnings(model));
         warnings.extend(facts.estimates.warnings(model));
         warnings.extend(unbalanced(&facts.reactions, &outcome.records, solver.tolerance));

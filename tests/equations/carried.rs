@@ -7,6 +7,7 @@ use stickslip::contact::KktErrors;
 use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
+use stickslip::report::Resultant;
 use stickslip::scene::Scene;
 
 const METHODS: [Method; 2] = [Method::BN, Method::IP];
@@ -46,13 +47,9 @@ fn a_block_comes_to_rest_in_a_corner() {
             for method in METHODS {
                 let outcome = agreed(&model, method, 20);
                 // One tangent lies in the other obstacle's normal: friction at one counts at the other.
-                let sums = model.contact_boundaries.iter().map(|boundary| {
-                    let sum = |axis: usize| -> f64 {
-                        boundary.nodes.iter().map(|&i| model.contact_force(&outcome.state, i)[axis]).sum()
-                    };
-                    [sum(0), sum(model.mesh.dimension - 1)]
-                });
-                let [x, y] = sums.fold([0.0; 2], |[x, y], [a, b]| [x + a, y + b]);
+                let on_obstacles = Resultant::all(&model, &outcome.state);
+                let sum = |axis: usize| on_obstacles.iter().map(|resultant| resultant.force[axis]).sum::<f64>();
+                let [x, y] = [sum(0), sum(model.mesh.dimension - 1)];
                 assert!((x + force).abs() < 1e-9 * force && (y + force).abs() < 1e-9 * force, "{gap} {force}: {x} {y}");
             }
         }

@@ -151,7 +151,7 @@ time = { end = 1, increments = 1 }
 "#;
         report(&edit(scene, "YOUNG", young), 0)
     };
-    assert_eq!(turned("1e9")["warnings"], json_value!([]));
+    assert_eq!(kinds(&turned("1e9")), [""; 0]);
     let stiff = turned("1e16");
     let balance = stiff["reactions"][0]["balance"].as_f64().unwrap();
     assert!((1e-5..0.1).contains(&balance), "{balance}");
@@ -168,7 +168,7 @@ load = [{ boundary = "top", traction = [0, 1e3] }]
 time = { end = 1, increments = 1 }
 "#;
     let report = report(lifted, 1);
-    assert_eq!((report["status"].as_str(), &report["warnings"]), (Some("no-equilibrium"), &json_value!([])));
+    assert_eq!((report["status"].as_str(), kinds(&report)), (Some("no-equilibrium"), Vec::new()));
 }
 
 /// Planes that touch from the start: nothing is indented, and what rounding leaves of gaps is no error of theirs.
