@@ -11,10 +11,12 @@
 mod check;
 mod contact_stiffness;
 pub(crate) mod error;
+mod own_basis;
 
 use std::collections::BTreeSet;
 
 pub use error::ProblemError;
+pub(crate) use own_basis::OwnBasis;
 use serde::Serialize;
 
 use crate::linear::{LinearError, null_space_of};

@@ -162,6 +162,17 @@ impl Model {
         dot(self.carried(t), direction) + self.moved.iter().map(beyond).sum::<f64>()
     }
 
+    /// The gap (m) of contact node `i` at time `t` (s), from which its own displacement leaves a distance, where `of_rows` is that of
+    /// its rows: on boundaries of second order these are made of other nodes, too.
+    pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: f64) -> f64 {
+        let contact = &self.contacts[i];
+        if contact.ends.is_none() {
+            return of_rows;
+        }
+        let (obstacle, motion) = &self.obstacles[contact.obstacle];
+        motion.exact_gap(obstacle, t, contact.position, &contact.facing) - self.beyond(i, t)
+    }
+
     /// The force (N) of the body on the obstacle at contact node `i`, for the contact forces of `state`.
     pub fn contact_force(&self, state: &State, i: usize) -> [f64; 3] {
         let facing = &self.contacts[i].facing;
@@ -189,9 +200,11 @@ impl Model {
         for (i, node) in self.contacts.iter().enumerate() {
             let force = self.contact_force(state, i);
             size += norm(force);
-            contact += Wrench::at(node.position, force.map(|f| -f));
-            if let Ok(held) = rows.nodes().binary_search(&node.node) {
-                add(&mut forces, 1.0, [(held, force)]);
+            contact += Wrench::at(node.acts_at(), force.map(|f| -f));
+            for term in node.terms() {
+                if let Ok(held) = rows.nodes().binary_search(&term.node) {
+                    add(&mut forces, term.coefficient, [(held, force)]);
+                }
             }
         }
         let position = |held: usize| self.mesh.nodes[rows.nodes()[held]];

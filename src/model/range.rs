@@ -17,7 +17,7 @@ impl Model {
                 position: self.contacts[i].position,
                 displacement: displacements[self.contacts[i].node],
                 normal: self.contacts[i].facing.normal,
-                gap: gap[i] + self.beyond(i, t),
+                gap: self.nodal_gap(i, t, gap[i]) + self.beyond(i, t),
                 closed: statuses[i] != ContactStatus::Open,
             });
             range_left(obstacle, motion, t, interference, &deformed.collect::<Vec<_>>())

@@ -63,7 +63,7 @@ impl Resultant {
         let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
         for (i, part) in boundary.parts(&model.contacts) {
             let f = model.contact_force(state, i).map(|f| part * f);
-            let m = cross(model.contacts[i].position, f);
+            let m = cross(model.contacts[i].acts_at(), f);
             (0..3).for_each(|c| (force[c] += f[c], moment[c] += m[c]).0);
         }
         Resultant {

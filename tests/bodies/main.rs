@@ -28,6 +28,7 @@ mod scene_output;
 mod scene_overrides;
 mod scene_values;
 mod second_order;
+mod second_order_contact;
 mod surfaces;
 mod units;
 mod verification;

@@ -349,7 +349,8 @@ fn inverted_elements_are_named() {
 #[test]
 fn contact_patch_test() {
     let (young, poisson, pressure) = (210e9, 0.3, 10e6);
-    for (cells, d) in [("triangle", 2), ("quadrilateral", 2), ("tetrahedron", 3), ("hexahedron", 3)] {
+    let kinds = [("triangle", 2), ("quadrilateral", 2), ("tetrahedron", 3), ("hexahedron", 3)];
+    for (cells, d) in kinds.into_iter().chain([("triangle6", 2), ("tetrahedron10", 3)]) {
         let (size, elements, grading, traction, front) = match d {
             2 => ("[1.0, 0.5]", "[5, 3]", "[3.0, 0.5]", "[0.0, -10e6]", ""),
             _ => (
