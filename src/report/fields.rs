@@ -35,7 +35,11 @@ pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
         real("von_mises", 1, stresses.iter().copied().map(von_mises).collect()),
         whole("material", materials(model)),
     ];
-    let cells = mesh.cells.iter().map(|cell| (cell.nodes.clone(), cell.kind.vtk())).collect();
+    let cells = mesh
+        .cells
+        .iter()
+        .map(|cell| (cell.kind.vtk_order().iter().map(|&k| cell.nodes[k]).collect(), cell.kind.vtk()))
+        .collect();
     Grid { units: model.units(), points: mesh.nodes.clone(), cells, point_fields, cell_fields }
 }
 

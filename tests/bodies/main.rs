@@ -20,6 +20,7 @@ mod obstacles;
 mod outputs;
 mod patch_hex8;
 mod patch_quad4;
+mod prisms;
 mod published;
 mod scene_against_mesh;
 mod scene_errors;
