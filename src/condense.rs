@@ -12,6 +12,9 @@
 //! half the digits. What a load case leaves of the interior is worked out once, too, so an
 //! increment touches the interior only at its end, in [`Condensed::state`].
 //!
+//! Where contact rows hold displacements of several nodes the condensed problem has others, by [`OwnBasis`], so that each node can be
+//! eliminated by itself.
+//!
 //! A body that only contact holds has a singular `K`; then `ρ`, the diagonal of `K` as a rule, is added to the
 //! contact block and taken off again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
 
@@ -19,7 +22,7 @@ use std::sync::Arc;
 
 use crate::linear::{Cholesky, FactorInfo, LinearError, Reduced, SparseCholesky, times_transposed};
 use crate::loading::{LoadCase, Loading};
-use crate::problem::{ContactProblem, Parts, State};
+use crate::problem::{ContactProblem, OwnBasis, Parts, State};
 use crate::sparse::{Csc, Csr, Pattern, Symmetric};
 
 /// A condensed body.
@@ -33,6 +36,8 @@ pub struct Condensed {
     border: Vec<usize>,
     /// What each load case leaves of the interior.
     cases: Vec<Reduced>,
+    /// How the displacements of the problem are changed, if they are.
+    basis: Option<OwnBasis>,
 }
 
 impl Condensed {
@@ -43,20 +48,27 @@ impl Condensed {
     /// when memory is short.
     pub fn new(problem: &ContactProblem, loading: &Loading, cholesky: SparseCholesky) -> Result<Self, LinearError> {
         let border = problem.contact_displacements();
-        let (factor, stiffness) = schur_complement(problem.stiffness(), &border, cholesky)?;
+        let basis = OwnBasis::of(problem);
+        let (factor, stiffness) = schur_complement(problem.stiffness(), &border, basis.as_ref(), cholesky)?;
         let cases = loading.cases().iter().map(|case| factor.reduce(case.force())).collect::<Result<Vec<_>, _>>()?;
-        let reduced = |(case, reduced): (&LoadCase, &Reduced)| case.on(reduced.border.clone());
+        let reduced = |(case, reduced): (&LoadCase, &Reduced)| case.on(forces(&border, basis.as_ref(), reduced));
         Ok(Condensed {
             problem: ContactProblem::of(Parts {
                 stiffness,
-                c_n: restrict(problem.c_n(), &border, |_| true),
-                c_t: restrict(problem.c_t(), &border, |i| problem.mu()[i] > 0.0),
-                c_o: restrict(problem.c_o(), &border, |i| problem.mu()[i] > 0.0),
+                c_n: restrict(problem.c_n(), &border, basis.as_ref(), |_| true),
+                c_t: restrict(problem.c_t(), &border, basis.as_ref(), |i| problem.mu()[i] > 0.0),
+                c_o: restrict(problem.c_o(), &border, basis.as_ref(), |i| problem.mu()[i] > 0.0),
                 mu: problem.mu().to_vec(),
                 weight: problem.weight().map(<[f64]>::to_vec),
                 free_motions: Some(
                     (problem.free_motions().iter())
-                        .map(|motion| border.iter().map(|&dof| motion[dof]).collect())
+                        .map(|motion| {
+                            let mut motion = motion.clone();
+                            if let Some(basis) = &basis {
+                                basis.undo(&mut motion);
+                            }
+                            border.iter().map(|&dof| motion[dof]).collect()
+                        })
                         .collect(),
                 ),
             }),
@@ -64,6 +76,7 @@ impl Condensed {
             factor,
             border,
             cases,
+            basis,
         })
     }
 
@@ -78,13 +91,24 @@ impl Condensed {
     /// When memory is short.
     pub fn state(&self, time: f64, contact: &State) -> Result<State, LinearError> {
         let factors: Vec<f64> = self.loading.cases().iter().map(|case| case.factor(time)).collect();
-        let u = self.displacements(&self.factor.combine(&self.cases, &factors), &contact.u)?;
-        let mut u_rest = Vec::new();
-        if !contact.u_rest.is_empty() {
-            u_rest = vec![0.0; u.len()];
-            self.border.iter().zip(&contact.u_rest).for_each(|(&dof, rest)| u_rest[dof] = *rest);
+        let (mut border, mut rest) = (self.spread(&contact.u), self.spread(&contact.u_rest));
+        match &self.basis {
+            Some(basis) if !contact.u_rest.is_empty() => basis.apply_beyond(&mut border, &mut rest),
+            Some(basis) => basis.apply(&mut border),
+            None => {}
         }
+        let mut u = vec![0.0; self.factor.order()];
+        let border: Vec<f64> = self.border.iter().map(|&dof| border[dof]).collect();
+        self.factor.expand(&self.factor.combine(&self.cases, &factors), &border, &mut u)?;
+        let u_rest = if contact.u_rest.is_empty() { Vec::new() } else { rest };
         Ok(State { u, u_rest, ..contact.clone() })
+    }
+
+    /// Values on the contact displacements as values on all, 0 on the others and where there are none.
+    fn spread(&self, values: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.factor.order()];
+        self.border.iter().zip(values).for_each(|(&dof, value)| all[dof] = *value);
+        all
     }
 
     /// Reduces forces on the whole body (N) to the contact displacements: `b_c - K_cr K_rr⁻¹ b_r`.
@@ -95,21 +119,44 @@ impl Condensed {
         self.factor.reduce(forces)
     }
 
-    /// The displacements (m) that reduced forces make while the contact displacements are `border` (m).
+    /// Reduced forces (N) on the displacements of the condensed problem.
+    pub fn on_contact(&self, forces_on_body: &Reduced) -> Vec<f64> {
+        forces(&self.border, self.basis.as_ref(), forces_on_body)
+    }
+
+    /// The displacements (m) that reduced forces make while those of the condensed problem are `contact` (m).
     ///
     /// # Errors
     /// When memory is short.
-    pub fn displacements(&self, forces: &Reduced, border: &[f64]) -> Result<Vec<f64>, LinearError> {
+    pub fn displacements(&self, forces: &Reduced, contact: &[f64]) -> Result<Vec<f64>, LinearError> {
         let mut u = vec![0.0; self.factor.order()];
-        self.factor.expand(forces, border, &mut u)?;
+        match &self.basis {
+            None => self.factor.expand(forces, contact, &mut u)?,
+            Some(basis) => {
+                let mut all = self.spread(contact);
+                basis.apply(&mut all);
+                let border: Vec<f64> = self.border.iter().map(|&dof| all[dof]).collect();
+                self.factor.expand(forces, &border, &mut u)?;
+            }
+        }
         Ok(u)
     }
 }
 
-/// The factors of `K`, and `S`.
+/// Reduced forces on the displacements `border`, changed by `basis`.
+fn forces(border: &[usize], basis: Option<&OwnBasis>, reduced: &Reduced) -> Vec<f64> {
+    let Some(basis) = basis else { return reduced.border.clone() };
+    let mut all = vec![0.0; border.last().map_or(0, |last| last + 1)];
+    border.iter().zip(&reduced.border).for_each(|(&dof, force)| all[dof] = *force);
+    basis.apply_transposed(&mut all);
+    border.iter().map(|&dof| all[dof]).collect()
+}
+
+/// The factors of `K`, and `S`, changed by `basis`.
 fn schur_complement(
     stiffness: &Symmetric,
     border: &[usize],
+    basis: Option<&OwnBasis>,
     cholesky: SparseCholesky,
 ) -> Result<(Cholesky, Symmetric), LinearError> {
     let mut shift = Vec::new();
@@ -139,15 +186,21 @@ fn schur_complement(
     let m = border.len();
     let mut values = times_transposed(&factor.trailing(), m);
     shift.iter().enumerate().for_each(|(i, rho)| values[i * m + i] -= rho);
+    if let Some(basis) = basis {
+        basis.congruence(border, &mut values);
+    }
     let mut lower = Csc::zeros(Arc::new(Pattern::full_lower(m)));
     let columns = (0..m).flat_map(|j| &values[j * m + j..(j + 1) * m]);
     lower.values_mut().iter_mut().zip(columns).for_each(|(entry, value)| *entry = *value);
     Ok((factor, Symmetric::from_lower(lower).expect("a lower triangle")))
 }
 
-/// The rows of `map` that are `wanted`, on the contact displacements; the others are empty.
-fn restrict(map: &Csr, border: &[usize], wanted: impl Fn(usize) -> bool) -> Csr {
+/// The rows of `map` that are `wanted`, on the contact displacements, changed by `basis`; the others are empty.
+fn restrict(map: &Csr, border: &[usize], basis: Option<&OwnBasis>, wanted: impl Fn(usize) -> bool) -> Csr {
     let place = |dof: &usize| border.binary_search(dof).ok();
-    let row = |i: usize| map.row(i).iter().filter_map(move |(dof, c)| place(dof).map(|k| (k, *c)));
+    let row = |i: usize| {
+        let row = basis.map_or_else(|| map.row(i).to_vec(), |basis| basis.row(map, i));
+        row.into_iter().filter_map(|(dof, c)| place(&dof).map(|k| (k, c)))
+    };
     Csr::of_rows(border.len(), (0..map.rows()).map(|i| row(i).filter(|_| wanted(i)).collect::<Vec<_>>()))
 }

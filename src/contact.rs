@@ -20,7 +20,7 @@ pub use description::{GapDirection, Obstacle, Place, Rotation, Shape};
 pub use friction::Friction;
 pub use front::{Meeting, Unclear, meetings};
 pub use gap_table::{GapTable, TableError};
-pub use kinematics::{ContactBoundary, ContactNode, Row, contact_nodes, share_edges, unreachable};
+pub use kinematics::{ContactBoundary, ContactNode, End, Row, Term, contact_nodes, share_edges, unreachable};
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
 pub(crate) use kkt::{judge, rounding_level, statuses_of};
 pub use motion::{ObstacleMotion, Rates};

@@ -7,10 +7,11 @@ mod energy;
 mod load;
 mod place;
 mod range;
+mod recovery;
 mod stress;
 mod support;
 
-pub(crate) use balance::{Balance, Wrench};
+pub use balance::{Balance, Wrench};
 
 use std::sync::Arc;
 
@@ -31,6 +32,7 @@ use crate::vector::dot;
 use balance::Statics;
 use contact::Contacts;
 use load::Body;
+use recovery::Recovery;
 use support::Moved;
 
 /// A body, discretised.
@@ -61,6 +63,8 @@ pub struct Model {
     /// The stress-free strains of loads by temperature: of each cell at factor 1, and the number of the load.
     thermal: Vec<(Vec<f64>, usize)>,
     statics: Statics,
+    /// How tractions at contact nodes follow from forces, where that takes more than their weights.
+    recovery: Option<Recovery>,
 }
 
 /// Why there is no model of a description.
@@ -150,7 +154,7 @@ impl Model {
         // What supports move beyond the body comes as forces on the rest of it, and as gaps.
         for moved in &moved {
             cases.push(LoadCase::new(dofs.forces(moved.forces(&mesh, &rows, &springs)), moved.history.clone())?);
-            let beyond: Vec<_> = contacts.iter().map(|contact| moved.beyond(&rows, contact.node)).collect();
+            let beyond: Vec<_> = contacts.iter().map(|contact| moved.beyond_contact(&rows, contact)).collect();
             if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
                 let against = |(_, beyond): (&ContactNode, &[f64; 3]), n: [f64; 3]| -dot(*beyond, n);
                 let nodes = || contacts.iter().zip(&beyond);
@@ -161,9 +165,10 @@ impl Model {
         }
         let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&mesh, &springs)).collect();
         let statics = Statics::new(&mesh, rows.clone(), support::shares(&holdings, &rows), beds, &forces, &on_springs);
-        let gap = contacts.iter().map(|contact| contact.facing.gap).collect();
+        let gap = contacts.iter().map(|contact| contact.gap_at_rest(&obstacles[contact.obstacle].0)).collect();
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
+        let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries);
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs);
         let problem = ContactProblem::new(Parts {
             stiffness,
@@ -194,6 +199,7 @@ impl Model {
             moved,
             thermal,
             statics,
+            recovery,
         })
     }
 

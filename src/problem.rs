@@ -11,11 +11,13 @@
 mod check;
 mod contact_stiffness;
 pub(crate) mod error;
+mod own_basis;
 mod strained;
 
 use std::collections::BTreeSet;
 
 pub use error::ProblemError;
+pub(crate) use own_basis::OwnBasis;
 use serde::Serialize;
 pub(crate) use strained::strained;
 

@@ -20,7 +20,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::null_space::{NEGLIGIBLE, null_space};
 use crate::problem::error::{expect_finite, expect_length};
-use crate::problem::{ContactProblem, ProblemError};
+use crate::problem::{ContactProblem, OwnBasis, ProblemError};
 use crate::sets::Sets;
 use crate::sparse::Csr;
 use cone::{Cone, norm};
@@ -192,22 +192,25 @@ fn leaving(problem: &ContactProblem) -> Option<Vec<f64>> {
 }
 
 /// A contact node and one of its rows.
-type Row<'a> = (usize, &'a [(usize, f64)]);
+type Row = (usize, Vec<(usize, f64)>);
 
 /// (b): each group of rows that share displacements has relations of its own, the null space of
 /// its transposed.
 fn dependent(problem: &ContactProblem) -> Vec<usize> {
+    // A change of the displacements leaves relations what they are, and groups small.
+    let basis = OwnBasis::of(problem);
+    let row = |map: &Csr, i: usize| basis.as_ref().map_or_else(|| map.row(i).to_vec(), |basis| basis.row(map, i));
     let rows: Vec<Row> = (0..problem.contacts())
         .flat_map(|i| {
-            let tangential = problem.tangential_maps().map(|map| map.row(i));
+            let tangential = problem.tangential_maps().map(|map| row(map, i));
             let sliding = tangential.into_iter().filter(move |row| problem.mu()[i] > 0.0 && !row.is_empty());
-            [problem.c_n().row(i)].into_iter().chain(sliding).map(move |row| (i, row))
+            [row(problem.c_n(), i)].into_iter().chain(sliding).map(move |row| (i, row)).collect::<Vec<_>>()
         })
         .collect();
     let mut found = BTreeSet::new();
     for group in groups(&rows) {
         let mut columns = BTreeMap::new();
-        for (place, &&(_, row)) in group.iter().enumerate() {
+        for (place, (_, row)) in group.iter().enumerate() {
             let length = row.iter().map(|(_, c)| c * c).sum::<f64>().sqrt();
             for &(column, c) in row {
                 columns.entry(column).or_insert_with(|| vec![0.0; group.len()])[place] += c / length;
@@ -215,18 +218,18 @@ fn dependent(problem: &ContactProblem) -> Vec<usize> {
         }
         for relation in null_space(group.len(), columns.into_values()) {
             let part = group.iter().zip(relation).filter(|(_, weight)| weight.abs() > NEGLIGIBLE);
-            found.extend(part.map(|(&&(node, _), _)| node));
+            found.extend(part.map(|((node, _), _)| *node));
         }
     }
     found.into_iter().collect()
 }
 
 /// The rows in groups that have no displacement in common. An empty row is a group of its own.
-fn groups<'a, 'b>(rows: &'b [Row<'a>]) -> Vec<Vec<&'b Row<'a>>> {
+fn groups(rows: &[Row]) -> Vec<Vec<&Row>> {
     let mut sets = Sets::new(rows.len());
     let mut first = BTreeMap::new();
     for (k, (_, row)) in rows.iter().enumerate() {
-        for (column, _) in *row {
+        for (column, _) in row {
             sets.join(*first.entry(column).or_insert(k), k);
         }
     }

@@ -118,6 +118,8 @@ fn body(scene: &Scene, model: &Model) {
         ([CellKind::Quadrilateral], Element::BBar) => "B-bar quadrilaterals",
         ([CellKind::Hexahedron], Element::Bilinear) => "trilinear hexahedra",
         ([CellKind::Hexahedron], Element::BBar) => "B-bar hexahedra",
+        ([CellKind::Prism], Element::Bilinear) => "prisms",
+        ([CellKind::Prism], Element::BBar) => "B-bar prisms",
         (_, Element::Bilinear) => "elements of several kinds",
         (_, Element::BBar) => "B-bar elements of several kinds",
     };

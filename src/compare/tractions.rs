@@ -53,6 +53,8 @@ impl Tractions {
             let p = [state.p_n[i], state.p_t[i], state.p_o[i]];
             [0, 1, 2].map(|k| (p[0] * n[k] + p[1] * t[k] + p[2] * o[k]) / contact.weight)
         };
+        let by_weights = || model.contacts.iter().enumerate().map(traction).collect();
+        let values = model.recovered_tractions(state).unwrap_or_else(by_weights);
         let mut pieces = Vec::new();
         for boundary in &model.contact_boundaries {
             let places: HashMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
@@ -75,7 +77,7 @@ impl Tractions {
         Tractions {
             positions: model.contacts.iter().map(|contact| contact.position).collect(),
             weight: model.contacts.iter().map(|contact| contact.weight).collect(),
-            values: model.contacts.iter().enumerate().map(traction).collect(),
+            values,
             pieces,
         }
     }

@@ -1,4 +1,16 @@
 //! The contact nodes of a boundary: gaps, weights, and rows of `C_n`, `C_t` and `C_o` (2).
+//!
+//! On a facet of second order the shape function of a corner is negative over most of the facet, so that its force says nothing about
+//! the sign of the pressure: under a flat punch all inner corners would open. There the law is asked of Bernstein's polynomials
+//! ([`bernstein`]), which are nowhere negative: `p̃_i = ∫ Ñ_i σ dA`. The displacements that these forces work on are
+//!
+//! ```text
+//! w̃_a = w_a                     at corners,
+//! w̃_m = 2 w_m - ½ (w_a + w_b)   at the node m between the corners a and b,
+//! ```
+//!
+//! all along the normal, or a tangent, of node m, and so are gaps `g̃` and what the obstacle slips past. `w̃ ≤ g̃` keeps every node out
+//! of the obstacle, and in front of a plane the whole of a straight facet.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -6,7 +18,7 @@ use std::ops::Range;
 use super::front::Meeting;
 use super::motion::ObstacleMotion;
 use super::obstacle::{Facing, PlacedObstacle};
-use crate::fem::{Dofs, facet_weights};
+use crate::fem::{Dofs, bernstein, facet_weights};
 use crate::mesh::{Boundary, Mesh};
 use crate::vector::{cross, dot, unit};
 
@@ -20,6 +32,8 @@ pub struct ContactNode {
     pub node: usize,
     /// The position of the node, m.
     pub position: [f64; 3],
+    /// The ends of the edge in the middle of which the node is, on a boundary of second order.
+    pub ends: Option<[End; 2]>,
     /// The row of `C_n`.
     pub normal: Row,
     /// The rows of `C_t` and `C_o`, along orthonormal tangents. A row is empty where there is no such
@@ -31,8 +45,33 @@ pub struct ContactNode {
     pub facing: Facing,
     /// The obstacle's own tangents, along which results are told: they are the same for all nodes in front of a plane.
     pub frame: [[f64; 3]; 2],
-    /// The share of the node in the contact boundaries, `∫ N dA`: m in two dimensions (the trapezoidal rule), m² in three.
+    /// The share of the node in the contact boundaries, `∫ N dA`: m in two dimensions (the trapezoidal rule), m² in three; on
+    /// boundaries of second order `∫ Ñ dA`.
     pub weight: f64,
+}
+
+/// A corner at the end of the edge of a contact node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct End {
+    /// The number of the corner in the mesh.
+    pub node: usize,
+    /// Its position, m.
+    pub position: [f64; 3],
+    /// What it sees of the obstacle of the contact node, along the normal of that.
+    pub facing: Facing,
+}
+
+/// A node in the rows of a contact node, `w̃ = Σ coefficient · w`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term {
+    /// The coefficient.
+    pub coefficient: f64,
+    /// The number of the node in the mesh.
+    pub node: usize,
+    /// Its position, m.
+    pub position: [f64; 3],
+    /// What it sees of the obstacle along the normal of the contact node, whose tangents these are.
+    pub facing: Facing,
 }
 
 /// The contact nodes of one boundary.
@@ -42,7 +81,7 @@ pub struct ContactBoundary {
     pub name: String,
     /// The nodes of the boundary among all contact nodes, in its order. A node may be of several boundaries.
     pub nodes: Vec<usize>,
-    /// The share of each node in this boundary, `∫ N dA`, m or m².
+    /// The share of each node in this boundary, as [`ContactNode::weight`], m or m².
     pub weights: Vec<f64>,
     /// How many of its nodes no obstacle ever reaches.
     pub beyond: usize,
@@ -59,25 +98,49 @@ impl ContactBoundary {
 }
 
 /// The contact nodes of `met`, nodes of `boundary` in front of obstacles. A node that supports hold along the normal carries no
-/// contact force and is left out.
-pub fn contact_nodes(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, met: &[Meeting]) -> Vec<ContactNode> {
+/// contact force and is left out; what supports hold of the ends of its edge is left out of its rows.
+pub fn contact_nodes(
+    mesh: &Mesh,
+    dofs: &Dofs,
+    boundary: &Boundary,
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    met: &[Meeting],
+) -> Vec<ContactNode> {
     let mut weights = vec![0.0; mesh.nodes.len()];
+    let mut edges = BTreeMap::new();
     for facet in &boundary.facets {
-        for (&node, weight) in facet.iter().zip(facet_weights(mesh, facet)) {
+        for (&node, weight) in facet.iter().zip(bernstein(mesh, facet, &facet_weights(mesh, facet))) {
             weights[node] += weight;
         }
+        edges.extend(mesh.bent_edges(facet).into_iter().map(|[a, middle, b]| (middle, [a, b])));
     }
     (met.iter())
         .map(|&Meeting { node, obstacle, mut facing }| {
             let frame = facing.tangents;
             let tangents = tangents(&dofs.held(node).collect::<Vec<_>>(), &facing);
             facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
-            let normal = row(dofs, node, facing.normal);
-            let tangents = facing.tangents.map(|tangent| row(dofs, node, tangent));
-            let (position, weight) = (mesh.nodes[node], weights[node]);
-            ContactNode { node, position, normal, tangents, obstacle, facing, frame, weight }
+            let end = |node: usize| {
+                let position = mesh.nodes[node];
+                End { node, position, facing: obstacles[obstacle].0.along(&facing, position) }
+            };
+            let ends = edges.get(&node).map(|edge| edge.map(end));
+            let (position, weight, none) = (mesh.nodes[node], weights[node], [Row::new(), Row::new()]);
+            let contact = ContactNode {
+                node,
+                position,
+                ends,
+                normal: Row::new(),
+                tangents: none,
+                obstacle,
+                facing,
+                frame,
+                weight,
+            };
+            let normal = contact.row(dofs, facing.normal);
+            let tangents = facing.tangents.map(|tangent| contact.row(dofs, tangent));
+            ContactNode { normal, tangents, ..contact }
         })
-        .filter(|contact| !contact.normal.is_empty())
+        .filter(|contact| !row(dofs, contact.node, contact.facing.normal).is_empty())
         .collect()
 }
 
@@ -87,6 +150,57 @@ fn row(dofs: &Dofs, node: usize, direction: [f64; 3]) -> Row {
 }
 
 impl ContactNode {
+    /// The nodes in its rows: itself, and the ends of its edge if it is between corners.
+    pub fn terms(&self) -> impl Iterator<Item = Term> + '_ {
+        let own = if self.ends.is_some() { 2.0 } else { 1.0 };
+        let own = Term { coefficient: own, node: self.node, position: self.position, facing: self.facing };
+        let of_end = |end: &End| Term {
+            coefficient: -0.5,
+            node: end.node,
+            position: end.position,
+            facing: Facing { tangents: self.facing.tangents, ..end.facing },
+        };
+        [own].into_iter().chain(self.ends.iter().flatten().map(of_end))
+    }
+
+    /// `Σ coefficient · value` over the nodes in its rows.
+    pub fn sum(&self, value: impl Fn(&Term) -> f64) -> f64 {
+        match self.ends {
+            None => self.terms().map(|term| value(&term)).sum(),
+            Some(_) => self.terms().map(|term| term.coefficient * value(&term)).sum(),
+        }
+    }
+
+    /// The gap of its rows (m) where its nodes are at these distances (m) from `obstacle`. Where that is not in front of all of them
+    /// the gap counts as linear along the edge, so that it is that of the node itself.
+    pub fn gap(&self, obstacle: &PlacedObstacle, distances: &[f64]) -> f64 {
+        match self.ends {
+            Some(_) if obstacle.is_in_front_of_all(distances) => {
+                self.terms().zip(distances).map(|(term, distance)| term.coefficient * distance).sum()
+            }
+            _ => distances[0],
+        }
+    }
+
+    /// The gap of its rows in front of `obstacle` at rest, m.
+    pub fn gap_at_rest(&self, obstacle: &PlacedObstacle) -> f64 {
+        self.gap(obstacle, &self.terms().map(|term| term.facing.gap).collect::<Vec<_>>())
+    }
+
+    /// Where its forces act, m: as `w̃` is made of the displacements of its nodes, so is this of their positions.
+    pub fn acts_at(&self) -> [f64; 3] {
+        if self.ends.is_none() { self.position } else { [0, 1, 2].map(|c| self.sum(|term| term.position[c])) }
+    }
+
+    /// The row of its displacement along `direction`.
+    fn row(&self, dofs: &Dofs, direction: [f64; 3]) -> Row {
+        self.terms()
+            .flat_map(|Term { coefficient, node, .. }| {
+                row(dofs, node, direction).into_iter().map(move |(dof, c)| (dof, coefficient * c))
+            })
+            .collect()
+    }
+
     /// A tangential vector with the components `along` on the node's tangents, in components on its [`frame`].
     ///
     /// [`frame`]: ContactNode::frame
@@ -101,7 +215,7 @@ impl ContactNode {
     /// Takes `tangents` for its own, 0 for one that it does not have.
     fn slide_along(&mut self, dofs: &Dofs, tangents: [[f64; 3]; 2]) {
         self.facing.tangents = tangents;
-        self.tangents = tangents.map(|tangent| row(dofs, self.node, tangent));
+        self.tangents = tangents.map(|tangent| self.row(dofs, tangent));
     }
 }
 
@@ -186,7 +300,8 @@ mod tests {
             let obstacles = vec![(plane, motion)];
             (meetings(&mesh, bottom, &obstacles, &[]).unwrap(), obstacles)
         };
-        let contacts = contact_nodes(&mesh, &dofs, bottom, &met(&given).0);
+        let (meetings, obstacles) = met(&given);
+        let contacts = contact_nodes(&mesh, &dofs, bottom, &obstacles, &meetings);
         assert_eq!(contacts.iter().map(|c| c.position[0]).collect::<Vec<_>>(), [0.25, 0.5, 0.75, 1.0]);
         assert_eq!(contacts.iter().map(|c| c.weight).collect::<Vec<_>>(), [0.25, 0.25, 0.25, 0.125]);
         let [Some(x), Some(y)] = dofs.node(1)[..] else { panic!() };
@@ -210,8 +325,9 @@ mod tests {
             let given = Obstacle { normal: normal.map(Vector::from), ..Obstacle::plane(0.0) };
             let plane = PlacedObstacle::new(&mesh, bottom, &given).unwrap();
             let motion = ObstacleMotion::new(&given, plane.normal, 2.0);
-            let met = meetings(&mesh, bottom, &[(plane, motion)], &[]).unwrap();
-            let contacts = contact_nodes(&mesh, &dofs, bottom, &met);
+            let obstacles = [(plane, motion)];
+            let met = meetings(&mesh, bottom, &obstacles, &[]).unwrap();
+            let contacts = contact_nodes(&mesh, &dofs, bottom, &obstacles, &met);
             assert!((contacts.iter().map(|c| c.weight).sum::<f64>() - 1.0).abs() < 1e-15);
             for contact in &contacts {
                 let held = (0..2).filter(|&c| contact.position[c] == 0.0).count();

@@ -201,6 +201,27 @@ impl PlacedObstacle {
         }
     }
 
+    /// What a node at `x` (m) sees along the normal of another one, which sees it as `facing` says.
+    pub(super) fn along(&self, facing: &Facing, x: [f64; 3]) -> Facing {
+        let seen = match self.direction {
+            GapDirection::Normal => self.at(x),
+            GapDirection::Nearest => {
+                let ([t, o], n) = (facing.tangents, facing.normal);
+                let gap = self.surface.along(self.normal, x, n, x);
+                let inward = self.surface.inward([self.normal, t, o], x, (gap, n), 1e-6 * self.extent);
+                let closing = dot(inward, n);
+                Facing { gap, inward: inward.map(|c| c / closing), ..*facing }
+            }
+        };
+        self.in_front(seen)
+    }
+
+    /// Whether nodes at these distances (m) have the obstacle in front of them: others are taken to be as far as the boundary is long,
+    /// or are as far. A plane is in front of every node.
+    pub fn is_in_front_of_all(&self, distances: &[f64]) -> bool {
+        self.is_plane() || distances.iter().all(|distance| *distance < self.extent)
+    }
+
     /// What a node with `facing` sees of an obstacle that reaches it once: as long as it does not it is taken to be as far as its
     /// boundary is long.
     pub(super) fn in_front(&self, facing: Facing) -> Facing {

@@ -35,23 +35,35 @@ struct Recovery {
 impl Recovery {
     /// Of a linear cell; of those of second order means are not enough.
     fn new(kind: CellKind) -> Option<Self> {
-        let rule = quadrature(kind);
-        let interpolation = rule.iter().map(|(point, _)| shape(kind, *point)).collect();
-        let extrapolation = match (kind.is_quadratic(), kind.is_simplex()) {
+        let interpolation: Vec<Vec<f64>> = quadrature(kind).iter().map(|(point, _)| shape(kind, *point)).collect();
+        let extrapolation = match (kind.is_quadratic(), interpolation.len()) {
             (true, _) => return None,
-            (false, true) => vec![vec![1.0]; kind.nodes()],
-            // The functions that are 1 at one of the points ± 1 / √3 and 0 at the others.
-            (false, false) => {
-                let axes = 0..kind.dimension();
-                let weight = |node: [f64; 3], point: [f64; 3]| {
-                    axes.clone().map(|c| 0.5 * (1.0 + 3.0 * node[c] * point[c])).product()
-                };
-                let nodes = (0..kind.nodes()).map(|k| kind.reference_node(k));
-                nodes.map(|node| rule.iter().map(|(point, _)| weight(node, *point)).collect()).collect()
-            }
+            (false, 1) => vec![vec![1.0]; kind.nodes()],
+            // As many points as nodes: the values in the nodes that have these between them.
+            (false, _) => inverse(interpolation.clone()),
         };
         Some(Recovery { extrapolation, interpolation })
     }
+}
+
+/// The inverse of a small matrix, by Gauss and Jordan.
+fn inverse(mut a: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let n = a.len();
+    for (k, row) in a.iter_mut().enumerate() {
+        row.extend((0..n).map(|j| f64::from(u8::from(j == k))));
+    }
+    for k in 0..n {
+        let largest = (k..n).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap_or(k);
+        a.swap(k, largest);
+        let scale = a[k][k];
+        a[k].iter_mut().for_each(|x| *x /= scale);
+        let pivot = a[k].clone();
+        for (_, row) in a.iter_mut().enumerate().filter(|(i, _)| *i != k) {
+            let factor = row[k];
+            row.iter_mut().zip(&pivot).for_each(|(x, p)| *x -= factor * p);
+        }
+    }
+    a.into_iter().map(|row| row[n..].to_vec()).collect()
 }
 
 /// A sum of arrays with weights.
@@ -91,5 +103,25 @@ impl DiscretisationError {
             whole: share(squares.iter().sum()),
             of_cells: squares.into_iter().map(share).collect(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is in the space of the shape functions is continued as it is.
+    #[test]
+    fn values_in_nodes_are_met() {
+        for kind in CellKind::ALL {
+            let Some(recovery) = Recovery::new(kind) else { continue };
+            let values: Vec<f64> =
+                (0..kind.nodes()).map(|k| if kind.is_simplex() { 3.0 } else { (k * k) as f64 }).collect();
+            let times = |row: &Vec<f64>, x: &[f64]| row.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
+            let at_points: Vec<f64> = recovery.interpolation.iter().map(|row| times(row, &values)).collect();
+            for (row, value) in recovery.extrapolation.iter().zip(&values) {
+                assert!((times(row, &at_points) - value).abs() < 1e-12, "{kind:?}");
+            }
+        }
     }
 }

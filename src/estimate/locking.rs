@@ -28,7 +28,8 @@ fn measured(kind: CellKind) -> Option<[f64; 2]> {
         CellKind::Hexahedron => Some([1.3, 0.21]),
         CellKind::Triangle => Some([2.0, 0.26]),
         CellKind::Tetrahedron => Some([3.0, 0.28]),
-        CellKind::Triangle6 | CellKind::Tetrahedron10 => None,
+        // Of prisms nothing was measured.
+        CellKind::Prism | CellKind::Triangle6 | CellKind::Tetrahedron10 => None,
     }
 }
 

@@ -34,11 +34,11 @@ pub fn reference_point(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -> Optio
 }
 
 fn inside(kind: CellKind, point: [f64; 3]) -> bool {
-    if kind.is_simplex() {
-        let [xi, eta, zeta] = point;
-        [1.0 - xi - eta - zeta, xi, eta, zeta].iter().all(|share| *share >= -SLACK)
-    } else {
-        point.iter().all(|c| c.abs() <= 1.0 + SLACK)
+    let [xi, eta, zeta] = point;
+    match kind {
+        CellKind::Prism => [1.0 - xi - eta, xi, eta].iter().all(|share| *share >= -SLACK) && zeta.abs() <= 1.0 + SLACK,
+        _ if kind.is_simplex() => [1.0 - xi - eta - zeta, xi, eta, zeta].iter().all(|share| *share >= -SLACK),
+        _ => point.iter().all(|c| c.abs() <= 1.0 + SLACK),
     }
 }
 
@@ -62,7 +62,11 @@ mod tests {
         for kind in CellKind::ALL {
             let flat = |x: [f64; 3]| if kind.dimension() == 2 { [x[0], x[1], 0.0] } else { x };
             let spatial_simplex = kind.is_simplex() && kind.dimension() == 3;
-            let chosen: Vec<usize> = if spatial_simplex { vec![0, 1, 3, 4] } else { (0..8).collect() };
+            let chosen: Vec<usize> = match kind {
+                CellKind::Prism => vec![0, 1, 3, 4, 5, 7],
+                _ if spatial_simplex => vec![0, 1, 3, 4],
+                _ => (0..8).collect(),
+            };
             let corners: Vec<_> = chosen[..kind.corners()].iter().map(|&k| flat(CORNERS[k])).collect();
             // Those between corners are moved off the middle.
             let off = |k: usize| flat([0.03 * (k as f64).sin(), 0.02 * (k as f64).cos(), 0.01]);
@@ -79,12 +83,13 @@ mod tests {
                 let values = shape(kind, reference);
                 [0, 1, 2].map(|c| values.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum::<f64>())
             };
-            let reference = flat(if kind.is_simplex() { [0.2, 0.3, 0.1] } else { [0.7, -0.9, 0.3] });
+            let triangular = kind.is_simplex() || kind == CellKind::Prism;
+            let reference = flat(if triangular { [0.2, 0.3, 0.1] } else { [0.7, -0.9, 0.3] });
             let found = reference_point(kind, &nodes, place(reference)).unwrap();
             assert!((0..3).all(|c| (found[c] - reference[c]).abs() < 1e-12), "{kind:?}: {found:?}");
             // Corners belong to the cell; what is beyond a side does not, however near.
             assert!(corners.iter().all(|&corner| reference_point(kind, &nodes, corner).is_some()), "{kind:?}");
-            let beyond = flat(if kind.is_simplex() { [-1e-6, 0.3, 0.1] } else { [1.0 + 1e-6, 0.0, 0.0] });
+            let beyond = flat(if triangular { [-1e-6, 0.3, 0.1] } else { [1.0 + 1e-6, 0.0, 0.0] });
             assert_eq!(reference_point(kind, &nodes, place(beyond)), None, "{kind:?}");
             assert_eq!(reference_point(kind, &nodes, flat([90.0, -40.0, 7.0])), None, "{kind:?}");
         }

@@ -83,9 +83,10 @@ impl Whole<'_> {
         let forces = self.condensed.reduce(&imbalance.iter().map(|r| -r).collect::<Vec<_>>())?;
         let n = method.linearization().pattern().columns();
         let (mut rhs, mut change) = (vec![0.0; n], vec![0.0; n]);
-        rhs.iter_mut().zip(&forces.border).for_each(|(b, force)| *b = force / scaling.force);
+        let on_contact = self.condensed.on_contact(&forces);
+        rhs.iter_mut().zip(&on_contact).for_each(|(b, force)| *b = force / scaling.force);
         linear.solve(method.linearization(), &rhs, &mut change)?;
-        let border: Vec<f64> = change.iter().take(forces.border.len()).map(|du| du * scaling.length).collect();
+        let border: Vec<f64> = change.iter().take(on_contact.len()).map(|du| du * scaling.length).collect();
         let du = self.condensed.displacements(&forces, &border)?;
         if state.u_rest.is_empty() {
             state.u.iter_mut().zip(&du).for_each(|(u, du)| *u += du);

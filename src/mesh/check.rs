@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::sides::Pieces;
+use super::sides::{Pieces, unmatched};
 use super::{Cell, Jacobian, Mesh, fine_quadrature, quadrature_of};
 use crate::vector::{cross, dot, minus};
 
@@ -108,6 +108,9 @@ pub enum MeshFault {
     /// Two cells on the same side of a facet of both.
     #[error("elements lie on one another, in pairs: {}", pairs(.0))]
     Overlapping(Vec<(usize, usize)>),
+    /// Cells that meet in a quadrilateral of the one and in triangles of the other.
+    #[error("elements meet in a side that is a quadrilateral of one and triangles of the other, in pairs: {}", pairs(.0))]
+    Unmatched(Vec<(usize, usize)>),
     /// Parts of the body that share no node; an element of each.
     #[error("the body is in {} pieces that share no node; an element of each: {}", .0.len(), list(.0))]
     Pieces(Vec<usize>),
@@ -196,6 +199,10 @@ impl MeshFault {
             MeshFault::Overlapping(_) | MeshFault::RepeatedFacet { .. } => {
                 "look for parts that are there twice, join them in Gmsh (Coherence, or Coherence Mesh) and mesh again"
             }
+            MeshFault::Unmatched(_) => {
+                "let quadrilaterals meet quadrilaterals: mesh both parts with triangles on the surface that they share, or both with \
+                 quadrilaterals (Mesh.RecombineAll)"
+            }
             MeshFault::Jointed { .. } => {
                 "join the parts along whole edges (in space, faces) in Gmsh: at a node or an edge alone they could turn"
             }
@@ -255,6 +262,10 @@ impl Mesh {
             return Err(MeshFault::CoincidentNodes(numbered(numbers.nodes, coincident)));
         }
         let sides = self.sides().map_err(|pairs| MeshFault::Overlapping(numbered(numbers.cells, pairs)))?;
+        let unmatched = unmatched(&sides);
+        if !unmatched.is_empty() {
+            return Err(MeshFault::Unmatched(numbered(numbers.cells, unmatched)));
+        }
         let Pieces { cells, joint } = self.pieces(&sides);
         let elements = named(&mut cells.into_iter());
         match joint {

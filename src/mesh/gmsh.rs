@@ -76,7 +76,6 @@ impl ElementKind {
             8 => ElementKind::Line3,
             _ => match (CellKind::ALL.into_iter().find(|kind| kind.properties().gmsh == number), number) {
                 (Some(kind), _) => ElementKind::Cell(kind),
-                (None, 6) => return Err("6 (prism)".to_string()),
                 (None, 7) => return Err("7 (pyramid)".to_string()),
                 (None, 10 | 16) => return Err(format!("{number} (quadrilateral of second order)")),
                 (None, 12 | 17) => return Err(format!("{number} (hexahedron of second order)")),

@@ -1,5 +1,5 @@
 //! Shape functions: linear on triangles and tetrahedra, quadratic on those of second order, bilinear on quadrilaterals, trilinear
-//! on hexahedra. They map the reference cell to the cell.
+//! on hexahedra, products on prisms. They map the reference cell to the cell.
 
 use super::CellKind;
 use super::kind::Functions;
@@ -10,7 +10,8 @@ use crate::vector::{cross, dot, minus, norm};
 const STRAIGHT: f64 = 1e-10;
 
 /// The shape functions of all nodes at the reference point `[ξ, η, ζ]`: `Π ½ (1 + ξ_c ξ_ac)` over the
-/// axes c of a square or cube; `1 - ξ - η - ζ, ξ, η, ζ` of a tetrahedron, without ζ of a triangle. With these `L_a` those of second
+/// axes c of a square or cube; `1 - ξ - η - ζ, ξ, η, ζ` of a tetrahedron, without ζ of a triangle, and these times
+/// `½ (1 ± ζ)` of a prism. With these `L_a` those of second
 /// order have `L_a (2 L_a - 1)` at corners and `4 L_a L_b` between the corners a and b.
 pub fn shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
     let corners = kind.corners();
@@ -20,6 +21,11 @@ pub fn shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
     };
     match kind.properties().functions {
         Functions::Multilinear => (0..corners).map(product).collect(),
+        Functions::Prismatic => {
+            let ends = [0.5 * (1.0 - point[2]), 0.5 * (1.0 + point[2])];
+            let l = across(point);
+            ends.into_iter().flat_map(|end| l.map(|l| l * end)).collect()
+        }
         Functions::Linear => barycentric(kind, point),
         Functions::Quadratic => {
             let l = barycentric(kind, point);
@@ -27,6 +33,11 @@ pub fn shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
             l.iter().map(|l| l * (2.0 * l - 1.0)).chain(middles).collect()
         }
     }
+}
+
+/// `L_a` of the triangle across a prism.
+fn across([xi, eta, _]: [f64; 3]) -> [f64; 3] {
+    [1.0 - xi - eta, xi, eta]
 }
 
 /// `L_a` of all corners of a simplex.
@@ -54,6 +65,14 @@ pub(crate) fn local_gradients(kind: CellKind, point: [f64; 3]) -> Vec<[f64; 3]> 
     };
     match kind.properties().functions {
         Functions::Multilinear => (0..corners).map(gradient).collect(),
+        Functions::Prismatic => {
+            let (l, d) = (across(point), [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]);
+            let at_end = |sign: f64| {
+                let end = 0.5 * (1.0 + sign * point[2]);
+                (0..3).map(move |a| [end * d[a][0], end * d[a][1], 0.5 * sign * l[a]])
+            };
+            at_end(-1.0).chain(at_end(1.0)).collect()
+        }
         Functions::Linear => linear(),
         Functions::Quadratic => {
             let (l, d) = (barycentric(kind, point), linear());

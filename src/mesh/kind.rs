@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::rules::{self, Rule};
 
-/// The kinds of cells. Their nodes are in the order of VTK: first the corners, then, in cells of second order, the nodes at
+/// The kinds of cells. Their nodes are in the order of VTK (but for prisms, which are those of Gmsh): first the corners, then, in cells of second order, the nodes at
 /// the middles of the edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -17,6 +17,8 @@ pub enum CellKind {
     Tetrahedron,
     /// Eight corners: four counterclockwise seen from inside, then those above them.
     Hexahedron,
+    /// Six corners: three counterclockwise seen from those above them, then these.
+    Prism,
     /// A triangle with nodes at the middles of its edges, from corner 0 to 1, 1 to 2 and 2 to 0, which may be curved.
     Triangle6,
     /// A tetrahedron with nodes at the middles of its edges, from corner 0 to 1, 1 to 2, 2 to 0, 0 to 3, 1 to 3 and 2 to 3,
@@ -33,6 +35,8 @@ pub(super) enum Functions {
     Quadratic,
     /// Products of linear ones along the axes of a square or cube.
     Multilinear,
+    /// Products of those of a triangle and linear ones across it.
+    Prismatic,
 }
 
 /// What there is to know of a kind of cell.
@@ -61,6 +65,8 @@ pub(super) struct Properties {
     pub gmsh_order: &'static [usize],
     /// VTK's number of the type.
     pub vtk: u8,
+    /// For each node in the order of VTK its place here.
+    pub vtk_order: &'static [usize],
 }
 
 const AROUND_A_TRIANGLE: &[&[usize]] = &[&[1, 2], &[2, 0], &[0, 1]];
@@ -78,6 +84,7 @@ const TRIANGLE: Properties = Properties {
     gmsh: 2,
     gmsh_order: &[0, 1, 2],
     vtk: 5,
+    vtk_order: &[0, 1, 2],
 };
 
 const QUADRILATERAL: Properties = Properties {
@@ -93,6 +100,7 @@ const QUADRILATERAL: Properties = Properties {
     gmsh: 3,
     gmsh_order: &[0, 1, 2, 3],
     vtk: 9,
+    vtk_order: &[0, 1, 2, 3],
 };
 
 const TETRAHEDRON: Properties = Properties {
@@ -108,6 +116,7 @@ const TETRAHEDRON: Properties = Properties {
     gmsh: 4,
     gmsh_order: &[0, 1, 2, 3],
     vtk: 10,
+    vtk_order: &[0, 1, 2, 3],
 };
 
 const HEXAHEDRON: Properties = Properties {
@@ -123,6 +132,25 @@ const HEXAHEDRON: Properties = Properties {
     gmsh: 5,
     gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7],
     vtk: 12,
+    vtk_order: &[0, 1, 2, 3, 4, 5, 6, 7],
+};
+
+const PRISM: Properties = Properties {
+    name: "prism",
+    dimension: 3,
+    functions: Functions::Prismatic,
+    neighbours: &[&[1, 2, 3], &[2, 0, 4], &[0, 1, 5], &[5, 4, 0], &[3, 5, 1], &[4, 3, 2]],
+    edges: &[],
+    sides: &[&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]],
+    // With one point in the triangle the prism would have a motion without energy.
+    rule: rules::prism6,
+    curved_rule: rules::prism6,
+    fine_rule: rules::prism6,
+    gmsh: 6,
+    gmsh_order: &[0, 1, 2, 3, 4, 5],
+    vtk: 13,
+    // The first three run the other way round than those of a hexahedron.
+    vtk_order: &[0, 2, 1, 3, 5, 4],
 };
 
 const TRIANGLE6: Properties = Properties {
@@ -138,6 +166,7 @@ const TRIANGLE6: Properties = Properties {
     gmsh: 9,
     gmsh_order: &[0, 1, 2, 3, 4, 5],
     vtk: 22,
+    vtk_order: &[0, 1, 2, 3, 4, 5],
 };
 
 const TETRAHEDRON10: Properties = Properties {
@@ -155,6 +184,7 @@ const TETRAHEDRON10: Properties = Properties {
     gmsh: 11,
     gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
     vtk: 24,
+    vtk_order: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9],
 };
 
 /// The corners of the cube [-1, 1]³; those of the square are the first four, without ζ.
@@ -174,11 +204,12 @@ const SIMPLEX: [[f64; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0
 
 impl CellKind {
     /// All of them.
-    pub const ALL: [CellKind; 6] = [
+    pub const ALL: [CellKind; 7] = [
         CellKind::Triangle,
         CellKind::Quadrilateral,
         CellKind::Tetrahedron,
         CellKind::Hexahedron,
+        CellKind::Prism,
         CellKind::Triangle6,
         CellKind::Tetrahedron10,
     ];
@@ -189,6 +220,7 @@ impl CellKind {
             CellKind::Quadrilateral => &QUADRILATERAL,
             CellKind::Tetrahedron => &TETRAHEDRON,
             CellKind::Hexahedron => &HEXAHEDRON,
+            CellKind::Prism => &PRISM,
             CellKind::Triangle6 => &TRIANGLE6,
             CellKind::Tetrahedron10 => &TETRAHEDRON10,
         }
@@ -215,7 +247,7 @@ impl CellKind {
 
     /// Whether the cell is a triangle or a tetrahedron.
     pub fn is_simplex(self) -> bool {
-        self.properties().functions != Functions::Multilinear
+        matches!(self.properties().functions, Functions::Linear | Functions::Quadratic)
     }
 
     /// Whether there are nodes at the middles of the edges.
@@ -228,12 +260,13 @@ impl CellKind {
         self.properties().dimension
     }
 
-    /// The centre of the reference cell, whose coordinates go from -1 to 1, of a triangle or tetrahedron from 0 to 1.
+    /// The centre of the reference cell, whose coordinates go from -1 to 1, of a triangle or tetrahedron, and across the axis of a
+    /// prism, from 0 to 1.
     pub fn centre(self) -> [f64; 3] {
-        match (self.is_simplex(), self.dimension()) {
-            (false, _) => [0.0; 3],
-            (true, 2) => [1.0 / 3.0, 1.0 / 3.0, 0.0],
-            (true, _) => [0.25; 3],
+        match (self.properties().functions, self.dimension()) {
+            (Functions::Multilinear, _) => [0.0; 3],
+            (Functions::Prismatic, _) | (_, 2) => [1.0 / 3.0, 1.0 / 3.0, 0.0],
+            (Functions::Linear | Functions::Quadratic, _) => [0.25; 3],
         }
     }
 
@@ -249,10 +282,11 @@ impl CellKind {
 
     /// Where node `k` is in the reference cell.
     pub(crate) fn reference_node(self, k: usize) -> [f64; 3] {
-        let corner = |k: usize| match (self.is_simplex(), self.dimension()) {
-            (true, _) => SIMPLEX[k],
-            (false, 2) => [CUBE[k][0], CUBE[k][1], 0.0],
-            (false, _) => CUBE[k],
+        let corner = |k: usize| match (self.properties().functions, self.dimension()) {
+            (Functions::Linear | Functions::Quadratic, _) => SIMPLEX[k],
+            (Functions::Prismatic, _) => [SIMPLEX[k % 3][0], SIMPLEX[k % 3][1], CUBE[4 * (k / 3)][2]],
+            (Functions::Multilinear, 2) => [CUBE[k][0], CUBE[k][1], 0.0],
+            (Functions::Multilinear, _) => CUBE[k],
         };
         match k.checked_sub(self.corners()) {
             None => corner(k),
@@ -266,5 +300,10 @@ impl CellKind {
     /// VTK's number of the kind.
     pub fn vtk(self) -> u8 {
         self.properties().vtk
+    }
+
+    /// For each node in the order of VTK its place in a cell here.
+    pub(crate) fn vtk_order(self) -> &'static [usize] {
+        self.properties().vtk_order
     }
 }

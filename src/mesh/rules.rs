@@ -40,6 +40,12 @@ pub(super) fn triangle3() -> Rule {
         .collect()
 }
 
+/// Exact for polynomials that are quadratic across the axis and cubic along it.
+pub(super) fn prism6() -> Rule {
+    let above = |zeta: f64| triangle3().into_iter().map(move |([xi, eta, _], weight)| ([xi, eta, zeta], weight));
+    above(-A).chain(above(A)).collect()
+}
+
 /// Exact for polynomials of degree 4, with positive weights (Cowper, Int. J. Numer. Meth. Engng 7 (1973) 405).
 pub(super) fn triangle6() -> Rule {
     let orbits =

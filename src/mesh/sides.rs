@@ -75,6 +75,28 @@ impl Mesh {
     }
 }
 
+/// Pairs of cells of which one has a quadrilateral, of those in `sides`, and the other a triangle with three of its corners.
+pub(super) fn unmatched(sides: &HashMap<Facet, usize>) -> Vec<(usize, usize)> {
+    if sides.keys().all(|facet| facet.len() != 4) || sides.keys().all(|facet| facet.len() != 3) {
+        return Vec::new();
+    }
+    let sorted = |mut corners: Facet| {
+        corners.sort_unstable();
+        corners
+    };
+    let triangles: HashMap<Facet, usize> =
+        sides.iter().filter(|(facet, _)| facet.len() == 3).map(|(facet, &e)| (sorted(facet.clone()), e)).collect();
+    let mut pairs: Vec<(usize, usize)> = Vec::new();
+    for (facet, &e) in sides.iter().filter(|(facet, _)| facet.len() == 4) {
+        let without = |k: usize| sorted((0..4).filter(|j| *j != k).map(|j| facet[j]).collect());
+        let others = (0..4).filter_map(|k| triangles.get(&without(k))).filter(|other| **other != e);
+        pairs.extend(others.map(|&other| (e.min(other), e.max(other))));
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
 /// A facet written from its least node on, with the same outside. An edge has one way only to be written.
 pub(super) fn from_least(mut facet: Facet) -> Facet {
     if facet.len() > 2 {

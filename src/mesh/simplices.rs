@@ -1,5 +1,8 @@
-//! Structured meshes of triangles and tetrahedra.
+//! Structured meshes of triangles, tetrahedra and prisms.
 
+use std::collections::HashSet;
+
+use super::sides::from_least;
 use super::{Cell, CellKind, Facet, Mesh};
 
 /// The six tetrahedra of a hexahedron around its diagonal from corner 0 to corner 6 (Kuhn): one for each
@@ -20,6 +23,29 @@ impl Mesh {
         }
         self
     }
+
+    /// The mesh with each hexahedron divided into two prisms by a plane through the diagonals from corner 0 to 2 and from 4 to 6, and
+    /// with the facets at their ends divided as they are.
+    #[must_use]
+    pub fn into_prisms(mut self) -> Mesh {
+        const HALVES: [[usize; 6]; 2] = [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]];
+        let halves = |cell: &Cell| match cell.kind {
+            CellKind::Hexahedron => HALVES
+                .map(|half| Cell { kind: CellKind::Prism, nodes: half.map(|k| cell.nodes[k]).to_vec(), ..cell.clone() })
+                .to_vec(),
+            _ => vec![cell.clone()],
+        };
+        self.cells = self.cells.iter().flat_map(halves).collect();
+        let sides: HashSet<Facet> = self.cells.iter().flat_map(Cell::facets).map(from_least).collect();
+        let parts = |facet: &Facet| {
+            let whole = sides.contains(&from_least(facet.clone()));
+            if whole { vec![facet.clone()] } else { triangles(facet) }
+        };
+        for boundary in &mut self.boundaries {
+            boundary.facets = boundary.facets.iter().flat_map(parts).collect();
+        }
+        self
+    }
 }
 
 fn divided(cell: &Cell) -> Vec<Cell> {
@@ -28,7 +54,7 @@ fn divided(cell: &Cell) -> Vec<Cell> {
         CellKind::Hexahedron => {
             (CellKind::Tetrahedron, TETRAHEDRA.iter().map(|part| part.map(|a| cell.nodes[a]).to_vec()).collect())
         }
-        simplex => (simplex, vec![cell.nodes.clone()]),
+        other => (other, vec![cell.nodes.clone()]),
     };
     parts.into_iter().map(|nodes| Cell { kind, nodes, group: cell.group }).collect()
 }

@@ -170,7 +170,11 @@ impl MeshSource {
                     [xs, ys, zs] => graded_block(xs, ys, Some(zs)),
                     _ => return Err(MeshError::Source(no_dimension(&lines))),
                 };
-                let mesh = if cells.is_simplex() { mesh.into_simplices() } else { mesh };
+                let mesh = match cells {
+                    CellKind::Prism => mesh.into_prisms(),
+                    _ if cells.is_simplex() => mesh.into_simplices(),
+                    _ => mesh,
+                };
                 if cells.is_quadratic() { mesh.into_second_order() } else { mesh }
             }
             MeshSource::HalfPlane(m) => {
@@ -243,8 +247,8 @@ fn check_block(axes: &[Vec<Segment>], cells: CellKind) -> Result<(), Fault> {
         return Ok(());
     }
     let message = format!("mesh.cells have {} dimensions, but mesh.size has {}", cells.dimension(), axes.len());
-    let help = "use \"triangle\", \"triangle6\" or \"quadrilateral\" in two dimensions, \"tetrahedron\", \"tetrahedron10\" or \
-                \"hexahedron\" in three";
+    let help = "use \"triangle\", \"triangle6\" or \"quadrilateral\" in two dimensions, \"tetrahedron\", \"tetrahedron10\", \
+                \"prism\" or \"hexahedron\" in three";
     Err(Fault::new("mesh.cells", message, help))
 }
 

@@ -12,7 +12,7 @@ use crate::vector::{cross, dot, minus, norm};
 
 /// A force, and its moment about the origin at the reference positions of the nodes; in two dimensions per m of depth.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Wrench {
+pub struct Wrench {
     /// N.
     pub force: [f64; 3],
     /// N m.
@@ -50,7 +50,7 @@ impl std::iter::Sum for Wrench {
 
 /// All that acts on a body, in the order of its description.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Balance {
+pub struct Balance {
     /// The force of each load.
     pub loads: Vec<Wrench>,
     /// The force of each support on the body.
@@ -177,6 +177,17 @@ impl Model {
         dot(self.carried(t), direction) + self.moved.iter().map(beyond).sum::<f64>()
     }
 
+    /// The gap (m) of contact node `i` at time `t` (s), from which its own displacement leaves a distance, where `of_rows` is that of
+    /// its rows: on boundaries of second order these are made of other nodes, too.
+    pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: f64) -> f64 {
+        let contact = &self.contacts[i];
+        if contact.ends.is_none() {
+            return of_rows;
+        }
+        let (obstacle, motion) = &self.obstacles[contact.obstacle];
+        motion.exact_gap(obstacle, t, contact.position, &contact.facing) - self.beyond(i, t)
+    }
+
     /// The force (N) of the body on the obstacle at contact node `i`, for the contact forces of `state`.
     pub(crate) fn contact_force(&self, state: &State, i: usize) -> [f64; 3] {
         let facing = &self.contacts[i].facing;
@@ -187,7 +198,16 @@ impl Model {
 
     /// Everything that acts on the body at time `t` (s) in the `state` it has then: the force of a support is what the stiffness
     /// of its nodes, their contact and their loads leave, `K u + Cᵀ p - f`.
-    pub(crate) fn balance(&self, t: f64, state: &State) -> Balance {
+    ///
+    /// # Errors
+    /// [`ProblemError`] where an array of the state has another length than the problem says.
+    pub fn balance(&self, t: f64, state: &State) -> Result<Balance, ProblemError> {
+        state.check(&self.problem)?;
+        Ok(self.balanced(t, state))
+    }
+
+    /// The same of a state that is known to fit.
+    pub(crate) fn balanced(&self, t: f64, state: &State) -> Balance {
         let Statics { rows, shares, springs, loads, on_springs } = &self.statics;
         let (strained, rest) = if state.u_rest.is_empty() {
             (self.strained(t, &state.u), Vec::new())
@@ -208,9 +228,11 @@ impl Model {
         for (i, node) in self.contacts.iter().enumerate() {
             let force = self.contact_force(state, i);
             size += norm(force);
-            contact += Wrench::at(node.position, force.map(|f| -f));
-            if let Ok(held) = rows.nodes().binary_search(&node.node) {
-                add(&mut forces, 1.0, [(held, force)]);
+            contact += Wrench::at(node.acts_at(), force.map(|f| -f));
+            for term in node.terms() {
+                if let Ok(held) = rows.nodes().binary_search(&term.node) {
+                    add(&mut forces, term.coefficient, [(held, force)]);
+                }
             }
         }
         let position = |held: usize| self.mesh.nodes[rows.nodes()[held]];

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::find;
 use super::support::Moved;
 use crate::contact::{
-    ContactBoundary, ContactNode, Facing, Meeting, ObstacleMotion, PlacedObstacle, Unclear, contact_nodes, meetings,
-    unreachable,
+    ContactBoundary, ContactNode, Facing, Meeting, ObstacleMotion, PlacedObstacle, Rates, Term, Unclear, contact_nodes,
+    meetings, unreachable,
 };
 use crate::description::{Contact, Description};
 use crate::fault::Fault;
@@ -67,10 +67,6 @@ impl Contacts {
         let Body { description, mesh, dofs, moved, .. } = *body;
         let contact = &description.contacts[k];
         let boundary = find(mesh, &contact.boundary, &format!("contact[{k}]"))?;
-        if boundary.facets.iter().any(|facet| mesh.is_quadratic(facet)) {
-            let message = format!("the boundary `{}` has contact, but elements of second order", contact.boundary);
-            return Err(Fault::new(format!("contact[{k}].boundary"), message, "mesh with elements of the first order"));
-        }
         let mut obstacles = placed(contact, description.end(), mesh, boundary, k)?;
         for (_, motion) in &mut obstacles {
             for Moved { carried, history, .. } in moved {
@@ -78,7 +74,7 @@ impl Contacts {
             }
         }
         let met = met(contact, body, boundary, &obstacles, k)?;
-        let nodes = contact_nodes(mesh, dofs, boundary, &met);
+        let nodes = contact_nodes(mesh, dofs, boundary, &obstacles, &met);
         if nodes.is_empty() {
             let message = if met.len() < boundary.nodes().len() {
                 format!("supports hold every node of `{}` that an obstacle reaches", contact.boundary)
@@ -317,23 +313,64 @@ pub(super) fn motions(
     for (k, (obstacle, motion)) in obstacles.iter().enumerate() {
         let met: Vec<usize> = (0..contacts.len()).filter(|&i| contacts[i].obstacle == k).collect();
         let (Some(&first), Some(&last)) = (met.first(), met.last()) else { continue };
-        let positions: Vec<[f64; 3]> = met.iter().map(|&i| contacts[i].position).collect();
-        let facings: Vec<Facing> = met.iter().map(|&i| contacts[i].facing).collect();
+        // All nodes in the rows of each.
+        let terms: Vec<Vec<Term>> = met.iter().map(|&i| contacts[i].terms().collect()).collect();
+        let all = || terms.iter().flatten();
+        let (positions, facings): (Vec<[f64; 3]>, Vec<Facing>) = all().map(|term| (term.position, term.facing)).unzip();
+        let rows = |of_node: &[Rates], add: &mut dyn FnMut(usize, Rates)| {
+            let mut rest = of_node;
+            for (&i, terms) in met.iter().zip(&terms) {
+                let (own, others) = rest.split_at(terms.len());
+                rest = others;
+                let sum = |rate: &dyn Fn(&Rates) -> f64| match own {
+                    [one] => rate(one),
+                    _ => own.iter().zip(terms).map(|(rates, term)| term.coefficient * rate(rates)).sum(),
+                };
+                add(i - first, Rates { gap: sum(&|r| r.gap), drift: [0, 1].map(|k| sum(&|r| r.drift[k])) });
+            }
+        };
         for (rates, history) in motion.rates(&positions, &facings) {
             let (mut gap, mut drift) = (vec![0.0; last + 1 - first], vec![[0.0; 2]; last + 1 - first]);
-            for (&i, rates) in met.iter().zip(&rates) {
-                (gap[i - first], drift[i - first]) = (rates.gap, rates.drift);
-            }
+            rows(&rates, &mut |i, rates| (gap[i], drift[i]) = (rates.gap, rates.drift));
             motions.push(Motion::new(first..last + 1, gap, drift, history)?);
         }
-        if let Some(rows) = motion.bends(obstacle, &positions, &facings, &times) {
-            let spread = |row: Vec<f64>| {
+        if let Some(of_nodes) = motion.bends(obstacle, &positions, &facings, &times) {
+            let of_rows = |(t, of_nodes): (&f64, Vec<f64>)| {
                 let mut gap = vec![0.0; last + 1 - first];
-                met.iter().zip(row).for_each(|(&i, bend)| gap[i - first] = bend);
+                let mut rest = &of_nodes[..];
+                for (&i, terms) in met.iter().zip(&terms) {
+                    let (own, others) = rest.split_at(terms.len());
+                    rest = others;
+                    gap[i - first] = bend(&contacts[i], terms, own, (obstacle, motion), *t);
+                }
                 gap
             };
-            bends.push(Bend::new(first..last + 1, times.clone(), rows.into_iter().map(spread).collect())?);
+            let table = times.iter().zip(of_nodes).map(of_rows).collect();
+            bends.push(Bend::new(first..last + 1, times.clone(), table)?);
         }
     }
     Ok((motions, bends))
+}
+
+/// What the rates of its motion leave out at time `t` (s) of the gap of the rows of a contact node, m, where that is `own` at each of
+/// their nodes, `terms`.
+fn bend(
+    contact: &ContactNode,
+    terms: &[Term],
+    own: &[f64],
+    (obstacle, motion): (&PlacedObstacle, &ObstacleMotion),
+    t: f64,
+) -> f64 {
+    if let [one] = own {
+        return *one;
+    }
+    let by_rates: Vec<f64> = terms.iter().map(|term| motion.gap(t, term.position, &term.facing)).collect();
+    let exact: Vec<f64> = by_rates.iter().zip(own).map(|(gap, bend)| gap + bend).collect();
+    let at_rest: Vec<f64> = terms.iter().map(|term| term.facing.gap).collect();
+    if obstacle.is_in_front_of_all(&at_rest) && obstacle.is_in_front_of_all(&exact) {
+        // Without the digits that are lost beside whole gaps.
+        return terms.iter().zip(own).map(|(term, bend)| term.coefficient * bend).sum();
+    }
+    let changes = terms.iter().zip(&by_rates).map(|(term, gap)| term.coefficient * (gap - term.facing.gap));
+    contact.gap(obstacle, &exact) - contact.gap(obstacle, &at_rest) - changes.sum::<f64>()
 }

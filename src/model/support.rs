@@ -2,6 +2,7 @@
 
 use super::find;
 use super::place::{nodes, normals, suits};
+use crate::contact::ContactNode;
 use crate::description::{Axis, Description, Direction, Held, Support, Where};
 use crate::fault::Fault;
 use crate::fem::{Dofs, HeldRows, NodalForces, SAME_DIRECTION, Spring, independent, nearest_translation};
@@ -156,6 +157,11 @@ impl Moved {
     /// Where `node` is moved beyond the body at factor 1, m.
     pub(super) fn beyond(&self, rows: &HeldRows, node: usize) -> [f64; 3] {
         rows.nodes().binary_search(&node).map_or([0.0; 3], |held| self.beyond[held])
+    }
+
+    /// The same of what the rows of a contact node are made of.
+    pub(super) fn beyond_contact(&self, rows: &HeldRows, contact: &ContactNode) -> [f64; 3] {
+        [0, 1, 2].map(|c| contact.sum(|term| self.beyond(rows, term.node)[c]))
     }
 
     /// The factor at time `t` (s).

@@ -47,7 +47,7 @@ impl BalanceRecord {
     /// The balance at the end of a step.
     pub fn new(model: &Model, step: &Step<'_>) -> Self {
         let (index, time) = (step.record.index, step.record.time);
-        let Balance { loads, supports, springs, closure, size, .. } = model.balance(time, step.state);
+        let Balance { loads, supports, springs, closure, size, .. } = model.balanced(time, step.state);
         let (description, units) = (model.description(), model.units());
         let acting = |names: Vec<String>, wrenches: Vec<Wrench>| {
             names.into_iter().zip(wrenches).map(|(at, wrench)| Acting::new(at, wrench, model.mesh.dimension)).collect()

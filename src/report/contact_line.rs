@@ -8,7 +8,7 @@ use crate::contact::{ContactBoundary, ContactStatus};
 use crate::history::Step;
 use crate::model::Model;
 use crate::units::UnitSystem;
-use crate::vector::{minus, norm};
+use crate::vector::{dot, minus, norm};
 
 /// One contact node at the end of an increment, SI.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -30,7 +30,7 @@ pub struct ContactPoint {
     pub p_t: f64,
     /// Tangential contact force along the second tangent, N.
     pub p_o: f64,
-    /// Normal contact stress `p_n / l` (32), Pa.
+    /// Normal contact stress `p_n / l` (32), Pa; on boundaries of second order corrected, and perhaps negative.
     pub sigma_n: f64,
     /// Tangential contact stress `p_t / l` (32), Pa.
     pub sigma_t: f64,
@@ -171,6 +171,7 @@ pub(super) fn names() -> impl Iterator<Item = &'static str> {
 /// The contact nodes `nodes` at the end of a step.
 pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Step<'_>) -> Vec<ContactPoint> {
     let (problem, state) = (&model.problem, step.state);
+    let tractions = model.recovered_tractions(state);
     let drift = [0, 1].map(|k| model.loading.drift_at(step.record.time, k));
     let mut s = 0.0;
     let mut last: Option<[f64; 3]> = None;
@@ -181,8 +182,12 @@ pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &S
         let contact = &model.contacts[i];
         let (p_n, l) = (state.p_n[i], model.contacts[i].weight);
         // Displacements from where supports have moved the body, which gaps and drifts count from, too.
-        let relative = problem.c_n().dot(i, &state.u);
-        let along = problem.tangential_maps().map(|map| map.dot(i, &state.u));
+        let (relative, along) = if contact.ends.is_none() {
+            (problem.c_n().dot(i, &state.u), problem.tangential_maps().map(|map| map.dot(i, &state.u)))
+        } else {
+            let own = |n: [f64; 3]| model.dofs.along(contact.node, n).map(|(dof, c)| c * state.u[dof]).sum::<f64>();
+            (own(contact.facing.normal), contact.facing.tangents.map(own))
+        };
         let moved = |direction: [f64; 3]| model.moved(contact.node, direction, step.record.time);
         let w_n = relative + moved(contact.facing.normal);
         let w = [0, 1].map(|k| along[k] + moved(contact.facing.tangents[k]));
@@ -190,6 +195,10 @@ pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &S
         let [w_t, w_o] = contact.in_frame(w);
         let [slip_t, slip_o] = contact.in_frame([0, 1].map(|k| along[k] - drift[k][i]));
         let [t, o] = contact.frame;
+        let [sigma_n, sigma_t, sigma_o] = match &tractions {
+            None => [p_n / l, p_t / l, p_o / l],
+            Some(all) => [contact.facing.normal, t, o].map(|axis| dot(axis, all[i])),
+        };
         ContactPoint {
             node: contact.node,
             frame: [contact.facing.normal, t, o],
@@ -200,13 +209,13 @@ pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &S
             p_n,
             p_t,
             p_o,
-            sigma_n: p_n / l,
-            sigma_t: p_t / l,
-            sigma_o: p_o / l,
+            sigma_n,
+            sigma_t,
+            sigma_o,
             w_n,
             w_t,
             w_o,
-            gap: step.increment.gap[i] - relative,
+            gap: model.nodal_gap(i, step.record.time, step.increment.gap[i]) - relative,
             slip_t,
             slip_o,
             force: model.contact_force(state, i),

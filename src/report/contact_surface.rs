@@ -4,7 +4,7 @@ use crate::contact::{ContactBoundary, ContactStatus, ObstacleMotion, PlacedObsta
 use crate::history::Step;
 use crate::model::Model;
 use crate::units::UnitSystem;
-use crate::vector::{axis_across, cross, dot, norm, unit};
+use crate::vector::{across, axis_across, cross, dot, norm, unit};
 
 /// The nodes and facets of a boundary with contact, projected on the plane at right angles to the obstacle's normal.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,13 +58,19 @@ impl ContactSurface {
                 nodes.len() - 1
             });
         }
+        let recovered = model.recovered_tractions(step.state);
         for &i in &boundary.nodes {
             let (contact, state) = (&model.contacts[i], step.state);
             let [t, o] = contact.facing.tangents;
             let (p_t, p_o) = (state.p_t[i], state.p_o[i]);
             let node = &mut nodes[number[contact.node]?];
-            node.pressure = state.p_n[i] / contact.weight;
-            node.traction = along([0, 1, 2].map(|c| (p_t * t[c] + p_o * o[c]) / contact.weight));
+            (node.pressure, node.traction) = match &recovered {
+                None => {
+                    let tangential = [0, 1, 2].map(|c| (p_t * t[c] + p_o * o[c]) / contact.weight);
+                    (state.p_n[i] / contact.weight, along(tangential))
+                }
+                Some(all) => (dot(all[i], contact.facing.normal), along(across(all[i], contact.facing.normal))),
+            };
             node.status = Some(step.statuses[i]);
         }
         let facets = facets.iter().map(|facet| facet.iter().filter_map(|&node| number[node]).collect());

@@ -114,8 +114,8 @@ impl Warning {
         let about = if share > AT_LEAST { "at least" } else { "about" };
         let [now, halved] = [share, share / HALVED].map(|share| 100.0 * share);
         let message = format!(
-            "elements lock near nu = 0.5, and nu is {poisson:.6}: expect the body to be {about} {now:.0} % too stiff; {cells}, or \
-             halve the elements for {about} {halved:.0} %"
+            "expect the body to be {about} {now:.0} % too stiff: such elements hardly change their volume, least near nu = 0.5, and \
+             nu is {poisson:.6}; {cells}, or halve the elements for {about} {halved:.0} %"
         );
         (share > LOCKING).then_some(Warning { kind: WarningKind::Locking, message })
     }

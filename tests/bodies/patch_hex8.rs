@@ -17,7 +17,11 @@ use stickslip::vector::{norm, unit};
 fn cube(kind: CellKind, n: usize) -> Mesh {
     let d = kind.dimension();
     let mesh = if d == 2 { block(&[1.0; 2], &[n; 2]) } else { block(&[1.0; 3], &[n; 3]) };
-    let mesh = if kind.is_simplex() { mesh.into_simplices() } else { mesh };
+    let mesh = match kind {
+        CellKind::Prism => mesh.into_prisms(),
+        _ if kind.is_simplex() => mesh.into_simplices(),
+        _ => mesh,
+    };
     if kind.is_quadratic() { mesh.into_second_order() } else { mesh }
 }
 
@@ -39,7 +43,7 @@ fn distorted(kind: CellKind, n: usize) -> Mesh {
     mesh
 }
 
-const KINDS: [CellKind; 6] = CellKind::ALL;
+const KINDS: [CellKind; 7] = CellKind::ALL;
 
 /// Elements to test: B-bar where there is something to average.
 fn elements(kind: CellKind) -> &'static [Element] {
@@ -184,6 +188,7 @@ fn manufactured_solution_converges_at_its_order() {
         (CellKind::Quadrilateral, [16, 32, 64], 2.0),
         (CellKind::Tetrahedron, [4, 8, 16], 2.0),
         (CellKind::Hexahedron, [4, 8, 16], 2.0),
+        (CellKind::Prism, [4, 8, 16], 2.0),
         (CellKind::Triangle6, [8, 16, 32], 3.0),
         (CellKind::Tetrahedron10, [2, 4, 8], 3.0),
     ] {
@@ -349,7 +354,8 @@ fn inverted_elements_are_named() {
 #[test]
 fn contact_patch_test() {
     let (young, poisson, pressure) = (210e9, 0.3, 10e6);
-    for (cells, d) in [("triangle", 2), ("quadrilateral", 2), ("tetrahedron", 3), ("hexahedron", 3)] {
+    let kinds = [("triangle", 2), ("quadrilateral", 2), ("tetrahedron", 3), ("hexahedron", 3)];
+    for (cells, d) in kinds.into_iter().chain([("prism", 3), ("triangle6", 2), ("tetrahedron10", 3)]) {
         let (size, elements, grading, traction, front) = match d {
             2 => ("[1.0, 0.5]", "[5, 3]", "[3.0, 0.5]", "[0.0, -10e6]", ""),
             _ => (

@@ -26,7 +26,7 @@ fn one(kind: CellKind, corners: &[[f64; 3]]) -> Mesh {
     Mesh::new(corners.to_vec(), vec![cell], Vec::new(), Vec::new()).unwrap().into_second_order()
 }
 
-/// A mesh, a field on it, and the figures that belong to them.
+/// A mesh, a field and what is expected of its stiffness.
 type Case<'a> = (Mesh, &'a dyn Fn([f64; 3]) -> Vec<f64>, [f64; 4]);
 
 /// Entry, trace, norm and energy of one straight element, from a program that shares nothing with this one.
@@ -40,12 +40,12 @@ fn stiffness_of_one_element() {
         (
             one(CellKind::Triangle, &TRIANGLE),
             &plane,
-            [5.643812709030e-1, 1.515050167224e1, 6.744839311003, 7.373255408654e-1],
+            [5.643_812_709_030e-1, 1.515_050_167_224e1, 6.744_839_311_003, 7.373_255_408_654e-1],
         ),
         (
             one(CellKind::Tetrahedron, &TETRAHEDRON),
             &space,
-            [2.241035197601e-1, 1.463025121540e1, 4.616359753879, 1.946411826154e-1],
+            [2.241_035_197_601e-1, 1.463_025_121_540e1, 4.616_359_753_879, 1.946_411_826_154e-1],
         ),
     ];
     for (mesh, field, expected) in cases {
@@ -335,9 +335,8 @@ const BAR: &str = r#"
     fields = true
 "#;
 
-/// Keeps the fields of every increment.
+/// Keeps the fields.
 struct Fields<'a>(&'a Model, &'a mut Vec<Grid>);
-
 impl stickslip::history::Observer for Fields<'_> {
     fn increment(&mut self, step: &stickslip::history::Step<'_>) -> stickslip::nonlinear::Flow {
         self.1.push(fields(self.0, step));
@@ -361,10 +360,10 @@ fn a_bar_that_is_pulled() {
         let text = pairs.iter().fold(BAR.replace("CELLS", cells), |text, [from, to]| text.replace(from, to));
         let scene = Scene::parse("bar.toml", &text, &[]).unwrap();
         let model = Model::new(&scene).unwrap();
-        let grid: &mut Vec<Grid> = &mut Vec::new();
-        let outcome = common::run(&scene, &model, &mut Fields(&model, grid));
+        let mut grids = Vec::new();
+        let outcome = common::run(&scene, &model, &mut Fields(&model, &mut grids));
         assert_eq!(outcome.status, Status::Converged);
-        let grid = &grid[0];
+        let grid = &grids[0];
         assert!(grid.cells.iter().all(|(nodes, kind)| *kind == vtk && nodes.len() == model.mesh.cells[0].nodes.len()));
         let stress = grid.point_fields.iter().find(|field| field.name == "nodal_stress").unwrap();
         let stickslip::report::Values::Real(values) = &stress.values else { panic!() };

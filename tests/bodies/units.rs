@@ -218,7 +218,7 @@ fn vtu_files_are_in_the_units_of_the_scene() {
         let unit = match name.as_str() {
             "Points" | "displacement" | "slip" | "gap" => 1e-3,
             "contact_pressure" | "tangential_traction" | "stress" | "principal_stress" | "von_mises" => 1e6,
-            "status" | "material" => 1.0,
+            "status" | "material" | "discretisation_error" => 1.0,
             other => panic!("what is the unit of {other}?"),
         };
         let largest = si.iter().filter(|x| x.is_finite()).fold(0.0_f64, |m, x| m.max(x.abs()));

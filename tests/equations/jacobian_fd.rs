@@ -21,7 +21,17 @@ const CASES: [(&str, [f64; 4]); 8] = [
 
 #[test]
 fn jacobian_is_the_derivative_of_the_residual() {
-    let scene = common::block(&["mesh.elements=[8,3]", "contact.friction=0.4"]);
+    check_jacobian(&["mesh.elements=[8,3]", "contact.friction=0.4"]);
+}
+
+/// The same with rows of three nodes.
+#[test]
+fn jacobian_of_second_order() {
+    check_jacobian(&["mesh.elements=[4,2]", "contact.friction=0.4", "mesh.cells=\"triangle6\""]);
+}
+
+fn check_jacobian(overrides: &[&str]) {
+    let scene = common::block(overrides);
     let model = Model::new(&scene).unwrap();
     let problem = &model.problem;
     let scaling = model.scaling();

@@ -217,10 +217,12 @@ fn the_signs_of_all_solutions_add_up_to_one() {
 
 /// The block with no gap, and a state in which node `i` does what `wanted[i]` says, sliding in the
 /// direction of `s[i]`: not a solution, but only its statuses and signs matter.
-fn posed(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> (Model, Vec<f64>, State, Vec<f64>) {
-    let elements = format!("mesh.elements=[{n},{n}]");
-    let friction = format!("contact.friction={mu}");
-    let model = Model::new(&common::block(&[&elements, &friction])).unwrap();
+fn posed(cells: &str, n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> (Model, Vec<f64>, State, Vec<f64>) {
+    // Half as many elements have a node between corners each.
+    let along = if cells == "triangle6" { n / 2 } else { n };
+    let elements = format!("mesh.elements=[{along},{along}]");
+    let (friction, cells) = (format!("contact.friction={mu}"), format!("mesh.cells=\"{cells}\""));
+    let model = Model::new(&common::block(&[&elements, &friction, &cells])).unwrap();
     let mut state = State::zero(&model.problem);
     let mut gap = vec![0.0; n];
     let mut w_t_last = vec![0.0; n];
@@ -238,8 +240,8 @@ fn posed(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> (Model, Vec<
     (model, gap, state, w_t_last)
 }
 
-fn posed_critical(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64 {
-    let (model, gap, state, w_t_last) = posed(n, mu, wanted, s);
+fn posed_critical(cells: &str, n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64 {
+    let (model, gap, state, w_t_last) = posed(cells, n, mu, wanted, s);
     let force = vec![0.0; model.problem.displacements()];
     let increment = Increment {
         force: &force,
@@ -313,12 +315,17 @@ fn the_block_agrees_with_dense_algebra() {
         (0.8, [Open, Stick, Slip, Slip, Slip, Slip], [-1.0; 6]),
         (0.8, [Open, Stick, Slip, Slip, Slip, Slip], [1.0; 6]),
     ] {
-        let factor = posed_critical(6, mu, &wanted, &s);
-        let expected = dense_critical(&posed(6, mu, &wanted, &s).0.problem, mu, &wanted, &s);
-        finite += usize::from(expected.is_finite());
-        assert!(factor == expected || (factor / expected - 1.0).abs() < 1e-9, "{wanted:?} {s:?}: {factor} {expected}");
+        for cells in ["quadrilateral", "triangle6"] {
+            let factor = posed_critical(cells, 6, mu, &wanted, &s);
+            let expected = dense_critical(&posed(cells, 6, mu, &wanted, &s).0.problem, mu, &wanted, &s);
+            finite += usize::from(expected.is_finite());
+            assert!(
+                factor == expected || (factor / expected - 1.0).abs() < 1e-9,
+                "{cells} {wanted:?} {s:?}: {factor} {expected}"
+            );
+        }
     }
-    assert!(finite >= 4, "{finite}");
+    assert!(finite >= 5, "{finite}");
 }
 
 /// VERIFY: 3.02–3.10 with all nodes slipping; and `μ_c` itself does not depend on the friction.
@@ -326,7 +333,7 @@ fn the_block_agrees_with_dense_algebra() {
 fn the_block_has_its_known_critical_friction() {
     for n in [6, 10, 20, 40] {
         let wanted = vec![ContactStatus::Slip; n];
-        let [low, high] = [0.4, 3.5].map(|mu| mu * posed_critical(n, mu, &wanted, &vec![1.0; n]));
+        let [low, high] = [0.4, 3.5].map(|mu| mu * posed_critical("quadrilateral", n, mu, &wanted, &vec![1.0; n]));
         assert!((3.0..3.12).contains(&low), "n = {n}: {low}");
         assert!((low / high - 1.0).abs() < 1e-12, "n = {n}: {low} {high}");
     }

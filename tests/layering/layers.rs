@@ -16,7 +16,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("vector", &[]),
     ("timeline", &["fault"]),
     ("mesh", &["fault", "input", "sets", "vector"]),
-    ("problem", &["linear", "sparse", "units", "vector"]),
+    ("problem", &["linear", "sets", "sparse", "units", "vector"]),
     ("loading", &["problem"]),
     ("solvability", &["null_space", "problem", "sets", "sparse", "vector"]),
     ("fem", &["fault", "mesh", "null_space", "sparse", "units", "vector"]),

@@ -212,8 +212,8 @@ fn elements(
         let [dimension, entity, kind, here] = lines.numbers::<4, i64>(section)?;
         let line = lines.number();
         let kind = ElementKind::from_gmsh(kind).map_err(|name| {
-            let help = "mesh with triangles or tetrahedra of first or second order (Mesh.ElementOrder = 2), or with quadrilaterals \
-                        or hexahedra of the first";
+            let help = "mesh with triangles or tetrahedra of first or second order (Mesh.ElementOrder = 2), or with quadrilaterals, \
+                        hexahedra or prisms of the first";
             lines.error(format!("the mesh has elements of the type {name}, which is not supported"), help)
         })?;
         let groups = groups.get(&(dimension as usize, entity)).cloned().unwrap_or_default();
