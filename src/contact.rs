@@ -3,6 +3,7 @@
 
 mod cone;
 pub mod coulomb;
+mod crossing;
 mod description;
 mod friction;
 mod front;
@@ -15,7 +16,7 @@ mod range;
 mod surface;
 mod triangles;
 
-pub use description::{GapDirection, Obstacle, Rotation, Shape};
+pub use description::{GapDirection, Obstacle, Place, Rotation, Shape};
 pub use friction::Friction;
 pub use front::{Meeting, Unclear, meetings};
 pub use gap_table::{GapTable, TableError};

@@ -29,6 +29,7 @@
 
 mod check;
 mod field;
+mod formulas;
 mod load;
 mod probe;
 mod spring;
@@ -98,6 +99,16 @@ pub struct Contact {
     /// The obstacles in front of it, at least one. A node meets the one that is nearest when the history begins, of those that
     /// its outside faces; it never feels another.
     pub obstacles: Vec<Obstacle>,
+}
+
+impl Contact {
+    /// The key of obstacle `j` of this contact, which has the number `k`.
+    pub(crate) fn obstacle_key(&self, k: usize, j: usize) -> String {
+        match self.obstacles.len() {
+            1 => format!("contact[{k}].obstacle"),
+            _ => format!("contact[{k}].obstacle[{j}]"),
+        }
+    }
 }
 
 impl Description {

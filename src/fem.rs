@@ -18,6 +18,7 @@ mod stress;
 pub use assembly::{InvertedElement, assemble};
 pub use body_force::{body_force, free_stretch, thermal_forces, thermal_stress};
 pub use dofs::Dofs;
+pub(crate) use dofs::{SAME_DIRECTION, independent};
 pub use elastic::Elasticity;
 pub use facet::{
     NodalForces, area, bernstein, facet_load, facet_mass, facet_normals, facet_weights, traction, uniform_traction,
@@ -30,4 +31,4 @@ pub use shape::gradients;
 pub use spring::{Bedding, Spring};
 pub use stiffness::element_stiffness;
 pub use strain::Element;
-pub use stress::{cell_volume, centre_stress, strain_energy, stress_at};
+pub use stress::{cell_volume, centre_stress, strains, stress_at};

@@ -93,6 +93,11 @@ impl Formula {
         &self.text
     }
 
+    /// Whether coordinate `k` stands in it: 0 is x, 1 is y, 2 is z.
+    pub fn has_coordinate(&self, k: usize) -> bool {
+        self.steps.iter().any(|step| matches!(step, Step::Coordinate(c) if *c == k))
+    }
+
     /// The value of the formula at `x` (m), in SI units; NaN where it has none.
     pub fn at(&self, x: [f64; 3]) -> f64 {
         let FormulaUnits { length, value } = self.units;

@@ -6,6 +6,7 @@
 //! | BN; the paper's interior point method; the default one; BN with that for its rescue | `bn.rs`, `ip.rs`, `predictor_corrector.rs`, `rescue.rs` |
 //! | which of them a [`Method`] names | `method.rs` |
 //! | from one time to the next, in parts if need be, and what is told of them | `path.rs`, `told.rs` |
+//! | how far loads have carried a body that contact alone holds | `carried.rs` |
 //! | the interior at the start of an increment, and at the end of a condensed one | `held.rs`, `whole.rs` |
 //!
 //! ```
@@ -31,6 +32,7 @@
 
 mod algorithm;
 mod bn;
+mod carried;
 mod error;
 mod held;
 mod ip;
@@ -195,9 +197,9 @@ pub fn run_with(
         let seconds = Seconds::between(&before, linear.statistics(), assembly, all);
         let record = record(problem, path.data().force, index, time, &increment, ContactCounts::of(&statuses), seconds);
         let Walked { solved, attempt, status, .. } = increment;
-        let data = path.data();
-        let flow =
-            observer.increment(&Step { record: &record, increment: &data, state: &attempt.state, statuses: &statuses });
+        let (flow, state) = path.show(&attempt.state, |increment, state| {
+            (observer.increment(&Step { record: &record, increment, state, statuses: &statuses }), state.clone())
+        });
         outcome.records.push(record);
         outcome.linear = statistics(&linear, body, path.worst_backward_error);
         if status != Status::Converged || index == times.len() {
@@ -206,13 +208,13 @@ pub fn run_with(
         outcome.status = status;
         outcome.reached = path.reached.unwrap_or(0.0);
         if status != Status::Converged {
-            outcome.violation = Some(Violation::worst(problem, &data, &attempt.state, &attempt.scales));
+            outcome.violation = Some(Violation::worst(problem, &path.data(), &attempt.state, &attempt.scales));
             if let Stop::Unheld(motion) | Stop::NoEquilibrium(motion) | Stop::EdgeFriction(motion) = solved.stop {
                 outcome.free_motion = Some(motion);
             }
             break;
         }
-        outcome.state = attempt.state;
+        outcome.state = state;
         outcome.scales = attempt.scales;
         if flow == Flow::Stop && index < times.len() {
             outcome.status = Status::Interrupted;

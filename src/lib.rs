@@ -31,6 +31,7 @@ pub mod compare;
 pub mod condense;
 pub mod contact;
 pub mod description;
+pub mod estimate;
 pub mod fault;
 pub mod fem;
 pub mod formula;

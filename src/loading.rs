@@ -243,6 +243,16 @@ impl Loading {
         }
     }
 
+    /// The sizes of the terms (n_u, N) that the external forces at time `t` are sums of.
+    pub(crate) fn force_sizes(&self, t: f64, displacements: usize) -> Vec<f64> {
+        let mut sizes = vec![0.0; displacements];
+        for case in &self.cases {
+            let factor = case.factor(t);
+            sizes.iter_mut().zip(&case.force).for_each(|(size, f)| *size += (factor * f).abs());
+        }
+        sizes
+    }
+
     /// The gaps (n_c, m) at time `t`.
     pub fn gaps_at(&self, t: f64) -> Vec<f64> {
         let mut gap = self.gap.clone();

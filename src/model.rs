@@ -19,7 +19,7 @@ use crate::contact::{ContactBoundary, ContactNode, ObstacleMotion, PlacedObstacl
 use crate::description::Description;
 use crate::fault::Fault;
 use crate::fem::{
-    Dofs, Elasticity, Element, HeldRows, InvertedElement, Plane, RigidMotion, Spring, assemble, unresisted_motions,
+    Dofs, Elasticity, Element, HeldRows, InvertedElement, Plane, RigidMotion, Spring, unresisted_motions,
 };
 use crate::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::mesh::{Boundary, Mesh, MeshError, MeshFileError};
@@ -120,17 +120,14 @@ impl Model {
     pub fn build(description: &Description) -> Result<Self, ModelError> {
         description.check()?;
         let mesh = description.mesh.made()?;
+        description.formulas_suit(mesh.dimension)?;
         let holdings = support::holdings(description, &mesh)?;
         let dofs = support::dofs(&mesh, &holdings)?;
         let element = element::element(description, &mesh)?;
         let materials = description.material.laws(&mesh)?;
-        let mut stiffness = assemble(&mesh, &dofs, element, |e| materials[e])?;
         let beds = load::springs(description, &mesh)?;
         let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
-        for spring in &springs {
-            spring.add_to(&mut stiffness, &dofs);
-        }
-        let rows = HeldRows::new(&mesh, &dofs, element, |e| materials[e], &springs)?;
+        let (stiffness, rows) = HeldRows::beside(&mesh, &dofs, element, |e| materials[e], &springs)?;
         let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows)?;
 
         let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved)?;
@@ -234,6 +231,13 @@ impl Model {
     /// Whether the body is a thin plate, in plane stress.
     pub fn is_thin(&self) -> bool {
         self.description.material.plane == Some(Plane::Stress)
+    }
+
+    /// The key of obstacle `k` of [`Model::obstacles`] in a scene, as `contact[0].obstacle[1]`.
+    pub fn obstacle_key(&self, k: usize) -> String {
+        let contact = self.contact_boundaries.iter().position(|boundary| boundary.obstacles.contains(&k)).unwrap_or(0);
+        let first = self.contact_boundaries.get(contact).map_or(0, |boundary| boundary.obstacles.start);
+        self.description.contacts[contact].obstacle_key(contact, k - first)
     }
 
     /// Units for the numbers inside, see [`ContactProblem::scaling`].

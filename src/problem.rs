@@ -12,12 +12,14 @@ mod check;
 mod contact_stiffness;
 pub(crate) mod error;
 mod own_basis;
+mod strained;
 
 use std::collections::BTreeSet;
 
 pub use error::ProblemError;
 pub(crate) use own_basis::OwnBasis;
 use serde::Serialize;
+pub(crate) use strained::strained;
 
 use crate::linear::{LinearError, null_space_of};
 use crate::sparse::{Csr, Symmetric, Twofold};
@@ -227,9 +229,10 @@ impl ContactProblem {
             return balance;
         }
         let mut balance = vec![Twofold::default(); state.u.len()];
+        let (u, rest) = self.strained(state);
         for (row, column, value) in self.stiffness().entries() {
-            balance[row].add_product(value, state.u[column]);
-            balance[row].add(value * state.u_rest[column]);
+            balance[row].add_product(value, u[column]);
+            balance[row].add(value * rest[column]);
         }
         for (map, forces) in [(self.c_n(), &state.p_n), (self.c_t(), &state.p_t), (self.c_o(), &state.p_o)] {
             for (i, p) in forces.iter().enumerate() {
@@ -238,6 +241,11 @@ impl ContactProblem {
         }
         balance.iter_mut().zip(force).for_each(|(sum, force)| sum.add(-force));
         balance.into_iter().map(Twofold::value).collect()
+    }
+
+    /// [`strained`] of the displacements of `state`.
+    pub(crate) fn strained(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
+        strained(&self.free_motions, &state.u, &state.u_rest)
     }
 
     /// `w_T - w̄_T` of contact node `i`, the slip increment (m), with the `u_rest` of `state`: a slip may be that small

@@ -163,7 +163,7 @@ impl<'a> Run<'a> {
         let (linear, condensed) = (system.name(), system.condenses());
         let mut watch = Watch::new(&self.model, self.uniqueness, observer);
         let mut outcome = self.history_with(system, &mut watch)?;
-        let Watch { validity, energies, forces, reactions, last, .. } = watch;
+        let Watch { validity, estimates, energies, forces, reactions, last, .. } = watch;
         for (record, strain_energy) in outcome.records.iter_mut().zip(energies) {
             record.strain_energy = strain_energy;
         }
@@ -187,6 +187,7 @@ impl<'a> Run<'a> {
             choice: &self.choice,
             outcome: &outcome,
             validity: &validity,
+            estimates: estimates.estimates(self.model()),
             forces,
             reactions,
             critical_friction,

@@ -13,6 +13,8 @@
 //! Where (a) fails it depends on the load whether there is a solution: see [`rigid_equilibrium`].
 
 mod cone;
+mod free;
+mod landing;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,6 +24,9 @@ use crate::problem::{ContactProblem, OwnBasis, ProblemError};
 use crate::sets::Sets;
 use crate::sparse::Csr;
 use cone::{Cone, norm};
+use free::Free;
+pub(crate) use free::Load;
+pub(crate) use landing::{Landing, landing};
 
 /// What violates the conditions (a) and (b) of Theorem 3.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,48 +71,51 @@ impl Conditions {
 pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<Option<Vec<f64>>, ProblemError> {
     expect_length("force", problem.displacements(), force.len(), "one for each displacement")?;
     expect_finite("force", force)?;
-    Ok(driven_motion(problem, problem.mu(), force))
+    let sizes: Vec<f64> = force.iter().map(|f| f.abs()).collect();
+    Ok(driven_motion(problem, problem.mu(), &Load { force, sizes: &sizes }))
 }
 
 /// [`rigid_equilibrium`] of a load that fits, with the friction coefficients `mu`.
-pub(crate) fn driven_motion(problem: &ContactProblem, mu: &[f64], force: &[f64]) -> Option<Vec<f64>> {
-    let within = motion_driven_in_the_equations(problem, mu, force)?;
+pub(crate) fn driven_motion(problem: &ContactProblem, mu: &[f64], load: &Load<'_>) -> Option<Vec<f64>> {
+    let within = motion_driven_in_the_equations(problem, mu, load)?;
     match problem.tangents_alone() {
         None => Some(within),
-        Some(alone) => driven_against(problem, mu, alone, force),
+        Some(alone) => driven_against(problem, mu, alone, load),
     }
 }
 
 /// The same with the friction that the equations have: a motion that only friction which they leave out resists.
-pub(crate) fn motion_driven_in_the_equations(problem: &ContactProblem, mu: &[f64], force: &[f64]) -> Option<Vec<f64>> {
-    driven_against(problem, mu, problem.tangential_maps(), force)
+pub(crate) fn motion_driven_in_the_equations(
+    problem: &ContactProblem,
+    mu: &[f64],
+    load: &Load<'_>,
+) -> Option<Vec<f64>> {
+    driven_against(problem, mu, problem.tangential_maps(), load)
 }
 
-/// The motion that `force` drives against all contact forces with friction `mu` along `tangents`.
-fn driven_against(problem: &ContactProblem, mu: &[f64], tangents: [&Csr; 2], force: &[f64]) -> Option<Vec<f64>> {
+/// The motion that `load` drives against all contact forces with friction `mu` along `tangents`.
+fn driven_against(problem: &ContactProblem, mu: &[f64], tangents: [&Csr; 2], load: &Load<'_>) -> Option<Vec<f64>> {
     let free = Free::new(problem);
-    let (mut load, mut size) = (Vec::new(), Vec::new());
-    for (motion, largest) in problem.free_motions().iter().zip(&free.largest) {
-        // What rounding has left of a motion in directions that it does not have is zero: beside it stand whole forces.
-        let felt = |u: &f64| if u.abs() <= NEGLIGIBLE * largest { 0.0 } else { *u };
-        let work = motion.iter().zip(force).map(|(u, f)| felt(u) * f);
-        size.push(work.clone().map(f64::abs).sum::<f64>() / largest);
-        load.push(work.sum::<f64>() / largest);
-    }
+    let (load, size) = free.work(load);
     let cones: Vec<FrictionCone> =
         (0..problem.contacts()).map(|i| FrictionCone::of(problem, mu[i], tangents, &free, i)).collect();
-    let mut generators: Vec<Vec<f64>> = cones.iter().flat_map(FrictionCone::edges).collect();
+    unbalanced(&cones.iter().collect::<Vec<_>>(), &load, size).map(|y| free.weights(&y))
+}
+
+/// What `cones` leave of the `load`, a sum of terms of this `size`, if they do not balance it.
+fn unbalanced(cones: &[&FrictionCone], load: &[f64], size: f64) -> Option<Vec<f64>> {
+    let mut generators: Vec<Vec<f64>> = cones.iter().flat_map(|cone| cone.edges()).collect();
     let has_rim = cones.iter().any(|cone| cone.tangents.len() > 1);
     for _ in 0..ROUNDS {
         let cone = Cone::new(load.len(), generators.iter().cloned());
-        let Some(y) = cone.outside(&load, norm(&size)) else { break };
-        let least = NEARER * norm(&load);
+        let y = cone.outside(load, size)?;
+        let least = NEARER * norm(load);
         let edges = cones.iter().filter_map(|cone| cone.edge_towards(&y)).filter(|(gain, _)| *gain > least);
         let further = edges.max_by(|a, b| a.0.total_cmp(&b.0));
         match further {
             Some((_, edge)) => generators.push(edge),
-            None if has_rim && norm(&y) <= TELLABLE * norm(&load) => break,
-            None => return Some(free.weights(&y)),
+            None if has_rim && norm(&y) <= TELLABLE * norm(load) => break,
+            None => return Some(y),
         }
     }
     None
@@ -183,36 +191,6 @@ fn leaving(problem: &ContactProblem) -> Option<Vec<f64>> {
     y.map(|y| free.weights(&y))
 }
 
-/// The free motions, each measured by its largest displacement, so that units do not matter.
-struct Free<'a> {
-    motions: &'a [Vec<f64>],
-    largest: Vec<f64>,
-}
-
-impl<'a> Free<'a> {
-    fn new(problem: &'a ContactProblem) -> Self {
-        let motions = problem.free_motions();
-        let largest = motions.iter().map(|motion| motion.iter().fold(0.0_f64, |m, u| m.max(u.abs()))).collect();
-        Free { motions, largest }
-    }
-
-    /// What a contact row says of each motion. What rounding has left is zero: the cone takes any
-    /// vector for a direction, however short.
-    fn felt(&self, row: &[(usize, f64)]) -> Vec<f64> {
-        let size: f64 = row.iter().map(|(_, c)| c.abs()).sum();
-        (self.motions.iter().zip(&self.largest))
-            .map(|(motion, largest)| row.iter().map(|&(j, c)| c * motion[j]).sum::<f64>() / largest)
-            .map(|w| if w.abs() <= NEGLIGIBLE * size { 0.0 } else { w })
-            .collect()
-    }
-
-    /// The weights of the motions themselves in `y`, brought to length one.
-    fn weights(&self, y: &[f64]) -> Vec<f64> {
-        let length = norm(y);
-        y.iter().zip(&self.largest).map(|(y, largest)| y / length / largest).collect()
-    }
-}
-
 /// A contact node and one of its rows.
 type Row = (usize, Vec<(usize, f64)>);
 
@@ -269,7 +247,8 @@ mod tests {
     use crate::sparse::Symmetric;
 
     fn driven(problem: &ContactProblem, force: &[f64]) -> Option<Vec<f64>> {
-        driven_motion(problem, problem.mu(), force)
+        let sizes: Vec<f64> = force.iter().map(|f| f.abs()).collect();
+        driven_motion(problem, problem.mu(), &Load { force, sizes: &sizes })
     }
 
     type Entries<'a> = &'a [(usize, f64)];

@@ -218,17 +218,16 @@ fn contacts(scene: &Scene, model: &Model) {
 
 fn loads(scene: &Scene, model: &Model) {
     let units = model.units();
-    for (load, case) in scene.description.loads.iter().zip(model.loading.cases()) {
-        let sum = model
-            .dofs
-            .displacements(case.force())
-            .into_iter()
-            .fold([0.0; 3], |sum, force| [sum[0] + force[0], sum[1] + force[1], sum[2] + force[2]]);
+    for (load, sum) in scene.description.loads.iter().zip(model.forces_of_loads()) {
+        // A temperature has no resultant.
+        let sum = match load.action {
+            Action::Temperature { .. } => String::new(),
+            _ => format!(", in all {}", vector(&units, Quantity::Force, &sum[..model.mesh.dimension])),
+        };
         say!(
-            "load         {}: {}, in all {} on what is free; factor {}",
+            "load         {}: {}{sum}; factor {}",
             load.action.place(&units),
             acts(&load.action, &units),
-            vector(&units, Quantity::Force, &sum[..model.mesh.dimension]),
             points(&load.factors(scene.time.end), |factor| factor[0].to_string())
         );
     }

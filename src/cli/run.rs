@@ -137,7 +137,7 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
     for (k, LeftOut { count, unknown, reason }) in left_out.iter().enumerate() {
         say!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
     }
-    for warning in Warning::of_model(model) {
+    for warning in Warning::of_model(model).iter().filter(|warning| !warning.kind.needs_the_solution()) {
         say!("warning      {}", warning.message);
     }
 }
@@ -162,11 +162,16 @@ fn print_verdict(report: &RunReport, increments: usize) {
     let unit = units.name(Quantity::Force);
     let told = |x: f64| units.of_si(Quantity::Force, x);
     let components = |force: &[f64]| force.iter().map(|f| format!("{:.6e}", told(*f))).collect::<Vec<_>>().join(", ");
-    for Resultant { boundary, force, sums: ComponentSums { sum_p_n, sum_p_t, sum_p_o }, .. } in &report.boundaries {
+    for Resultant { boundary, force, sums: ComponentSums { sum_p_n, sum_p_t, sum_p_o }, obstacles, .. } in
+        &report.boundaries
+    {
         let other = sum_p_o.map_or(String::new(), |sum| format!(", sum p_o = {:.6e} {unit}", told(sum)));
         let [normal, tangential] = [sum_p_n, sum_p_t].map(|sum| told(*sum));
         say!("contact      {boundary}: sum p_n = {normal:.6e} {unit}, sum p_t = {tangential:.6e} {unit}{other}");
         say!("             force on the obstacle ({}) {unit}", components(force));
+        for on in obstacles {
+            say!("             of it on {} ({}) {unit}", on.obstacle, components(&on.force));
+        }
     }
     if let Some(BalanceRecord { supports, springs, balance, .. }) = report.reactions.last() {
         for (kind, Acting { at, force, .. }) in

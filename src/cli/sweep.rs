@@ -3,6 +3,7 @@
 mod processes;
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -42,6 +43,8 @@ struct Task {
     /// All that `--set` takes for it.
     overrides: Vec<Override>,
     fingerprint: String,
+    /// The scene that runs.
+    text: String,
 }
 
 /// The folder of the results of all variants; one that nobody asked for goes when the command ends.
@@ -69,9 +72,12 @@ pub(super) fn sweep(args: &SweepArgs, threads: u32) -> Result<ExitCode, Failure>
     let results = Results { path, passes: args.out.is_none() };
     fs::create_dir_all(&results.path).map_err(|error| write_failure(&results.path, &error))?;
     let processes = Processes { scene: &args.scene.scene, folder: &results.path, threads };
+    if let Some(folder) = &args.out {
+        writable(folder)?;
+    }
     processes.tidy();
 
-    let mut outcomes: Vec<Option<Outcome>> = tasks.iter().map(|task| processes.kept(&task.fingerprint)).collect();
+    let mut outcomes: Vec<Option<Outcome>> = tasks.iter().map(|task| processes.kept(task)).collect();
     let waiting: Vec<usize> = (0..tasks.len()).filter(|&k| outcomes[k].is_none()).collect();
     if !args.json {
         let kept = tasks.len() - waiting.len();
@@ -79,15 +85,15 @@ pub(super) fn sweep(args: &SweepArgs, threads: u32) -> Result<ExitCode, Failure>
         say!("{}\nvariants     {}{kept}", first.title, tasks.len());
     }
     let bar = bar(waiting.len(), "variants");
-    let orders = waiting.iter().map(|&k| (tasks[k].fingerprint.as_str(), tasks[k].overrides.as_slice()));
+    let orders: Vec<&Task> = waiting.iter().map(|&k| &tasks[k]).collect();
     let jobs = processes::count(args.jobs);
-    let ended = processes.run(&orders.collect::<Vec<_>>(), jobs, &mut |Ended { order, outcome }| {
+    let ended = processes.run(&orders, jobs, &mut |Ended { order, outcome }| {
         let k = waiting[order];
         // A result of a scene that has changed since is not of the scene that was asked for.
-        let same = one(args, &tasks[k].overrides).is_ok_and(|now| now == tasks[k].fingerprint);
+        let same = one(args, &tasks[k].overrides).is_ok_and(|(now, _)| now == tasks[k].fingerprint);
         outcomes[k] = Some(match outcome {
             _ if !same => Outcome::failed("bad-input", "the scene, or a file of it, changed while it ran".to_string()),
-            outcome => processes.keep(&tasks[k].fingerprint, outcome),
+            outcome => processes.keep(&tasks[k], outcome),
         });
         bar.inc(1);
     });
@@ -135,24 +141,38 @@ fn tasks(args: &SweepArgs) -> Result<Vec<Task>, Failure> {
         combinations(&args.variations).map_err(|error| Failure::Input(miette::miette!("--vary: {error}")))?;
     let task = |variant: stickslip::sweep::Variant| {
         let overrides = [args.scene.overrides(), variant.overrides].concat();
-        Ok(Task { values: variant.values, fingerprint: one(args, &overrides)?, overrides })
+        let (fingerprint, text) = one(args, &overrides)?;
+        Ok(Task { values: variant.values, overrides, fingerprint, text })
     };
     variants.into_iter().map(task).collect()
 }
 
-/// The fingerprint of the scene with `overrides`.
-fn one(args: &SweepArgs, overrides: &[Override]) -> Result<String, Failure> {
+/// The fingerprint and the text of the scene with `overrides`.
+fn one(args: &SweepArgs, overrides: &[Override]) -> Result<(String, String), Failure> {
     let scene = Scene::read(&args.scene.scene, overrides)?;
-    fingerprint(&scene, &version()).map_err(|(file, error)| {
+    let fingerprint = fingerprint(&scene, &version()).map_err(|(file, error)| {
         let message = format!("{}: the file cannot be read: {error}", file.display());
-        scene.error_at("mesh.file", message, "name an existing file, relative to the scene file").into()
-    })
+        scene.error_at("mesh.file", message, "name an existing file, relative to the scene file")
+    })?;
+    Ok((fingerprint, scene.text().to_string()))
+}
+
+/// The tables of a sweep, by the kind of file.
+const TABLES: [&str; 4] = ["csv", "json", "txt", "svg"];
+
+/// An error, before anything runs, where something stands in the way of a table.
+fn writable(folder: &Path) -> Result<(), Failure> {
+    let tables = TABLES.map(|kind| folder.join(format!("sweep.{kind}")));
+    match tables.iter().find(|table| table.is_dir()) {
+        Some(table) => Err(write_failure(table, &io::Error::from(io::ErrorKind::IsADirectory))),
+        None => Ok(()),
+    }
 }
 
 fn write(folder: &Path, sweep: &Sweep, json: &str) -> Result<(), Failure> {
     let chart = sweep.chart().to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     let (csv, text) = (sweep.to_csv(), sweep.to_text());
-    for (kind, content) in [("csv", csv.as_str()), ("json", json), ("txt", &text), ("svg", &chart)] {
+    for (kind, content) in TABLES.into_iter().zip([&csv, json, &text, &chart]) {
         write_file(folder, &format!("sweep.{kind}"), content).map_err(|error| write_failure(folder, &error))?;
     }
     Ok(())

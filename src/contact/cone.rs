@@ -20,7 +20,7 @@ impl Cone {
     }
 
     /// The distance (m) from `x` to where a line along the unit vector `n` enters the cone, negative inside; NaN if it does
-    /// not.
+    /// not, or leaves it before `x`.
     pub(super) fn along(&self, x: [f64; 3], n: [f64; 3]) -> f64 {
         let cot = 1.0 / self.half_angle.tan();
         let ((z, q), (n_z, n_q)) = (self.split(minus(x, self.apex)), self.split(n));
@@ -33,9 +33,17 @@ impl Cone {
         let (lean, twist) = (plus(q.map(|q| n_z * q), -z, n_q), cross(q, n_q));
         let root = cot * (dot(lean, lean) - cot * cot * dot(twist, twist)).sqrt();
         let entry = if b > 0.0 { -c / (b + root) } else { (root - b) / a };
-        // A line that leans no more than the surface meets both cones once, the one behind the tip later.
-        let enters = n_z > 0.0 && (a > 0.0 || z + entry * n_z > 0.0);
+        // A line that leans no more than the surface meets both cones once, the one behind the tip later; another passes
+        // through one of them, and is behind `x` where both ends are.
+        let behind = c < 0.0 && b < 0.0;
+        let enters = if a > 0.0 { n_z > 0.0 } else { z + entry * n_z > 0.0 && !behind };
         if enters && entry.is_finite() { entry } else { f64::NAN }
+    }
+
+    /// Whether `x` (m) is inside.
+    pub(super) fn contains(&self, x: [f64; 3]) -> bool {
+        let (z, q) = self.split(minus(x, self.apex));
+        norm(q) < z * self.half_angle.tan()
     }
 
     /// A vector into the cone, at right angles to its surface at `foot`.

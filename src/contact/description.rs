@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::fault::{Fault, demand, finite, not_huge, positive};
 use crate::formula::Formula;
 use crate::timeline::check_points;
-use crate::vector::{Vector, dot, norm, unit};
+use crate::vector::{Vector, dot, norm, plus, unit};
 
 /// A rigid obstacle. Vectors have two components for a plane body and three for one in space; directions may have any
 /// length.
@@ -52,6 +52,42 @@ pub enum GapDirection {
     Nearest,
 }
 
+/// Where a round obstacle is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Place {
+    /// A point of its surface, m: of a cylinder or a sphere the one nearest to the body, of a bore or a socket the one that the
+    /// normal points to from the axis or centre.
+    Apex(Vector),
+    /// Its centre, or a point of its axis, m.
+    Center(Vector),
+}
+
+impl Place {
+    /// The point, and the key that it stands at.
+    fn point(self) -> (&'static str, Vector) {
+        match self {
+            Place::Apex(point) => ("apex", point),
+            Place::Center(point) => ("center", point),
+        }
+    }
+
+    /// The same with another point.
+    pub(crate) fn map(self, change: impl FnOnce(Vector) -> Vector) -> Self {
+        match self {
+            Place::Apex(point) => Place::Apex(change(point)),
+            Place::Center(point) => Place::Center(change(point)),
+        }
+    }
+
+    /// The apex (m) of a round obstacle of this radius (m), negative with the body in it, that is seen along the unit vector `normal`.
+    pub(super) fn apex(self, radius: f64, normal: [f64; 3]) -> [f64; 3] {
+        match self {
+            Place::Apex(apex) => apex.components(),
+            Place::Center(centre) => plus(centre.components(), -radius, normal),
+        }
+    }
+}
+
 /// The shape of an obstacle.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
@@ -69,8 +105,8 @@ pub enum Shape {
     Cylinder {
         /// Radius, m.
         radius: f64,
-        /// A point nearest to the body, m.
-        apex: Vector,
+        /// Where it is.
+        place: Place,
         /// Direction of its axis; in two dimensions that is z.
         axis: Option<Vector>,
     },
@@ -78,15 +114,15 @@ pub enum Shape {
     Sphere {
         /// Radius, m.
         radius: f64,
-        /// The point of the sphere nearest to the body, m.
-        apex: Vector,
+        /// Where it is.
+        place: Place,
     },
     /// A cylinder with the body in it, as a shaft in its bore.
     Bore {
         /// Radius, m.
         radius: f64,
-        /// The point of the bore that the normal points to from its axis, m.
-        apex: Vector,
+        /// Where it is.
+        place: Place,
         /// Direction of its axis; in two dimensions that is z.
         axis: Option<Vector>,
     },
@@ -94,8 +130,8 @@ pub enum Shape {
     Socket {
         /// Radius, m.
         radius: f64,
-        /// The point of the sphere that the normal points to from its centre, m.
-        apex: Vector,
+        /// Where it is.
+        place: Place,
     },
     /// A circular cone with its tip towards the body.
     Cone {
@@ -210,23 +246,15 @@ impl Obstacle {
 
     /// The first of its vectors that is given with two components, as only suits a plane body.
     pub(super) fn plane_vector(&self) -> Option<&'static str> {
-        let (apex, axis, through) = match self.shape {
-            Shape::PlaneThrough { through } => (None, None, Some(through)),
-            Shape::Sphere { apex, .. } | Shape::Socket { apex, .. } => (Some(apex), None, None),
-            Shape::Cylinder { apex, axis, .. }
-            | Shape::Bore { apex, axis, .. }
-            | Shape::Cone { apex, axis, .. }
-            | Shape::Wedge { apex, axis, .. } => (Some(apex), axis, None),
-            Shape::Plane { .. } | Shape::Formula(_) | Shape::Table { .. } | Shape::Surface { .. } => (None, None, None),
-        };
+        let (point, axis) = self.shape.stands();
+        let (name, point) = point.map_or(("", None), |(name, point)| (name, Some(point)));
         let rotation = self.rotation.as_ref();
         let flat = |vector: &Vector| vector.dimension() == 2;
         let given = [
             ("normal", self.normal),
             ("tangent", self.tangent),
-            ("apex", apex),
+            (name, point),
             ("axis", axis),
-            ("through", through),
             ("rotation.axis", rotation.and_then(|rotation| rotation.axis)),
             ("rotation.through", rotation.map(|rotation| rotation.through)),
             ("translation", self.translation.iter().flatten().map(|(_, to)| *to).find(flat)),
@@ -239,39 +267,43 @@ impl Obstacle {
 pub(super) const SKEW: f64 = 1e-9;
 
 impl Shape {
+    /// The point by which it is given where it stands, with its key, and the direction of its axis.
+    pub(super) fn stands(&self) -> (Option<(&'static str, Vector)>, Option<Vector>) {
+        match *self {
+            Shape::PlaneThrough { through } => (Some(("through", through)), None),
+            Shape::Sphere { place, .. } | Shape::Socket { place, .. } => (Some(place.point()), None),
+            Shape::Cylinder { place, axis, .. } | Shape::Bore { place, axis, .. } => (Some(place.point()), axis),
+            Shape::Cone { apex, axis, .. } | Shape::Wedge { apex, axis, .. } => (Some(("apex", apex)), axis),
+            Shape::Plane { .. } | Shape::Formula(_) | Shape::Table { .. } | Shape::Surface { .. } => (None, None),
+        }
+    }
+
     fn check(&self) -> Result<(), Fault> {
+        let (point, axis) = self.stands();
+        if let Some((key, value)) = point {
+            self::point(key, value)?;
+        }
+        if let Some(axis) = axis {
+            direction("axis", axis)?;
+        }
         match *self {
             Shape::Plane { gap } => finite("gap", gap),
-            Shape::PlaneThrough { through } => point("through", through),
-            Shape::Cylinder { radius, apex, axis } | Shape::Bore { radius, apex, axis } => {
-                check_radius(radius)?;
-                placed(apex, axis)
+            Shape::Cylinder { radius, .. }
+            | Shape::Bore { radius, .. }
+            | Shape::Sphere { radius, .. }
+            | Shape::Socket { radius, .. } => positive("radius", radius, "give the radius in m or as [units] says"),
+            Shape::Cone { half_angle, .. } => {
+                acute("half_angle", half_angle, "give the angle in rad between the axis and the surface of the cone")
             }
-            Shape::Sphere { radius, apex } | Shape::Socket { radius, apex } => {
-                check_radius(radius)?;
-                placed(apex, None)
-            }
-            Shape::Cone { apex, half_angle, axis } => {
-                let help = "give the angle in rad between the axis and the surface of the cone";
-                acute("half_angle", half_angle, help)?;
-                placed(apex, axis)
-            }
-            Shape::Wedge { apex, angle, axis } => {
-                acute("angle", angle, "give the angle in rad by which each plane leans away from the body")?;
-                placed(apex, axis)
+            Shape::Wedge { angle, .. } => {
+                acute("angle", angle, "give the angle in rad by which each plane leans away from the body")
             }
             Shape::Table { scale, .. } | Shape::Surface { scale, .. } => {
                 positive("scale", scale, "give the length of the file's unit in m, or in the unit of [units]")
             }
-            Shape::Formula(_) => Ok(()),
+            Shape::PlaneThrough { .. } | Shape::Formula(_) => Ok(()),
         }
     }
-}
-
-/// Checks where a shape stands.
-fn placed(apex: Vector, axis: Option<Vector>) -> Result<(), Fault> {
-    point("apex", apex)?;
-    axis.map_or(Ok(()), |axis| direction("axis", axis).map(drop))
 }
 
 fn acute(key: &str, angle: f64, help: &str) -> Result<(), Fault> {
@@ -285,10 +317,6 @@ impl Rotation {
         point("through", self.through)?;
         check_points("history", "angle", &self.history)
     }
-}
-
-fn check_radius(radius: f64) -> Result<(), Fault> {
-    positive("radius", radius, "give the radius in m or as [units] says")
 }
 
 fn point(key: &str, value: Vector) -> Result<(), Fault> {

@@ -18,13 +18,15 @@ pub struct Meeting {
     pub facing: Facing,
 }
 
-/// A node whose distance from an obstacle nobody can tell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A node whose distance from an obstacle nobody can tell, at the beginning or later.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unclear {
     /// The number of the node in the mesh.
     pub node: usize,
     /// The number of the obstacle.
     pub obstacle: usize,
+    /// When, s, where the obstacle moves.
+    pub time: Option<f64>,
     /// Why, in words, and what helps.
     pub why: (&'static str, &'static str),
 }
@@ -37,7 +39,8 @@ const ALONG: f64 = 1e-9;
 /// one that comes nearest at `times` (s) or where a motion has a kink. The others stay open whatever happens.
 ///
 /// # Errors
-/// A node that no obstacle reaches, but of which one cannot tell that it never does.
+/// A node that no obstacle reaches, but of which one cannot tell that it never does, and one inside an obstacle that has turned
+/// its back to it.
 pub fn meetings(
     mesh: &Mesh,
     boundary: &Boundary,
@@ -67,19 +70,30 @@ pub fn meetings(
                 (obstacle, motion) => motion.nearest_approach(obstacle, x, facing, times),
             })
         };
+        let swallowed = |(k, facing): &(usize, Facing)| {
+            let (obstacle, motion) = &obstacles[*k];
+            let time = motion.swallows(obstacle, x, facing, times)?;
+            let why = if obstacle.surrounds() {
+                ("the bore or socket moves over", "let it move less far aside, or use direction = \"nearest\"")
+            } else {
+                ("the obstacle turns its back to the body and covers", "let it turn less far, or beside the body")
+            };
+            Some(Unclear { node, obstacle: *k, time: Some(time), why })
+        };
         let Some((_, obstacle, facing)) = at_first.or_else(later) else {
+            if let Some(unclear) = facings.iter().find_map(swallowed) {
+                return Err(unclear);
+            }
             let unclear = facings.iter().find_map(|(k, _)| Some((*k, obstacles[*k].0.out_of_reach()?)));
             if let Some((obstacle, why)) = unclear {
-                return Err(Unclear { node, obstacle, why });
+                return Err(Unclear { node, obstacle, time: None, why });
             }
             continue;
         };
-        let (placed, motion) = &obstacles[obstacle];
-        if placed.surrounds() && motion.loses(placed, x, &facing, times) {
-            let why = ("the bore or socket moves over", "let it move less far aside, or use direction = \"nearest\"");
-            return Err(Unclear { node, obstacle, why });
+        if let Some(unclear) = swallowed(&(obstacle, facing)) {
+            return Err(unclear);
         }
-        met.push(Meeting { node, obstacle, facing: placed.in_front(facing) });
+        met.push(Meeting { node, obstacle, facing: obstacles[obstacle].0.in_front(facing) });
     }
     Ok(met)
 }

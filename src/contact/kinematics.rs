@@ -92,7 +92,7 @@ pub struct ContactBoundary {
 impl ContactBoundary {
     /// The nodes of the boundary among all contact nodes, and what part of the forces on each of `contacts` is that of this
     /// boundary: 1, or by its share in a node that is of several.
-    pub fn parts<'a>(&'a self, contacts: &'a [ContactNode]) -> impl Iterator<Item = (usize, f64)> + 'a {
+    pub fn parts<'a>(&'a self, contacts: &'a [ContactNode]) -> impl Iterator<Item = (usize, f64)> + Clone + 'a {
         self.nodes.iter().zip(&self.weights).map(|(&i, weight)| (i, weight / contacts[i].weight))
     }
 }

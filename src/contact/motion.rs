@@ -25,6 +25,10 @@ struct Turning {
     history: Vec<[f64; 2]>,
 }
 
+/// The slope of a surface, against the normal of the node, above which gaps do not follow it: what a motion adds by so steep a rate
+/// would cost the digits of the gap, of which a bend takes it off again.
+const STEEP: f64 = 1.0;
+
 /// What one motion does to a node in front of the obstacle, for each unit of its factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rates {
@@ -75,7 +79,9 @@ impl ObstacleMotion {
                     return Rates { gap: -1.0, drift: [0.0; 2] };
                 }
                 let in_front = surface(plus(*x, facing.gap, facing.normal));
-                Rates { gap: dot(in_front, facing.inward), drift: facing.tangents.map(|t| dot(d, t)) }
+                let steep = facing.slope() > STEEP;
+                let inward = if steep { facing.normal } else { facing.inward };
+                Rates { gap: dot(in_front, inward), drift: facing.tangents.map(|t| dot(d, t)) }
             };
             positions.iter().zip(facings).map(rates).collect::<Vec<_>>()
         };
@@ -129,9 +135,35 @@ impl ObstacleMotion {
         self.moments(times).map(|t| self.distance(obstacle, t, x, facing)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the obstacle is not in front of a node at `x` (m) at one of the same times.
-    pub(super) fn loses(&self, obstacle: &PlacedObstacle, x: [f64; 3], facing: &Facing, times: &[f64]) -> bool {
-        self.moves() && self.moments(times).any(|t| self.distance(obstacle, t, x, facing).is_nan())
+    /// The first of the same times at which a node at `x` (m) is inside the moved obstacle, but nothing tells how deep: where the
+    /// obstacle has turned its back to it, or the wall of a bore passes it sideways.
+    pub(super) fn swallows(
+        &self,
+        obstacle: &PlacedObstacle,
+        x: [f64; 3],
+        facing: &Facing,
+        times: &[f64],
+    ) -> Option<f64> {
+        // What does not turn a line along the normal can leave only by its rim, but for a bore.
+        if !(self.turns(obstacle) || self.moves() && obstacle.surrounds()) {
+            return None;
+        }
+        let swallowed = |t: &f64| {
+            let (back, n) = self.back(*t, x, facing.normal);
+            obstacle.swallows(back, n, x)
+        };
+        self.moments(times).filter(swallowed).min_by(f64::total_cmp)
+    }
+
+    /// The slope of the obstacle in front of a node at `x` (m) at time `t` (s), against the node's normal: the tangent of the angle;
+    /// NaN if it is not in front of the node.
+    pub fn slope(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
+        // A normal of its own each node has from the surface itself.
+        if self.keeps_shape(obstacle, facing.normal) || !obstacle.has_one_normal() {
+            return facing.slope();
+        }
+        let (back, n) = self.back(t, x, facing.normal);
+        obstacle.slope(back, n, x)
     }
 
     /// 0, the points of all histories, and `times` (s).

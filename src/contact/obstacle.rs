@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::cone::Cone;
-use super::description::{GapDirection, Obstacle, Rotation, SKEW, Shape};
+use super::description::{GapDirection, Obstacle, Place, Rotation, SKEW, Shape};
 use super::gap_table::{GapTable, TableError};
-use super::surface::{Beyond, Surface};
+use super::surface::Surface;
 use super::triangles::{SurfaceError, Triangles};
 use crate::mesh::{Boundary, Mesh};
-use crate::vector::{Vector, across, axis_across, cross, dot, norm, unit};
+use crate::vector::{Vector, across, axis_across, cross, dot, minus, norm, unit};
 
 /// An obstacle in front of a part of the boundary. Small displacements: gaps are measured once, in
 /// the undeformed state.
@@ -37,6 +37,13 @@ pub struct Facing {
     /// At right angles to the surface in front of the node, into the obstacle, with a component 1 along the
     /// normal: a surface that moves by `d` adds `d · inward` to the gap.
     pub inward: [f64; 3],
+}
+
+impl Facing {
+    /// The slope of the surface in front of the node, against its normal: the tangent of the angle.
+    pub fn slope(&self) -> f64 {
+        norm(minus(self.inward, self.normal))
+    }
 }
 
 /// Why an obstacle does not fit its boundary.
@@ -95,6 +102,14 @@ impl ObstacleError {
 }
 
 impl PlacedObstacle {
+    /// The radius (m) of a cylinder or a sphere, and the axis of a cylinder.
+    pub(crate) fn roundness(&self) -> Option<(f64, Option<[f64; 3]>)> {
+        match self.surface {
+            Surface::Round { radius, axis, .. } if radius > 0.0 => Some((radius, axis)),
+            _ => None,
+        }
+    }
+
     /// The obstacle that `given`, which is sound, puts in front of `boundary`. Without a normal it faces the mean outward
     /// normal of the boundary. Without a first tangent, that is in two dimensions the normal turned by
     /// +90°, which is +x above a foundation; in three it is the projection of x on the tangent plane, or of
@@ -120,6 +135,7 @@ impl PlacedObstacle {
             (Some(axis), _) if dot(axis, normal).abs() > SKEW => Err(ObstacleError::SkewAxis),
             (Some(axis), _) => Ok(axis),
         };
+        let round = |radius: f64, place: Place, axis| Surface::Round { radius, apex: place.apex(radius, normal), axis };
         let flat = mesh.dimension == 2;
         let surface = match &given.shape {
             Shape::Plane { gap } => {
@@ -127,18 +143,14 @@ impl PlacedObstacle {
                 Surface::Plane { level: along.fold(f64::NEG_INFINITY, f64::max), gap: *gap }
             }
             Shape::PlaneThrough { through } => Surface::Plane { level: dot(normal, through.components()), gap: 0.0 },
-            Shape::Cylinder { radius, apex, axis: given } => {
-                Surface::Round { radius: *radius, apex: apex.components(), axis: Some(axis(*given)?) }
-            }
-            Shape::Bore { radius, apex, axis: given } => {
-                Surface::Round { radius: -radius, apex: apex.components(), axis: Some(axis(*given)?) }
-            }
+            Shape::Cylinder { radius, place, axis: given } => round(*radius, *place, Some(axis(*given)?)),
+            Shape::Bore { radius, place, axis: given } => round(-radius, *place, Some(axis(*given)?)),
             Shape::Sphere { .. } if flat => return Err(ObstacleError::OnlyInSpace("sphere")),
             Shape::Socket { .. } if flat => return Err(ObstacleError::OnlyInSpace("socket")),
             Shape::Cone { .. } if flat => return Err(ObstacleError::OnlyInSpace("cone")),
             Shape::Surface { .. } if flat => return Err(ObstacleError::OnlyInSpace("surface")),
-            Shape::Sphere { radius, apex } => Surface::Round { radius: *radius, apex: apex.components(), axis: None },
-            Shape::Socket { radius, apex } => Surface::Round { radius: -radius, apex: apex.components(), axis: None },
+            Shape::Sphere { radius, place } => round(*radius, *place, None),
+            Shape::Socket { radius, place } => round(-radius, *place, None),
             Shape::Cone { apex, half_angle, axis: given } => {
                 let axis = along(*given).unwrap_or(normal);
                 if dot(axis, normal) <= SKEW {
@@ -169,18 +181,21 @@ impl PlacedObstacle {
         match self.direction {
             GapDirection::Normal => {
                 let gap = self.surface.along(self.normal, x, self.normal, x);
-                let [t, o] = self.tangents;
-                // Steps of 1e-6 leave half the digits of a slope in double precision.
-                let step = 1e-6 * self.extent;
-                let inward = self.surface.inward([self.normal, t, o], x, (gap, self.normal), step);
+                let inward = self.inward(x, (gap, self.normal));
                 let closing = dot(inward, self.normal);
                 Facing { gap, normal: self.normal, tangents: self.tangents, inward: inward.map(|c| c / closing) }
             }
             GapDirection::Nearest => {
                 let (gap, normal) = self.surface.nearest(self.normal, x);
                 let first = across(self.tangents[0], normal);
-                // A tangent that has become the normal gives way to the other one.
-                let first = if norm(first) > SKEW { unit(first) } else { cross(self.tangents[1], normal) };
+                // About an axis it goes round with the normal, where its projection points back after a quarter of a turn.
+                let back = dot(self.normal, normal) < 0.0 && self.surface.goes_round_along(self.tangents[0]);
+                let first = match (norm(first) > SKEW, back) {
+                    (true, false) => unit(first),
+                    (true, true) => unit(first).map(|c| -c),
+                    // A tangent that has become the normal gives way to the other one.
+                    (false, _) => cross(self.tangents[1], normal),
+                };
                 Facing { gap, normal, tangents: [first, cross(normal, first)], inward: normal }
             }
         }
@@ -224,6 +239,11 @@ impl PlacedObstacle {
         self.extent
     }
 
+    /// Whether gaps are measured along one normal.
+    pub fn has_one_normal(&self) -> bool {
+        self.direction == GapDirection::Normal
+    }
+
     /// Whether its surface is a plane.
     pub fn is_plane(&self) -> bool {
         matches!(self.surface, Surface::Plane { .. })
@@ -234,35 +254,56 @@ impl PlacedObstacle {
         self.surface.is_the_same_about(self.normal, axis, through)
     }
 
-    /// Whether the normals point out of the body on the whole of `boundary`.
-    pub fn faces(&self, mesh: &Mesh, boundary: &Boundary) -> bool {
-        boundary.facets.iter().all(|facet| {
+    /// The first node of `boundary` at which the normal does not point out of the body, on each facet there.
+    pub fn faces_away(&self, mesh: &Mesh, boundary: &Boundary) -> Option<usize> {
+        boundary.facets.iter().find_map(|facet| {
             let outwards = mesh.area_vector(facet);
-            facet.iter().all(|&node| dot(outwards, self.at(mesh.nodes[node]).normal) > 0.0)
+            facet.iter().copied().find(|&node| dot(outwards, self.at(mesh.nodes[node]).normal) <= 0.0)
         })
     }
 
     /// Why a node that has no distance from the obstacle may not stand there, and what helps, in words; nothing where such a
     /// node is simply not in front of it.
     pub fn out_of_reach(&self) -> Option<(&'static str, &'static str)> {
-        match (self.surface.beyond(), &self.surface) {
-            (Beyond::Nothing, _) => None,
-            (Beyond::Obstacle, _) => Some((
+        match &self.surface {
+            Surface::Table(_) => {
+                Some(("the table of gaps does not reach", "extend the table; outside it nothing is assumed"))
+            }
+            Surface::Formula(_) => {
+                Some(("the formula has no finite value at", "mend the formula, or use a smaller boundary"))
+            }
+            surface => surface.surrounds().then_some((
                 "the bore or socket is narrower than the body at",
                 "use a larger radius, a smaller boundary or direction = \"nearest\"",
             )),
-            (Beyond::Unknown, Surface::Table(_)) => {
-                Some(("the table of gaps does not reach", "extend the table; outside it nothing is assumed"))
-            }
-            (Beyond::Unknown, _) => {
-                Some(("the formula has no finite value at", "mend the formula, or use a smaller boundary"))
-            }
         }
     }
 
-    /// Whether a line that misses the obstacle runs inside it.
-    pub(crate) fn surrounds(&self) -> bool {
-        self.surface.beyond() == Beyond::Obstacle
+    /// Whether a line can miss it only inside it: a bore or a socket.
+    pub(super) fn surrounds(&self) -> bool {
+        self.surface.surrounds()
+    }
+
+    /// Whether a point at `x` (m) in the obstacle at rest that came from `reference` is inside it, but has no distance along `n`
+    /// that tells how deep.
+    pub(super) fn swallows(&self, x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> bool {
+        self.distance(x, n, reference).is_nan() && self.surface.swallows(self.normal, x, n, reference)
+    }
+
+    /// The slope of the surface in front of a point at `x` (m) in the obstacle at rest, against the unit vector `n`: the tangent
+    /// of the angle; NaN if the obstacle is not in front of it.
+    pub(super) fn slope(&self, x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> f64 {
+        let gap = self.distance(x, n, reference);
+        let inward = self.inward(x, (gap, n));
+        let closing = dot(inward, n);
+        norm(minus(inward.map(|c| c / closing), n))
+    }
+
+    /// A vector into the obstacle where the line from `x` along `n` meets it after `gap`.
+    fn inward(&self, x: [f64; 3], (gap, n): (f64, [f64; 3])) -> [f64; 3] {
+        let [t, o] = self.tangents;
+        // Steps of 1e-6 leave half the digits of a slope in double precision.
+        self.surface.inward([self.normal, t, o], x, (gap, n), 1e-6 * self.extent)
     }
 
     /// The number of triangles of a surface.
@@ -278,18 +319,12 @@ impl PlacedObstacle {
 fn lies_in_plane(given: &Obstacle) -> Result<(), ObstacleError> {
     let leaves = |vector: Vector| vector.components()[2] != 0.0;
     let upright = |axis: Vector| norm(cross(unit(axis.components()), [0.0, 0.0, 1.0])) <= SKEW;
-    let (point, axis) = match given.shape {
-        Shape::PlaneThrough { through } => (Some(through), None),
-        Shape::Cylinder { apex, axis, .. } | Shape::Bore { apex, axis, .. } | Shape::Wedge { apex, axis, .. } => {
-            (Some(apex), axis)
-        }
-        _ => (None, None),
-    };
+    let (point, axis) = given.shape.stands();
     let turning = given.rotation.as_ref().is_some_and(|Rotation { axis, .. }| axis.is_some_and(|axis| !upright(axis)));
     for (name, leaves) in [
         ("the normal", given.normal.is_some_and(leaves)),
         ("the tangent", given.tangent.is_some_and(leaves)),
-        ("the place", point.is_some_and(leaves)),
+        ("the place", point.is_some_and(|(_, point)| leaves(point))),
         ("the axis", axis.is_some_and(|axis| !upright(axis))),
         ("the translation", given.translation.iter().flatten().any(|(_, to)| leaves(*to))),
         ("the rotation", turning),

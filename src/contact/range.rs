@@ -56,21 +56,22 @@ pub struct DeformedNode {
 }
 
 /// The node of `nodes`, in front of `obstacle` at time `t` (s), where the linearised distance is most wrong, if
-/// that is more than [`TOLERATED_SHARE`] of the indentation: of `interference`, the deepest of the history (m), or
-/// of the largest normal displacement of a closed node. An open node counts only if it is inside the obstacle in truth.
+/// that is more than [`TOLERATED_SHARE`] of the indentation: of `indentation` (m), what is known of it beforehand, or of the
+/// largest normal displacement of a closed node; where none is closed, of the largest displacement. An open node counts only if
+/// it is inside the obstacle in truth.
 /// What is no more than rounding and the tolerance of a solution is no difference: on a plane that touches from the start
 /// nothing is indented.
 pub fn range_left(
     obstacle: &PlacedObstacle,
     motion: &ObstacleMotion,
     t: f64,
-    interference: f64,
+    indentation: f64,
     nodes: &[DeformedNode],
 ) -> Option<RangeLeft> {
     let normal_displacement = |node: &DeformedNode| dot(node.normal, node.displacement);
-    let closed = nodes.iter().filter(|node| node.closed);
-    let indentation = closed.fold(interference, |m, node| m.max(normal_displacement(node).abs()));
     let largest = nodes.iter().fold(0.0_f64, |m, node| m.max(norm(node.displacement)));
+    let closed = nodes.iter().filter(|node| node.closed).map(|node| normal_displacement(node).abs());
+    let indentation = indentation.max(closed.reduce(f64::max).unwrap_or(largest));
     let mut worst: Option<RangeLeft> = None;
     for node in nodes {
         let DeformedNode { position, displacement, normal, .. } = *node;

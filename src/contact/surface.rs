@@ -3,6 +3,8 @@
 use std::sync::Arc;
 
 use super::cone::Cone;
+use super::crossing::crossing;
+use super::description::SKEW;
 use super::gap_table::GapTable;
 use super::triangles::Triangles;
 use crate::formula::Formula;
@@ -34,28 +36,17 @@ pub(super) enum Surface {
 /// the last place.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// What is where a line misses a surface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Beyond {
-    /// Nothing: the line passes the obstacle.
-    Nothing,
-    /// The obstacle, so that no distance along the line tells how deep.
-    Obstacle,
-    /// Nobody knows.
-    Unknown,
-}
-
 impl Surface {
-    /// The distance (m) from `x` to the surface along the unit vector `n`, negative inside; NaN if the
-    /// line misses or only grazes it. Only fields of gaps need `reference`, where the point at `x` came from: they are
-    /// given by reference positions, along `facing`.
+    /// The distance (m) from `x` to where a line along the unit vector `n` enters the obstacle, negative if `x` is inside; NaN
+    /// if the line misses or only grazes it, only leaves it, as where it has turned its back, or has left it before `x`. Only
+    /// fields of gaps need `reference`, where the point at `x` came from: they are given by reference positions, along
+    /// `facing`.
     pub(super) fn along(&self, facing: [f64; 3], x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> f64 {
-        let field = |gap: &dyn Fn([f64; 3]) -> f64| {
-            let moved = minus(x, reference);
-            gap(plus(reference, 1.0, across(moved, facing))) - dot(moved, facing)
-        };
         match self {
-            Surface::Plane { level, gap } => (gap + (level - dot(facing, x))) / dot(facing, n),
+            Surface::Plane { level, gap } => {
+                let closing = dot(facing, n);
+                if closing > 0.0 { (gap + (level - dot(facing, x))) / closing } else { f64::NAN }
+            }
             Surface::Round { radius, apex, axis } => {
                 // A line that leans along the axis of a cylinder is longer than its shadow.
                 let leaning = axis.filter(|axis| dot(*axis, n) != 0.0);
@@ -75,34 +66,80 @@ impl Surface {
                     return f64::NAN;
                 }
                 // R - √(R² - s²), without the loss of digits where s is small.
-                let sagitta = aside / (radius.abs() + (radius * radius - aside).sqrt());
-                (radius.signum() * sagitta - along) / length
+                let half_chord = (radius * radius - aside).sqrt();
+                let sagitta = aside / (radius.abs() + half_chord);
+                let entry = radius.signum() * sagitta - along;
+                let behind = *radius > 0.0 && entry + 2.0 * half_chord < 0.0;
+                if behind { f64::NAN } else { entry / length }
             }
             Surface::Cone(cone) => cone.along(x, n),
             Surface::Wedge { apex, aside, slope } => {
                 let from = minus(x, *apex);
-                let face = |side: f64| {
+                let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
+                for side in [1.0, -1.0] {
                     // Into the obstacle, at right angles to the face; its length does not matter.
                     let inward = plus(facing, -side * slope, *aside);
-                    let closing = dot(inward, n);
-                    if closing > 0.0 { -dot(inward, from) / closing } else { f64::NAN }
-                };
-                let (one, other) = (face(1.0), face(-1.0));
-                if one.is_nan() || other.is_nan() { f64::NAN } else { one.max(other) }
+                    let (closing, outside) = (dot(inward, n), -dot(inward, from));
+                    match closing {
+                        0.0 if outside > 0.0 => exit = f64::NEG_INFINITY,
+                        0.0 => {}
+                        _ if closing > 0.0 => entry = entry.max(outside / closing),
+                        _ => exit = exit.min(outside / closing),
+                    }
+                }
+                if entry.is_finite() && entry <= exit && exit >= 0.0 { entry } else { f64::NAN }
             }
-            Surface::Formula(formula) => field(&|x| formula.at(x)),
-            Surface::Table(table) => field(&|x| table.at(x)),
+            Surface::Formula(_) | Surface::Table(_) if n == facing => self.above(facing, x, reference),
+            Surface::Formula(_) | Surface::Table(_) => {
+                crossing(|s| self.above(facing, plus(x, s, n), reference), dot(facing, n))
+            }
             Surface::Triangles(triangles) => triangles.entry(x, n).map_or(f64::NAN, |entry| entry.distance),
         }
     }
 
-    /// What is where [`Surface::along`] is NaN.
-    pub(super) fn beyond(&self) -> Beyond {
+    /// How far (m) the surface of a field of gaps is from `x` along `facing`, as [`Surface::along`]; NaN where the field has no
+    /// value.
+    fn above(&self, facing: [f64; 3], x: [f64; 3], reference: [f64; 3]) -> f64 {
+        let moved = minus(x, reference);
+        let base = plus(reference, 1.0, across(moved, facing));
+        let gap = match self {
+            Surface::Formula(formula) => formula.at(base),
+            Surface::Table(table) => table.at(base),
+            _ => f64::NAN,
+        };
+        gap - dot(moved, facing)
+    }
+
+    /// Whether a point at `x`, from which [`Surface::along`] the unit vector `n` is NaN, is inside the obstacle: no distance
+    /// along the line tells how deep. Of triangles only those of a closed surface have an inside, and there is always a way in.
+    pub(super) fn swallows(&self, facing: [f64; 3], x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> bool {
         match self {
-            Surface::Round { radius, .. } if *radius < 0.0 => Beyond::Obstacle,
-            Surface::Formula(_) | Surface::Table(_) => Beyond::Unknown,
-            _ => Beyond::Nothing,
+            Surface::Plane { level, gap } => gap + (level - dot(facing, x)) < 0.0,
+            Surface::Round { radius, apex, axis } => {
+                let flat = |a: [f64; 3]| axis.map_or(a, |axis| across(a, axis));
+                let from_centre = norm(flat(minus(x, plus(*apex, *radius, facing))));
+                // A line that misses a bore runs outside of it, whatever rounding leaves of a place on its wall.
+                let along_axis = norm(flat(n)) <= ROUNDING;
+                if *radius > 0.0 { from_centre < *radius } else { !along_axis || from_centre > -radius }
+            }
+            Surface::Cone(cone) => cone.contains(x),
+            Surface::Wedge { apex, aside, slope } => {
+                let from = minus(x, *apex);
+                [1.0, -1.0].into_iter().all(|side| dot(plus(facing, -side * slope, *aside), from) > 0.0)
+            }
+            Surface::Formula(_) | Surface::Table(_) => self.above(facing, x, reference) < 0.0,
+            Surface::Triangles(_) => false,
         }
+    }
+
+    /// Whether a line can miss it that does not leave the obstacle at all: a bore or a socket.
+    pub(super) fn surrounds(&self) -> bool {
+        matches!(self, Surface::Round { radius, .. } if *radius < 0.0)
+    }
+
+    /// Whether it is round about an axis at right angles to the unit vector `tangent`.
+    pub(super) fn goes_round_along(&self, tangent: [f64; 3]) -> bool {
+        matches!(self, Surface::Round { axis: Some(axis), .. } if dot(*axis, tangent).abs() <= SKEW)
     }
 
     /// Whether a turn about the unit vector `axis` `through` a point (m) maps the surface on itself, but for the rounding of

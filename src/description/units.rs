@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Action, Bed, Contact, Description, Field, Held, Load, Probe, ProbePlace, Support, Where};
-use crate::contact::{Friction, Obstacle, Rotation, Shape};
+use crate::contact::{Friction, Obstacle, Place, Rotation, Shape};
 use crate::fem::{Layer, Material, MaterialGroup};
 use crate::formula::{Formula, FormulaUnits};
 use crate::mesh::{HalfPlane, Mesh, MeshSource, Segment};
@@ -212,19 +212,23 @@ impl Si {
         }
     }
 
+    fn round(self, place: Place) -> Place {
+        place.map(|point| self.point(point))
+    }
+
     fn shape(self, shape: Shape) -> Shape {
         match shape {
             Shape::Plane { gap } => Shape::Plane { gap: self.length(gap) },
             Shape::PlaneThrough { through } => Shape::PlaneThrough { through: self.point(through) },
-            Shape::Cylinder { radius, apex, axis } => {
-                Shape::Cylinder { radius: self.length(radius), apex: self.point(apex), axis }
+            Shape::Cylinder { radius, place, axis } => {
+                Shape::Cylinder { radius: self.length(radius), place: self.round(place), axis }
             }
-            Shape::Bore { radius, apex, axis } => {
-                Shape::Bore { radius: self.length(radius), apex: self.point(apex), axis }
+            Shape::Bore { radius, place, axis } => {
+                Shape::Bore { radius: self.length(radius), place: self.round(place), axis }
             }
-            Shape::Socket { radius, apex } => Shape::Socket { radius: self.length(radius), apex: self.point(apex) },
+            Shape::Sphere { radius, place } => Shape::Sphere { radius: self.length(radius), place: self.round(place) },
+            Shape::Socket { radius, place } => Shape::Socket { radius: self.length(radius), place: self.round(place) },
             Shape::Cone { apex, half_angle, axis } => Shape::Cone { apex: self.point(apex), half_angle, axis },
-            Shape::Sphere { radius, apex } => Shape::Sphere { radius: self.length(radius), apex: self.point(apex) },
             Shape::Wedge { apex, angle, axis } => Shape::Wedge { apex: self.point(apex), angle, axis },
             Shape::Formula(formula) => Shape::Formula(self.formula(Quantity::Length, formula)),
             Shape::Surface { file, scale } => Shape::Surface { file, scale: self.length(scale) },

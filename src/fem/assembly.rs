@@ -4,7 +4,7 @@ use super::dofs::Dofs;
 use super::elastic::Elasticity;
 use super::stiffness::element_stiffness;
 use super::strain::Element;
-use crate::mesh::Mesh;
+use crate::mesh::{Cell, Mesh};
 use crate::sparse::Symmetric;
 
 /// An element whose Jacobian is not positive at an integration point.
@@ -34,6 +34,17 @@ pub fn assemble(
     element: Element,
     material: impl Fn(usize) -> Elasticity,
 ) -> Result<Symmetric, InvertedElement> {
+    assemble_watched(mesh, dofs, element, material, |_, _| {})
+}
+
+/// The same, showing `watch` the stiffness of every cell: as all nodes have it, with the components x, y and z.
+pub(super) fn assemble_watched(
+    mesh: &Mesh,
+    dofs: &Dofs,
+    element: Element,
+    material: impl Fn(usize) -> Elasticity,
+    mut watch: impl FnMut(&Cell, &[Vec<f64>]),
+) -> Result<Symmetric, InvertedElement> {
     let mut k = Symmetric::of(dofs.free(), |take| {
         for cell in &mesh.cells {
             let unknowns = dofs.element(&cell.nodes);
@@ -47,6 +58,7 @@ pub fn assemble(
     for (e, cell) in mesh.cells.iter().enumerate() {
         let mut stiffness = element_stiffness(cell.kind, &mesh.points(&cell.nodes), element, &material(e))
             .ok_or_else(|| InvertedElement { element: e, centre: mesh.centre(e), dimension: mesh.dimension })?;
+        watch(cell, &stiffness);
         dofs.turn(&cell.nodes, &mut stiffness);
         let unknowns = dofs.element(&cell.nodes);
         for (row, values) in unknowns.iter().zip(&stiffness) {

@@ -24,7 +24,7 @@ pub struct Dofs {
 }
 
 /// A direction that is as long as this, or shorter, beyond others of unit length is one of theirs, and rounding.
-const SAME: f64 = 1e-9;
+pub const SAME_DIRECTION: f64 = 1e-9;
 
 /// The component along an axis of an oblique frame that is as small as this, of a unit vector, is what rounding leaves.
 const ROUNDING: f64 = 1e-14;
@@ -145,8 +145,8 @@ impl Dofs {
     }
 }
 
-/// As many of `directions` as span what all of them span, first those along axes.
-fn independent(mut directions: Vec<[f64; 3]>, dimension: usize) -> Vec<[f64; 3]> {
+/// An orthonormal basis of what `directions`, unit vectors, span; first those along axes.
+pub fn independent(mut directions: Vec<[f64; 3]>, dimension: usize) -> Vec<[f64; 3]> {
     directions.sort_by_key(|n| n.iter().filter(|c| **c != 0.0).count());
     let mut basis: Vec<[f64; 3]> = Vec::new();
     for n in directions {
@@ -154,7 +154,7 @@ fn independent(mut directions: Vec<[f64; 3]>, dimension: usize) -> Vec<[f64; 3]>
             let along = dot(rest, *b);
             minus(rest, b.map(|c| along * c))
         });
-        if basis.len() < dimension && norm(rest) > SAME {
+        if basis.len() < dimension && norm(rest) > SAME_DIRECTION {
             basis.push(if basis.is_empty() { n } else { unit(rest) });
         }
     }

@@ -37,6 +37,16 @@ impl Elasticity {
         let direct = |strain: f64| pressure + 2.0 * self.mu * strain;
         [direct(xx), direct(yy), direct(zz), self.mu * xy, self.mu * yz, self.mu * zx]
     }
+
+    /// `½ ε D ε` (J/m³) of a strain as above.
+    pub fn energy_density(&self, strain: &[f64; 6]) -> f64 {
+        0.5 * self.stress(*strain).iter().zip(strain).map(|(s, e)| s * e).sum::<f64>()
+    }
+
+    /// The bulk modulus `λ + 2/3 μ`, Pa.
+    pub fn bulk(&self) -> f64 {
+        self.lambda + 2.0 / 3.0 * self.mu
+    }
 }
 
 fn shear_modulus(young: f64, poisson: f64) -> f64 {

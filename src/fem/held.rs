@@ -1,14 +1,13 @@
 //! What happens where supports hold a body: their forces on it, and what their motion does to the rest.
 
-use super::assembly::InvertedElement;
+use super::assembly::{InvertedElement, assemble_watched};
 use super::dofs::Dofs;
 use super::elastic::Elasticity;
 use super::facet::NodalForces;
 use super::spring::Spring;
-use super::stiffness::element_stiffness;
 use super::strain::Element;
 use crate::mesh::Mesh;
-use crate::sparse::Csr;
+use crate::sparse::{Csr, Symmetric};
 use crate::vector::{axis, dot, minus};
 
 /// The rows of the stiffness of a body, springs included, at the nodes that supports hold: as all nodes have them, with
@@ -20,37 +19,40 @@ pub struct HeldRows {
 }
 
 impl HeldRows {
-    /// The rows at the nodes of which `dofs` holds something.
+    /// `K` as [`super::assemble`] makes it, with `springs`, and the rows at the nodes of which `dofs` holds something.
     ///
     /// # Errors
-    /// [`InvertedElement`] for the first element there that is not sound.
-    pub fn new(
+    /// [`InvertedElement`] for the first element that is not sound.
+    pub fn beside(
         mesh: &Mesh,
         dofs: &Dofs,
         element: Element,
         material: impl Fn(usize) -> Elasticity,
         springs: &[Spring],
-    ) -> Result<Self, InvertedElement> {
+    ) -> Result<(Symmetric, Self), InvertedElement> {
         let d = mesh.dimension;
         let holds = |node: &usize| dofs.node(*node).contains(&None);
         let nodes: Vec<usize> = (0..mesh.nodes.len()).filter(holds).collect();
         let place = |node: usize| nodes.binary_search(&node).ok();
         let mut rows = vec![Vec::new(); 3 * nodes.len()];
-        for (e, cell) in mesh.cells.iter().enumerate().filter(|(_, cell)| cell.nodes.iter().any(holds)) {
-            let stiffness = element_stiffness(cell.kind, &mesh.points(&cell.nodes), element, &material(e))
-                .ok_or_else(|| InvertedElement { element: e, centre: mesh.centre(e), dimension: d })?;
-            for (k, values) in stiffness.iter().enumerate() {
-                let Some(held) = place(cell.nodes[k / d]) else { continue };
-                let columns = values.iter().enumerate().map(|(j, value)| (3 * cell.nodes[j / d] + j % d, *value));
-                rows[3 * held + k % d].extend(columns);
+        let mut stiffness = assemble_watched(mesh, dofs, element, material, |cell, stiffness| {
+            for (a, &node) in cell.nodes.iter().enumerate().filter(|(_, node)| holds(node)) {
+                let Some(held) = place(node) else { continue };
+                for (c, values) in stiffness[d * a..d * (a + 1)].iter().enumerate() {
+                    let columns = values.iter().enumerate().map(|(j, value)| (3 * cell.nodes[j / d] + j % d, *value));
+                    rows[3 * held + c].extend(columns);
+                }
             }
+        })?;
+        for spring in springs {
+            spring.add_to(&mut stiffness, dofs);
         }
         for (row, column, value) in springs.iter().flat_map(Spring::entries) {
             if let Some(held) = place(row / 3) {
                 rows[3 * held + row % 3].push((column, value));
             }
         }
-        Ok(HeldRows { rows: Csr::of_rows(3 * mesh.nodes.len(), rows), nodes })
+        Ok((stiffness, HeldRows { rows: Csr::of_rows(3 * mesh.nodes.len(), rows), nodes }))
     }
 
     /// The nodes, ascending.

@@ -42,16 +42,14 @@ pub fn cell_volume(kind: CellKind, nodes: &[[f64; 3]]) -> Option<f64> {
     Some(gradients_at(kind, &quadrature_of(kind, nodes), nodes)?.iter().map(|(_, volume)| volume).sum())
 }
 
-/// The strain energy `½ ∫ (ε - ε₀) D (ε - ε₀) dV` of a cell as above, J, in two dimensions per unit depth, with the stress-free
-/// strain `free`, ε₀. `None` if the element is inverted or degenerate.
-pub fn strain_energy(
+/// The strains `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` at the integration points of a cell as above, each with the volume (m³; in
+/// two dimensions the area, m²) that its point stands for. `None` if the element is inverted or degenerate.
+pub fn strains(
     kind: CellKind,
     nodes: &[[f64; 3]],
     displacements: &[[f64; 3]],
     element: Element,
-    material: &Elasticity,
-    free: [f64; 6],
-) -> Option<f64> {
+) -> Option<Vec<(f64, [f64; 6])>> {
     let points = gradients_at(kind, &quadrature_of(kind, nodes), nodes)?;
     let mean = mean_gradients(&points);
     let at_point = |(gradients, volume): &(Vec<[f64; 3]>, f64)| {
@@ -59,11 +57,9 @@ pub fn strain_energy(
             Element::Bilinear => gradients,
             Element::BBar => &mean,
         };
-        let elastic = strain(kind, gradients, dilatation, displacements);
-        let elastic: [f64; 6] = std::array::from_fn(|k| elastic[k] - free[k]);
-        0.5 * volume * material.stress(elastic).iter().zip(elastic).map(|(s, e)| s * e).sum::<f64>()
+        (*volume, strain(kind, gradients, dilatation, displacements))
     };
-    Some(points.iter().map(at_point).sum())
+    Some(points.iter().map(at_point).collect())
 }
 
 /// The strain of `displacements` of the nodes, see [`strain_columns`].

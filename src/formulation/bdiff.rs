@@ -10,7 +10,7 @@ use super::{Assembled, Conventions, Layout};
 use crate::contact::coulomb::{
     Germ, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case, tangential_case_ahead,
 };
-use crate::problem::{ContactProblem, Increment};
+use crate::problem::{ContactProblem, Increment, strained};
 use crate::sparse::{Csc, Twofold};
 use crate::units::Scaling;
 
@@ -53,6 +53,11 @@ impl Bdiff {
     /// The units of `z`.
     pub fn scaling(&self) -> &Scaling {
         &self.data.scaling
+    }
+
+    /// `r` of the normal row of node `i`, scaled.
+    pub fn r_n(&self, i: usize) -> f64 {
+        self.rows.r_n[i]
     }
 
     /// The cases of node `i` at `z`.
@@ -186,13 +191,17 @@ impl Bdiff {
     /// `h = H_N(z + rest)`, the linear rows in twice the working precision; `rest` is below the rounding of `z`.
     pub fn residual_beyond(&self, z: &[f64], rest: &[f64], h: &mut [f64]) {
         let mut sums = vec![Twofold::default(); h.len()];
+        let n = self.layout().displacements();
+        let (mut strained, mut strained_rest) = strained(&self.data.free_motions, &z[..n], &rest[..n]);
+        strained.extend(&z[n..]);
+        strained_rest.extend(&rest[n..]);
         for (row, column, value) in self.matrix.matrix().entries() {
-            sums[row].add_product(value, z[column]);
-            sums[row].add(value * rest[column]);
+            sums[row].add_product(value, strained[column]);
+            sums[row].add(value * strained_rest[column]);
         }
         for spring in self.matrix.springs() {
-            sums[spring.place].add_product(-spring.stiffness, z[spring.place]);
-            sums[spring.place].add(-spring.stiffness * rest[spring.place]);
+            sums[spring.place].add_product(-spring.stiffness, strained[spring.place]);
+            sums[spring.place].add(-spring.stiffness * strained_rest[spring.place]);
         }
         sums.iter_mut().zip(&self.data.force).for_each(|(sum, force)| sum.add(-force));
         h.iter_mut().zip(sums).for_each(|(row, sum)| *row = sum.value());

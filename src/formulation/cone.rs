@@ -23,6 +23,7 @@ use super::natural::{NaturalRows, half_square};
 use super::pairs::{Face, Pair};
 use super::scaled::Scaled;
 use super::{Assembled, Conventions, Layout};
+use crate::contact::coulomb::{direction, length as size};
 use crate::problem::{ContactProblem, Increment};
 use crate::sparse::Csc;
 use crate::units::Scaling;
@@ -241,7 +242,17 @@ impl InteriorPoint for Cone {
             (z[layout.p_n(i)], z[self.pairs[i].length]) = (force, length);
             layout.tangential(i).into_iter().flatten().for_each(|k| z[k] = 0.0);
             if let Some(pair) = self.friction[i] {
-                (z[pair.force], z[pair.length]) = (self.data.mu[i] * force, length / self.data.mu[i]);
+                let (mu, slip) = (self.data.mu[i], self.data.slip_beyond_reach(i, z, length));
+                // With |p_T| = e ρ along the slip and e / (1 - e²) = far, both equations of friction hold, and the product of the
+                // pair is what it is without slip.
+                let far = 0.5 * mu * size(slip) / length;
+                let inside = 2.0 / (1.0 + 1.0_f64.hypot(2.0 * far));
+                for (k, n) in layout.tangential(i).into_iter().zip(direction(slip)) {
+                    if let Some(k) = k {
+                        z[k] = inside * far * mu * force * n;
+                    }
+                }
+                (z[pair.force], z[pair.length]) = (mu * force * inside, length / mu / inside);
             }
         }
     }

@@ -268,9 +268,10 @@ impl InteriorPoint for Constrained {
             let pressure = z[p_n].max(0.0);
             if let Some(p_t) = self.data.layout.p_t(i) {
                 let (mu, s, lambda) = (self.data.mu[i], layout.s(p_t), layout.lambda(p_t));
+                let [slip, _] = self.data.slip_beyond_reach(i, z, length);
                 for (sign, s, lambda) in [(1.0, s[0], lambda[0]), (-1.0, s[1], lambda[1])] {
                     let reserve = (mu * pressure - sign * z[p_t]).max(0.0);
-                    (z[s], z[lambda]) = central_pair(reserve, mu * force, 0.0, length);
+                    (z[s], z[lambda]) = central_pair(reserve, mu * force, (sign * slip).max(0.0), length);
                 }
             }
             let distance = self.distance(i, z).max(0.0);

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Layout;
+use crate::contact::coulomb::length;
 use crate::null_space::null_space;
 use crate::problem::{ContactProblem, Increment};
 use crate::sparse::Csr;
@@ -81,6 +82,14 @@ impl Scaled {
     /// The slip increment of node `i` at `z + rest`, where `rest` is below the rounding of `z`.
     pub(super) fn slip_beyond(&self, i: usize, z: &[f64], rest: &[f64]) -> [f64; 2] {
         [self.c_t.difference(i, z, rest, self.w_t_last[i]), self.c_o.difference(i, z, rest, self.w_o_last[i])]
+    }
+
+    /// The slip increment of node `i` at `z` beyond what the load deforms the body by, its `reach`: what a body has slid that
+    /// was carried along, or an obstacle that moves.
+    pub(super) fn slip_beyond_reach(&self, i: usize, z: &[f64], reach: f64) -> [f64; 2] {
+        let slip = self.slip(i, self.tangential(i, z));
+        let size = length(slip);
+        if size > reach { slip.map(|w| w * (1.0 - reach / size)) } else { [0.0; 2] }
     }
 
     /// `p_T = (p_t, p_o)` of node `i`; a component it does not have is 0.

@@ -18,6 +18,8 @@ pub(super) struct BnMethod<'a> {
     bn: Bn,
     /// Whether it ends by the error measure, and not by the paper's merit.
     measured: bool,
+    /// Whether the nodes on which the body comes to rest start closed.
+    closes: bool,
     start: FirstGuess,
     z: Vec<f64>,
     /// What rounding leaves off `z`.
@@ -52,13 +54,15 @@ impl<'a> BnMethod<'a> {
         max_iterations: usize,
     ) -> Self {
         let formulation = Bdiff::new(problem, history.scaling, &history.conventions);
-        let p_n = start_forces(problem, loading, history, start);
+        let idle = loading.largest_force() == 0.0 && loading.largest_interference() == 0.0;
+        let p_n = start_forces(problem, idle, start);
         let z = formulation.layout().packed(&State { p_n, ..State::zero(problem) }, &history.scaling);
         BnMethod {
             bn: Bn::new(armijo, max_iterations, formulation.unknowns()),
             problem,
             formulation,
             measured: true,
+            closes: !idle && !problem.free_motions().is_empty(),
             start,
             rest: vec![0.0; z.len()],
             z,
@@ -73,6 +77,28 @@ impl<'a> BnMethod<'a> {
     /// The solution that an increment starts from. Before the first there is none, only a guess.
     pub(super) fn last_solution(&self, task: &Task<'_>) -> State {
         if task.first { State::zero(self.problem) } else { self.state() }
+    }
+
+    /// Whether the held body does by itself what the increment asks for.
+    fn is_solved(&self, task: &Task<'_>) -> bool {
+        let mut z = self.z.clone();
+        task.response.add_to(&mut z);
+        let state = self.formulation.layout().unpacked(&z, self.formulation.scaling());
+        task.error(self.problem, &state) <= task.tolerance
+    }
+
+    /// Closes the nodes on which a body comes to rest that contact alone holds, `p_n > r (g - w_n)`: with open ones the matrix
+    /// would be singular.
+    fn close_landed(&mut self, task: &Task<'_>) {
+        let (layout, scaling) = (self.formulation.layout().clone(), *self.formulation.scaling());
+        let all: Vec<usize> = if task.first { (0..layout.contacts()).collect() } else { Vec::new() };
+        for &i in task.landed.unwrap_or(&all) {
+            let left = task.increment.gap[i] / scaling.length - self.problem.c_n().dot(i, &self.z);
+            let pressed = if task.first { 0.0 } else { task.response.contact_force };
+            let closed = 2.0 * self.formulation.r_n(i) * left + pressed;
+            let p_n = &mut self.z[layout.p_n(i)];
+            *p_n = p_n.max(closed);
+        }
     }
 
     /// Takes over the state of another method.
@@ -99,11 +125,15 @@ impl IncrementSolver for BnMethod<'_> {
     }
 
     fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError> {
-        let BnMethod { problem, formulation, bn, measured, start, z, rest } = self;
+        let solved = self.closes && self.is_solved(task);
+        if self.closes && !solved {
+            self.close_landed(task);
+        }
+        let BnMethod { problem, formulation, bn, measured, start, z, rest, .. } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         formulation.begin(task.increment);
         task.response.add_to(z);
-        if task.first && *start == FirstGuess::Held {
+        if task.first && *start == FirstGuess::Held && !solved {
             task.response.add_forces_to(z);
         }
         let start = z.clone();
@@ -133,24 +163,10 @@ impl IncrementSolver for BnMethod<'_> {
     }
 }
 
-/// `p_n` before the first increment. Without load or interference that is 0, the solution. A body
-/// that only contact holds starts with every node closed, `p_n > r g`: its first matrix would be
-/// singular with open ones.
-fn start_forces(
-    problem: &ContactProblem,
-    loading: &Loading,
-    settings: &HistorySettings,
-    start: FirstGuess,
-) -> Vec<f64> {
-    let n_c = problem.contacts();
-    if loading.largest_force() == 0.0 && loading.largest_interference() == 0.0 {
-        return vec![0.0; n_c];
+/// `p_n` before the first increment. Without load or interference that is 0, the solution.
+fn start_forces(problem: &ContactProblem, idle: bool, start: FirstGuess) -> Vec<f64> {
+    match (start, problem.weight()) {
+        (FirstGuess::Pressure(pressure), Some(l)) if !idle => l.iter().map(|l| l * pressure).collect(),
+        _ => vec![0.0; problem.contacts()],
     }
-    let held = problem.free_motions().is_empty();
-    let closing = |i: usize| if held { 0.0 } else { 2.0 * settings.conventions.r_n[i] * loading.gap()[i] };
-    let guess = |i: usize| match (start, problem.weight()) {
-        (FirstGuess::Pressure(pressure), Some(l)) => l[i] * pressure,
-        _ => 0.0,
-    };
-    (0..n_c).map(|i| guess(i).max(closing(i))).collect()
 }

@@ -4,6 +4,7 @@
 //! stays, and after a part that converges the rest of the increment is tried whole, so that the size
 //! grows back.
 
+use super::carried::Carried;
 use super::held::HeldBody;
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
@@ -16,8 +17,18 @@ use crate::contact::{KktErrors, KktScales, judge, rounding_level};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Outcome, Stop};
-use crate::problem::{ContactProblem, Increment};
-use crate::solvability::{driven_motion, motion_driven_in_the_equations};
+use crate::problem::{ContactProblem, Increment, State};
+use crate::solvability::{Landing, Load, driven_motion, landing, motion_driven_in_the_equations};
+
+/// The share of its terms that `K r` may leave of a free motion `r` along which a body is carried: ten times what rounding
+/// makes of rotations of bodies with a thousand elements a side.
+const UNSTRAINED: f64 = 1e-12;
+
+/// Roundings of its terms in a gap that is left at the end of the way along which a body is carried, or in the sum of loads.
+const ROUNDINGS: f64 = 16.0;
+
+/// A contact node that is nearer to its obstacle, relative to its gap, touches it.
+const NEGLIGIBLE: f64 = 1e-10;
 
 /// The way through a history as far as it has converged, and the data of the part tried last.
 pub(super) struct Path<'a> {
@@ -33,12 +44,18 @@ pub(super) struct Path<'a> {
     /// The largest backward error of the whole system where the body is condensed.
     pub worst_backward_error: f64,
     scales: KktScales,
+    /// Where the body has been carried, from where all displacements and gaps of a part count.
+    carried: Carried,
+    /// Whether that is possible without strain.
+    may_be_carried: bool,
     force: Vec<f64>,
     condensed_force: Vec<f64>,
     gap: Vec<f64>,
     mu: Vec<f64>,
     w_t_last: Vec<f64>,
     w_o_last: Vec<f64>,
+    /// The normal displacements at the end of the last part.
+    w_n: Vec<f64>,
     /// `w̄_t` and `w̄_o` of the next part.
     w_t: Vec<f64>,
     w_o: Vec<f64>,
@@ -64,21 +81,37 @@ impl<'a> Path<'a> {
             reached: None,
             worst_backward_error: 0.0,
             scales: KktScales::default(),
+            carried: Carried::nowhere(problem),
+            may_be_carried: is_carried_without_strain(problem),
             force: vec![0.0; problem.displacements()],
             condensed_force: vec![0.0; condensed.map_or(0, |condensed| condensed.problem.displacements())],
             gap: vec![0.0; n_c],
             mu: problem.mu().to_vec(),
             w_t_last: vec![0.0; n_c],
             w_o_last: vec![0.0; n_c],
+            w_n: vec![0.0; n_c],
             w_t: vec![0.0; n_c],
             w_o: vec![0.0; n_c],
         }
     }
 
-    /// What drove the part tried last.
+    /// What drove the part tried last, from where the body has been carried; so is the state of an [`Attempt`].
     pub(super) fn data(&self) -> Increment<'_> {
         let Path { force, gap, mu, w_t_last, w_o_last, .. } = self;
         Increment { force, gap, mu, w_t_last, w_o_last }
+    }
+
+    /// Shows `see` the data of the part tried last, and its `state`, from where the body was at first.
+    pub(super) fn show<T>(&self, state: &State, see: impl FnOnce(&Increment<'_>, &State) -> T) -> T {
+        let Carried { w_n, w_t: [w_t, w_o], .. } = &self.carried;
+        if !self.carried.is_somewhere() {
+            return see(&self.data(), state);
+        }
+        let moved = |x: &[f64], by: &[f64]| x.iter().zip(by).map(|(x, by)| x + by).collect::<Vec<f64>>();
+        let gap = moved(&self.gap, w_n);
+        let (w_t_last, w_o_last) = (moved(&self.w_t_last, w_t), moved(&self.w_o_last, w_o));
+        let data = Increment { gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last, ..self.data() };
+        see(&data, &self.carried.whole(state))
     }
 
     /// Goes on to `time`, in parts if need be.
@@ -97,7 +130,7 @@ impl<'a> Path<'a> {
         loop {
             let end = to_come.last().copied().unwrap_or(time);
             let from = self.reached.unwrap_or(0.0);
-            let unknowns = self.method.unknowns().clone();
+            let (unknowns, carried) = (self.method.unknowns().clone(), self.carried.clone());
             let attempt = self.attempt(end, linear, &mut |iteration| told.iteration(iteration))?;
             let outcome = attempt.outcome.clone();
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
@@ -112,7 +145,9 @@ impl<'a> Path<'a> {
                 if to_come.is_empty() {
                     return Ok(walked);
                 }
-                told.part(end, &self.data(), &walked);
+                self.show(&walked.attempt.state, |increment, state| {
+                    told.part(end, &self.data(), &walked, increment, state);
+                });
                 (solved, ends) = (Some(walked.solved), walked.ends);
             } else {
                 let half = 0.5 * (end - from);
@@ -123,6 +158,7 @@ impl<'a> Path<'a> {
                     return Ok(Walked { solved: so_far, attempt, kkt, status, ends, friction_work });
                 }
                 self.method.unknowns().copy_from_slice(&unknowns);
+                self.carried = carried;
                 to_come.push(from + half);
                 solved = Some(so_far);
             }
@@ -138,12 +174,17 @@ impl<'a> Path<'a> {
             self.mu = friction.at(time);
         }
         let from = self.reached.unwrap_or(0.0);
+        let before = self.carried.clone();
+        let sizes = loading.force_sizes(time, problem.displacements());
+        let landed = self.land(time, &sizes);
+        self.gap.iter_mut().zip(&self.carried.w_n).for_each(|(gap, w)| *gap -= w);
         let tangential = [(&mut self.w_t_last, &self.w_t), (&mut self.w_o_last, &self.w_o)];
         for (k, (last, w)) in tangential.into_iter().enumerate() {
             // Slip is motion past the obstacle: where that moves along, the body has not.
-            let (before, now) = (loading.drift_at(from, k), loading.drift_at(time, k));
+            let (drift, drift_now) = (loading.drift_at(from, k), loading.drift_at(time, k));
+            let (carried, carried_now) = (&before.w_t[k], &self.carried.w_t[k]);
             for (i, last) in last.iter_mut().enumerate() {
-                *last = w[i] + (now[i] - before[i]);
+                *last = w[i] + (drift_now[i] - drift[i]) - (carried_now[i] - carried[i]);
             }
         }
         let increment = Increment {
@@ -154,6 +195,13 @@ impl<'a> Path<'a> {
             w_o_last: &self.w_o_last,
         };
         let before = self.scales.with_load(self.problem, &increment);
+        // Where gaps and forces are rounded differences of larger ones there is nothing less to compare with.
+        let known = (ROUNDINGS * f64::EPSILON / settings.tolerance).min(1.0);
+        let terms = sizes.iter().fold(0.0_f64, |m, size| m.max(*size));
+        let before = KktScales {
+            force: before.force.max(known * terms),
+            length: before.length.max(known * self.carried.largest()),
+        };
         let mut force = &self.force;
         if let Some(condensed) = condensed {
             condensed.loading.force(time, &mut self.condensed_force);
@@ -163,13 +211,15 @@ impl<'a> Path<'a> {
             first: self.reached.is_none(),
             increment: &Increment { force, ..increment },
             response: &self.held.response(loading, self.reached, time),
+            landed: landed.as_deref(),
             scales: &before,
             tolerance: settings.tolerance,
         };
-        let mut outcome = match motion_driven_in_the_equations(problem, &self.mu, &self.force) {
+        let load = Load { force: &self.force, sizes: &sizes };
+        let mut outcome = match motion_driven_in_the_equations(problem, &self.mu, &load) {
             None => self.method.solve(&task, linear, observe)?,
             Some(motion) => {
-                let stop = driven_motion(problem, &self.mu, &self.force);
+                let stop = driven_motion(problem, &self.mu, &load);
                 let stop = stop.map_or(Stop::EdgeFriction(motion), Stop::NoEquilibrium);
                 Outcome { stop, ..Outcome::new(f64::NAN) }
             }
@@ -190,9 +240,29 @@ impl<'a> Path<'a> {
         Ok(Attempt { state, scales, outcome, kkt, status })
     }
 
+    /// Carries a body that contact alone holds to where it comes to rest under the load of the part that ends at `time`; the
+    /// nodes that touch there, if it has not been there before. `None` for a body that supports hold, and where nothing can be said.
+    fn land(&mut self, time: f64, sizes: &[f64]) -> Option<Vec<usize>> {
+        if !self.may_be_carried {
+            return None;
+        }
+        // As near as what the load deforms, Newton's method finds what closes better than a rigid body does.
+        let force = self.held.response(self.loading, None, time).contact_force * self.settings.scaling.force;
+        let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEGLIGIBLE * gap.abs());
+        let reach: Vec<f64> = self.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();
+        let moved = self.carried.w_n.iter().zip(&self.w_n).map(|(carried, w)| carried + w);
+        let distance: Vec<f64> = self.gap.iter().zip(moved).map(|(gap, w)| gap - w).collect();
+        let load = Load { force: &self.force, sizes };
+        let Landing { weights, nodes } = landing(self.problem, &self.mu, &load, &distance, &reach)?;
+        self.carried = self.carried.by(self.problem, &weights);
+        let stays = weights.iter().all(|weight| *weight == 0.0);
+        (self.reached.is_none() || !stays).then_some(nodes)
+    }
+
     fn accept(&mut self, time: f64, attempt: &Attempt) {
         self.reached = Some(time);
         self.scales = attempt.scales;
+        self.w_n = self.problem.c_n().mul(&attempt.state.u);
         self.w_t = self.problem.c_t().mul(&attempt.state.u);
         self.w_o = self.problem.c_o().mul(&attempt.state.u);
     }
@@ -210,4 +280,17 @@ impl<'a> Path<'a> {
             _ => attempt.kkt.worst().1 > 10.0 * rounding_level(self.problem, &attempt.state, &attempt.scales),
         }
     }
+}
+
+/// Whether a body has free motions, and they strain it no more than rounding does.
+fn is_carried_without_strain(problem: &ContactProblem) -> bool {
+    let unstrained = |motion: &Vec<f64>| {
+        let (mut force, mut sizes) = (vec![0.0; motion.len()], vec![0.0; motion.len()]);
+        problem.stiffness().mul(motion, &mut force);
+        problem.stiffness().add_sizes(motion, &mut sizes);
+        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        largest(&force) <= UNSTRAINED * largest(&sizes)
+    };
+    let motions = problem.free_motions();
+    !motions.is_empty() && motions.iter().all(unstrained)
 }

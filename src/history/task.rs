@@ -16,6 +16,8 @@ pub struct Task<'a> {
     pub increment: &'a Increment<'a>,
     /// What the change of the load does while the contact nodes are held.
     pub response: &'a Response,
+    /// Of a body that contact alone holds, the contact nodes on which it comes to rest, as far as that is known.
+    pub landed: Option<&'a [usize]>,
     /// The scales of the error measure, from the increments before and the load of this one.
     pub scales: &'a KktScales,
     /// The error that is allowed.

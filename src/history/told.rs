@@ -5,7 +5,7 @@ use super::record::{ContactCounts, IncrementRecord, Seconds};
 use super::walked::Walked;
 use crate::contact::statuses_of;
 use crate::nonlinear::{Flow, Iteration};
-use crate::problem::{ContactProblem, Increment};
+use crate::problem::{ContactProblem, Increment, State};
 
 /// The observer of increment `index`.
 pub(super) struct Told<'a> {
@@ -20,13 +20,20 @@ impl Told<'_> {
         if flow == Flow::Stop { flow } else { self.observer.iteration(self.index, &iteration.record) }
     }
 
-    /// A part that ends at `time` before the increment does.
-    pub(super) fn part(&mut self, time: f64, data: &Increment<'_>, walked: &Walked) {
-        let state = &walked.attempt.state;
-        let statuses = statuses_of(self.problem, data, state, &walked.attempt.scales);
+    /// A part that ends at `time` before the increment does, by its `data` from where the body has been carried; observers are
+    /// shown its `increment` and `state` from where it was at first.
+    pub(super) fn part(
+        &mut self,
+        time: f64,
+        data: &Increment<'_>,
+        walked: &Walked,
+        increment: &Increment<'_>,
+        state: &State,
+    ) {
+        let statuses = statuses_of(self.problem, data, &walked.attempt.state, &walked.attempt.scales);
         let counts = ContactCounts::of(&statuses);
         let record = record(self.problem, data.force, self.index, time, walked, counts, Seconds::default());
-        self.observer.part(&Step { record: &record, increment: data, state, statuses: &statuses });
+        self.observer.part(&Step { record: &record, increment, state, statuses: &statuses });
     }
 }
 

@@ -6,7 +6,8 @@ use super::Model;
 use super::support::Moved;
 use crate::fem::{HeldRows, NodalForces, Spring};
 use crate::mesh::Mesh;
-use crate::problem::State;
+use crate::problem::error::expect_length;
+use crate::problem::{ProblemError, State};
 use crate::vector::{cross, dot, minus, norm};
 
 /// A force, and its moment about the origin at the reference positions of the nodes; in two dimensions per m of depth.
@@ -121,7 +122,16 @@ impl Statics {
 
 impl Model {
     /// The displacements (m) of all nodes that the unknowns `u` (n_u, m) are at time `t` (s), where supports have moved the body.
-    pub fn displacements(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
+    ///
+    /// # Errors
+    /// [`ProblemError`] where `u` has another length.
+    pub fn displacements(&self, t: f64, u: &[f64]) -> Result<Vec<[f64; 3]>, ProblemError> {
+        expect_length("u", self.dofs.free(), u.len(), "one for each displacement")?;
+        Ok(self.displaced(t, u))
+    }
+
+    /// The same of unknowns that are known to be as many.
+    pub(crate) fn displaced(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
         let mut all = self.strained(t, u);
         let carried = self.carried(t);
         if carried != [0.0; 3] {
@@ -130,6 +140,11 @@ impl Model {
             }
         }
         all
+    }
+
+    /// The force of each load at factor 1, N, what acts on held nodes included; in two dimensions per m of depth.
+    pub fn forces_of_loads(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        self.statics.loads.iter().map(|load| load.whole.force)
     }
 
     /// The same from where supports have carried the body as a whole, from which gaps count.
@@ -174,7 +189,7 @@ impl Model {
     }
 
     /// The force (N) of the body on the obstacle at contact node `i`, for the contact forces of `state`.
-    pub fn contact_force(&self, state: &State, i: usize) -> [f64; 3] {
+    pub(crate) fn contact_force(&self, state: &State, i: usize) -> [f64; 3] {
         let facing = &self.contacts[i].facing;
         let [t, o] = facing.tangents;
         let (p_n, p_t, p_o) = (state.p_n[i], state.p_t[i], state.p_o[i]);
@@ -183,10 +198,23 @@ impl Model {
 
     /// Everything that acts on the body at time `t` (s) in the `state` it has then: the force of a support is what the stiffness
     /// of its nodes, their contact and their loads leave, `K u + Cᵀ p - f`.
-    pub fn balance(&self, t: f64, state: &State) -> Balance {
+    ///
+    /// # Errors
+    /// [`ProblemError`] where an array of the state has another length than the problem says.
+    pub fn balance(&self, t: f64, state: &State) -> Result<Balance, ProblemError> {
+        state.check(&self.problem)?;
+        Ok(self.balanced(t, state))
+    }
+
+    /// The same of a state that is known to fit.
+    pub(crate) fn balanced(&self, t: f64, state: &State) -> Balance {
         let Statics { rows, shares, springs, loads, on_springs } = &self.statics;
-        let strained = self.strained(t, &state.u);
-        let rest = if state.u_rest.is_empty() { Vec::new() } else { self.dofs.displacements(&state.u_rest) };
+        let (strained, rest) = if state.u_rest.is_empty() {
+            (self.strained(t, &state.u), Vec::new())
+        } else {
+            let (u, rest) = self.problem.strained(state);
+            (self.strained(t, &u), self.dofs.displacements(&rest))
+        };
         let mut forces = rows.forces(&strained, &rest);
         let factors: Vec<f64> = self.loading.cases().iter().take(loads.len()).map(|case| case.factor(t)).collect();
         for (load, factor) in loads.iter().zip(&factors) {
@@ -218,7 +246,7 @@ impl Model {
                 shares.iter().map(share).sum()
             })
             .collect();
-        let displaced = if springs.is_empty() { Vec::new() } else { self.displacements(t, &state.u) };
+        let displaced = if springs.is_empty() { Vec::new() } else { self.displaced(t, &state.u) };
         let springs: Vec<Wrench> = (springs.iter())
             .map(|springs| {
                 let all = springs.iter().flat_map(|spring| spring.forces(&displaced));

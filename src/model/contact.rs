@@ -16,7 +16,7 @@ use crate::mesh::{Boundary, Mesh};
 use crate::problem::ProblemError;
 use crate::timeline::within;
 use crate::units::{Quantity, UnitSystem};
-use crate::vector::dot;
+use crate::vector::{dot, plus};
 
 /// How much of the body an obstacle may take up when the history begins. Strains are about this share, and
 /// far less is no small deformation any more: more is a slip of the pen.
@@ -56,6 +56,7 @@ impl Contacts {
         moved: &[Moved],
     ) -> Result<Self, Fault> {
         let mut contacts = Contacts::default();
+        share_no_facet(description, mesh)?;
         for k in 0..description.contacts.len() {
             contacts.add(&Body { description, mesh, dofs, rows, moved }, k)?;
         }
@@ -98,6 +99,12 @@ impl Contacts {
             own_mu.push(mu);
             let node = ContactNode { obstacle: first + node.obstacle, ..node };
             own.nodes.push(self.add_node(node, mu, &contact.boundary, &description.system(3), k)?);
+        }
+        if contact.friction_history.is_some() && own_mu.iter().all(|mu| *mu == 0.0) {
+            let message =
+                format!("friction_history multiplies a friction that is 0 on the whole of `{}`", contact.boundary);
+            let help = "give the friction at factor 1, or remove the key";
+            return Err(Fault::new(format!("contact[{k}].friction_history"), message, help));
         }
         self.boundaries.push(own);
         self.own_mu.push(own_mu);
@@ -160,12 +167,28 @@ impl Contacts {
     }
 }
 
-/// The key of obstacle `j` of contact `k`.
-fn key(contact: &Contact, k: usize, j: usize) -> String {
-    match contact.obstacles.len() {
-        1 => format!("contact[{k}].obstacle"),
-        _ => format!("contact[{k}].obstacle[{j}]"),
+/// Refuses contacts of which two have a facet in common: it would count twice.
+fn share_no_facet(description: &Description, mesh: &Mesh) -> Result<(), Fault> {
+    let contacts = &description.contacts;
+    if contacts.len() < 2 {
+        return Ok(());
     }
+    let mut whose: BTreeMap<Vec<usize>, &str> = BTreeMap::new();
+    for (k, contact) in contacts.iter().enumerate() {
+        for facet in &find(mesh, &contact.boundary, &format!("contact[{k}]"))?.facets {
+            let mut nodes = facet.clone();
+            nodes.sort_unstable();
+            let Some(other) = whose.insert(nodes, &contact.boundary) else { continue };
+            let corners = facet.len() as f64;
+            let middle = facet.iter().fold([0.0; 3], |sum, node| plus(sum, 1.0 / corners, mesh.nodes[*node]));
+            let place = description.system(mesh.dimension).place(middle);
+            let message =
+                format!("the boundaries `{other}` and `{}` have the facet at {place} in common", contact.boundary);
+            let help = "let each facet be of one [[contact]]; several obstacles may be in front of one boundary";
+            return Err(Fault::new(format!("contact[{k}].boundary"), message, help));
+        }
+    }
+    Ok(())
 }
 
 /// Coulomb's coefficient of `node`.
@@ -189,8 +212,9 @@ fn placed(
 ) -> Result<Vec<(PlacedObstacle, ObstacleMotion)>, Fault> {
     let name = &contact.boundary;
     let place = |(j, given)| {
-        let obstacle = PlacedObstacle::new(mesh, boundary, given)
-            .map_err(|error| Fault::new(key(contact, k, j), format!("contact at `{name}`: {error}"), error.help()))?;
+        let obstacle = PlacedObstacle::new(mesh, boundary, given).map_err(|error| {
+            Fault::new(contact.obstacle_key(k, j), format!("contact at `{name}`: {error}"), error.help())
+        })?;
         let motion = ObstacleMotion::new(given, obstacle.normal, end);
         Ok((obstacle, motion))
     };
@@ -207,18 +231,30 @@ fn met(
 ) -> Result<Vec<Meeting>, Fault> {
     let Body { description, mesh, dofs, rows, moved } = *body;
     let name = &contact.boundary;
-    let at_obstacle = |j: usize, message: String, help: &str| Fault::new(key(contact, k, j), message, help);
+    let at_obstacle = |j: usize, message: String, help: &str| Fault::new(contact.obstacle_key(k, j), message, help);
     let units = description.system(mesh.dimension);
     let place = |node: usize| units.place(mesh.nodes[node]);
     let times = &description.times;
-    let met = meetings(mesh, boundary, obstacles, times).map_err(|Unclear { node, obstacle, why: (what, help) }| {
-        at_obstacle(obstacle, format!("{what} the contact node at {}", place(node)), help)
-    })?;
+    let met =
+        meetings(mesh, boundary, obstacles, times).map_err(|Unclear { node, obstacle, time, why: (what, help) }| {
+            let when = time.map_or(String::new(), |t| format!(" at t = {t} s"));
+            at_obstacle(obstacle, format!("{what} the contact node at {}{when}", place(node)), help)
+        })?;
     if let [(obstacle, _)] = obstacles
-        && !obstacle.faces(mesh, boundary)
+        && let Some(node) = obstacle.faces_away(mesh, boundary)
     {
-        let message = format!("the normal of the obstacle points into the body at `{name}`, or along it");
-        return Err(at_obstacle(0, message, "let the normal point out of the body"));
+        let (message, help) = if obstacle.has_one_normal() {
+            let message = format!("the normal of the obstacle points into the body at `{name}`, or along it");
+            (message, "let the normal point out of the body")
+        } else {
+            let what = "the nearest point of the obstacle is beside or behind the contact node at";
+            let message = format!("{what} {}, from which the way there does not lead out of the body", place(node));
+            (
+                message,
+                "use direction = \"normal\", which leaves open what the obstacle is not in front of, or a smaller boundary",
+            )
+        };
+        return Err(at_obstacle(0, message, help));
     }
     if let Some(j) = (0..obstacles.len()).find(|j| met.iter().all(|met| met.obstacle != *j)) {
         let (message, help) = match obstacles.len() {

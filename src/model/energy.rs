@@ -1,8 +1,7 @@
 //! The strain energy of a body.
 
 use super::Model;
-use crate::fem::{Spring, free_stretch, strain_energy};
-use crate::mesh::Cell;
+use crate::fem::{Spring, free_stretch, strains};
 use crate::problem::State;
 
 impl Model {
@@ -18,16 +17,34 @@ impl Model {
         if self.thermal.is_empty() && self.moved.is_empty() {
             return None;
         }
-        let displacements = self.displacements(t, &state.u);
+        let displacements = self.displaced(t, &state.u);
         let factors = self.thermal_factors(t);
-        let of_cell = |(e, cell): (usize, &Cell)| {
-            let corners = self.mesh.points(&cell.nodes);
-            let moved: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
-            let free = free_stretch(self.is_thin(), self.free_strain(e, &factors));
-            // Assembly has refused cells that have none.
-            strain_energy(cell.kind, &corners, &moved, self.element(), &self.materials[e], free).unwrap_or(f64::NAN)
+        let of_cell = |e: usize| {
+            let strains = self.elastic_strains(e, &factors, &displacements);
+            strains.iter().map(|(volume, strain)| volume * self.materials[e].energy_density(strain)).sum::<f64>()
         };
         let springs = self.statics.springs().map(|spring: &Spring| spring.energy(&displacements));
-        Some(self.mesh.cells.iter().enumerate().map(of_cell).sum::<f64>() + springs.sum::<f64>())
+        Some((0..self.mesh.cells.len()).map(of_cell).sum::<f64>() + springs.sum::<f64>())
+    }
+
+    /// The strains of cell `e` at its integration points, each with its volume, beyond those that heat alone makes.
+    pub(crate) fn elastic_strains(
+        &self,
+        e: usize,
+        factors: &[f64],
+        displacements: &[[f64; 3]],
+    ) -> Vec<(f64, [f64; 6])> {
+        let cell = &self.mesh.cells[e];
+        let moved: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
+        // Assembly has refused cells that have none.
+        let mut strains =
+            strains(cell.kind, &self.mesh.points(&cell.nodes), &moved, self.element()).unwrap_or_default();
+        if !factors.is_empty() {
+            let free = free_stretch(self.is_thin(), self.free_strain(e, factors));
+            for (_, strain) in &mut strains {
+                strain.iter_mut().zip(free).for_each(|(strain, free)| *strain -= free);
+            }
+        }
+        strains
     }
 }

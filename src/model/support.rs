@@ -5,7 +5,7 @@ use super::place::{nodes, normals, suits};
 use crate::contact::ContactNode;
 use crate::description::{Axis, Description, Direction, Held, Support, Where};
 use crate::fault::Fault;
-use crate::fem::{Dofs, HeldRows, NodalForces, Spring, nearest_translation};
+use crate::fem::{Dofs, HeldRows, NodalForces, SAME_DIRECTION, Spring, independent, nearest_translation};
 use crate::loading::piecewise_linear;
 use crate::mesh::Mesh;
 use crate::timeline::within;
@@ -170,8 +170,8 @@ impl Moved {
     }
 }
 
-/// The displacement (m) of `node` along what is held there with the components `values` along unit vectors: the nearest in the
-/// mean square.
+/// The displacement (m) of `node` along what is held there with the components `values` along unit vectors, of which
+/// those that follow from others are left out.
 fn solved(dofs: &Dofs, node: usize, values: &[([f64; 3], f64)]) -> [f64; 3] {
     let mut basis: Vec<([f64; 3], f64)> = Vec::new();
     for (n, value) in values {
@@ -182,7 +182,7 @@ fn solved(dofs: &Dofs, node: usize, values: &[([f64; 3], f64)]) -> [f64; 3] {
             to -= share * along;
         }
         let length = norm(rest);
-        if length > 1e-9 && basis.len() < dofs.node(node).len() {
+        if length > SAME_DIRECTION && basis.len() < dofs.node(node).len() {
             basis.push((rest.map(|c| c / length), to / length));
         }
     }
@@ -226,17 +226,8 @@ fn product(a: [[f64; 3]; 3], b: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
 /// The pseudo-inverse of `Σ n nᵀ`, by eliminating one direction after the other in a basis of them.
 fn pseudo_inverse(directions: impl Iterator<Item = [f64; 3]> + Clone) -> [[f64; 3]; 3] {
     let matrix = outer(directions.clone());
-    let mut basis: Vec<[f64; 3]> = Vec::new();
-    for n in directions {
-        let rest = basis.iter().fold(n, |rest, b| {
-            let along = dot(rest, *b);
-            minus(rest, b.map(|c| along * c))
-        });
-        if basis.len() < 3 && norm(rest) > 1e-9 {
-            basis.push(unit(rest));
-        }
-    }
-    // Gram-Schmidt again, in the inner product of the matrix: then it is diagonal.
+    let basis = independent(directions.collect(), 3);
+    // Gram-Schmidt in the inner product of the matrix: then it is diagonal.
     let times = |x: [f64; 3]| matrix.map(|row| dot(row, x));
     let mut inverse = [[0.0; 3]; 3];
     let mut done: Vec<([f64; 3], f64)> = Vec::new();

@@ -49,8 +49,8 @@ impl ContactProblem {
         stiffness
     }
 
-    /// `(C_n K C_nᵀ)_ii`.
-    fn own_stiffness(&self, i: usize) -> f64 {
+    /// `(C_n K C_nᵀ)_ii`, N/m: the stiffness of contact node `i` along its normal where all others are held.
+    pub(crate) fn own_stiffness(&self, i: usize) -> f64 {
         let row = self.c_n().row(i);
         let pairs = row.iter().flat_map(|a| row.iter().map(move |b| (a, b)));
         pairs.map(|(a, b)| a.1 * b.1 * self.stiffness().get(a.0, b.0)).sum()

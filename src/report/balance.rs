@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::warnings::{Warning, WarningKind};
-use crate::history::Step;
+use crate::history::{IncrementRecord, Status, Step};
 use crate::model::{Balance, Model, Wrench};
 
 /// What acts on the body beside contact, at the end of an increment. Loads, supports and springs act on the body, contact forces
@@ -47,7 +47,7 @@ impl BalanceRecord {
     /// The balance at the end of a step.
     pub fn new(model: &Model, step: &Step<'_>) -> Self {
         let (index, time) = (step.record.index, step.record.time);
-        let Balance { loads, supports, springs, closure, size, .. } = model.balance(time, step.state);
+        let Balance { loads, supports, springs, closure, size, .. } = model.balanced(time, step.state);
         let (description, units) = (model.description(), model.units());
         let acting = |names: Vec<String>, wrenches: Vec<Wrench>| {
             names.into_iter().zip(wrenches).map(|(at, wrench)| Acting::new(at, wrench, model.mesh.dimension)).collect()
@@ -68,11 +68,14 @@ impl BalanceRecord {
 const BALANCED: f64 = 100.0;
 
 /// The warning where forces as large as those of this run leave more of each other than the `tolerance` lets expect: beside what the
-/// stiffness makes of large displacements they are lost in its rounding, which the errors of a state cannot tell.
-pub(super) fn unbalanced(records: &[BalanceRecord], tolerance: f64) -> Option<Warning> {
+/// stiffness makes of large displacements they are lost in its rounding, which the errors of a state cannot tell. What did
+/// not converge is in balance with nothing, and its verdict says so.
+pub(super) fn unbalanced(records: &[BalanceRecord], increments: &[IncrementRecord], tolerance: f64) -> Option<Warning> {
+    let converged = |index| increments.iter().any(|one| one.index == index && one.status == Status::Converged);
+    let records: Vec<&BalanceRecord> = records.iter().filter(|record| converged(record.index)).collect();
     let largest = records.iter().fold(0.0_f64, |m, record| m.max(record.size));
     let share = |record: &BalanceRecord| record.balance * record.size / largest;
-    let worst = records.iter().max_by(|a, b| share(a).total_cmp(&share(b)))?;
+    let worst = records.into_iter().max_by(|a, b| share(a).total_cmp(&share(b)))?;
     (share(worst) > BALANCED * tolerance).then(|| Warning {
         kind: WarningKind::Unbalanced,
         message: format!(

@@ -71,6 +71,8 @@ pub struct ContactLine {
     pub dimension: usize,
     /// One point a node.
     pub points: Vec<ContactPoint>,
+    /// The obstacle that each node meets, by its key, where several are in front of the boundary; otherwise none.
+    pub obstacles: Vec<String>,
     /// The units of tables and pictures of it.
     pub units: UnitSystem,
 }
@@ -85,18 +87,23 @@ impl ContactLine {
             time: step.record.time,
             dimension: model.mesh.dimension,
             points: points(model, boundary.nodes.iter().copied(), step),
+            obstacles: match boundary.obstacles.len() {
+                1 => Vec::new(),
+                _ => boundary.nodes.iter().map(|&i| model.obstacle_key(model.contacts[i].obstacle)).collect(),
+            },
             units: model.units(),
         };
         model.contact_boundaries.iter().map(line).collect()
     }
 
-    /// The nodes as CSV: the columns of the plane, and in three dimensions those of space among them.
+    /// The nodes as CSV: the columns of the plane, and in three dimensions those of space among them; the obstacles last.
     pub fn to_csv(&self) -> String {
         let columns: Vec<&Column> = COLUMNS.iter().filter(|column| column.dimension <= self.dimension).collect();
         let place: Vec<&Column> = PLACE.iter().filter(|column| column.dimension <= self.dimension).collect();
         let names = |columns: &[&Column]| columns.iter().map(|column| column.name).collect::<Vec<_>>();
-        let header = [names(&columns), vec!["status"], names(&place)].concat();
-        let row = |p: &ContactPoint| {
+        let mut header = [names(&columns), vec!["status"], names(&place)].concat();
+        header.extend((!self.obstacles.is_empty()).then_some("obstacle"));
+        let row = |(k, p): (usize, &ContactPoint)| {
             let status = match p.status {
                 ContactStatus::Open => "open",
                 ContactStatus::Stick => "stick",
@@ -107,9 +114,9 @@ impl ContactLine {
             };
             let numbers: [Vec<String>; 2] = [numbers(&columns), numbers(&place)];
             let [values, place] = numbers;
-            [values, vec![status.to_string()], place].concat()
+            [values, vec![status.to_string()], place, self.obstacles.get(k).cloned().into_iter().collect()].concat()
         };
-        csv::table(&header, self.points.iter().map(row))
+        csv::table(&header, self.points.iter().enumerate().map(row))
     }
 }
 
@@ -158,7 +165,7 @@ const PLACE: [Column; 10] = [
 /// The names of all columns.
 #[cfg(test)]
 pub(super) fn names() -> impl Iterator<Item = &'static str> {
-    COLUMNS.iter().chain(&PLACE).map(|column| column.name).chain(["status"])
+    COLUMNS.iter().chain(&PLACE).map(|column| column.name).chain(["status", "obstacle"])
 }
 
 /// The contact nodes `nodes` at the end of a step.

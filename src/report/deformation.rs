@@ -9,6 +9,6 @@ pub(super) fn deformation(model: &Model, step: &Step<'_>) -> (Vec<[f64; 3]>, Vec
     let time = step.record.time;
     match step.record.index {
         0 => (vec![[0.0; 3]; model.mesh.nodes.len()], Vec::new()),
-        _ => (model.displacements(time, &step.state.u), model.thermal_factors(time)),
+        _ => (model.displaced(time, &step.state.u), model.thermal_factors(time)),
     }
 }

@@ -42,6 +42,8 @@ const TOP: f64 = 104.0;
 /// Below the body: the axes.
 const BELOW: f64 = 84.0;
 const MOST_HEIGHT: f64 = 720.0;
+/// The bar of colours is at least so high.
+const LEAST_BAR: f64 = 160.0;
 const TITLE_SIZE: f64 = 18.0;
 const LABEL_SIZE: f64 = 15.0;
 
@@ -131,7 +133,9 @@ impl DeformedBody {
         let start = LEFT + 0.5 * (WIDTH - LEFT - RIGHT - scale * (right - left));
         let bottom = TOP + scale * (high - low);
         let at = |[x, y]: [f64; 2]| [start + scale * (x - left), bottom - scale * (y - low)];
-        let mut svg = Svg::new([WIDTH, bottom + BELOW]);
+        // A flat body leaves the colours their room.
+        let floor = bottom.max(TOP + LEAST_BAR);
+        let mut svg = Svg::new([WIDTH, floor + BELOW]);
         svg.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold);
         let shown = match self.magnification {
             1.0 => "as they are".to_string(),
@@ -157,8 +161,8 @@ impl DeformedBody {
         svg.text([0.5 * WIDTH - 36.0, 76.0], "before the deformation", LABEL_SIZE, Anchor::Start);
         let label = format!("von Mises, {}", units.name(Quantity::Stress));
         let most = units.of_si(Quantity::Stress, most);
-        draw_bar(&mut svg, WIDTH - RIGHT + 30.0, [TOP, bottom.max(TOP + 160.0)], most, &label);
-        self.draw_axes(&mut svg, [LEFT + 20.0, bottom + BELOW - 30.0]);
+        draw_bar(&mut svg, WIDTH - RIGHT + 30.0, [TOP, floor], most, &label);
+        self.draw_axes(&mut svg, [LEFT + 20.0, floor + BELOW - 30.0]);
         Ok(svg.finish())
     }
 

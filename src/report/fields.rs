@@ -5,6 +5,7 @@ use super::deformation::deformation;
 use super::principal::{principal_stresses, von_mises};
 use super::vtu::{Field, Grid, Values};
 use crate::contact::ContactStatus;
+use crate::estimate::ElementEstimate;
 use crate::history::Step;
 use crate::mesh::Cell;
 use crate::model::Model;
@@ -17,7 +18,8 @@ use crate::model::Model;
 /// two obstacles shows the one that presses more.
 /// Where cells are of second order `nodal_stress` (Pa, as `stress` below), the mean of the cells around a node.
 /// Of cells: `stress` (Pa, at the centre, all nine components row by row), `principal_stress` (Pa, the most tensile first),
-/// `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the order of the elements.
+/// `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the order of the elements;
+/// and on linear cells `discretisation_error`, the share of a cell in the error of the mesh in the energy norm.
 pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     let mesh = &model.mesh;
     let (displacements, factors) = deformation(model, step);
@@ -29,12 +31,17 @@ pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
         point_fields.push(real("nodal_stress", 9, tensors(&model.nodal_stresses(&factors, &displacements))));
     }
     let stresses = model.stresses(&factors, &displacements);
-    let cell_fields = vec![
+    let mut cell_fields = vec![
         real("stress", 9, tensors(&stresses)),
         real("principal_stress", 3, stresses.iter().flat_map(|&stress| principal_stresses(stress)).collect()),
         real("von_mises", 1, stresses.iter().copied().map(von_mises).collect()),
         whole("material", materials(model)),
     ];
+    if !mesh.cells.iter().any(|cell| cell.kind.is_quadratic()) {
+        let error = ElementEstimate::new(model, &factors, &displacements).discretisation;
+        let of_cells = error.map_or_else(|| vec![0.0; mesh.cells.len()], |error| error.of_cells);
+        cell_fields.push(real("discretisation_error", 1, of_cells));
+    }
     let cells = mesh
         .cells
         .iter()
@@ -50,7 +57,7 @@ fn tensors(stresses: &[[f64; 6]]) -> Vec<f64> {
 
 /// The names of all fields.
 #[cfg(test)]
-pub(super) const NAMES: [&str; 11] = [
+pub(super) const NAMES: [&str; 12] = [
     "displacement",
     "contact_pressure",
     "tangential_traction",
@@ -62,6 +69,7 @@ pub(super) const NAMES: [&str; 11] = [
     "principal_stress",
     "von_mises",
     "material",
+    "discretisation_error",
 ];
 
 fn contact_fields(model: &Model, step: &Step<'_>) -> [Field; 5] {

@@ -69,8 +69,9 @@ impl ResultFolder {
             fs::remove_file(file)?;
         }
         increments.write_all(increments::header().as_bytes())?;
+        let several = model.contact_boundaries.iter().any(|boundary| boundary.obstacles.len() > 1);
         let mut forces = table("forces.csv")?;
-        forces.write_all(increments::forces_header(model.mesh.dimension).as_bytes())?;
+        forces.write_all(increments::forces_header(model.mesh.dimension, several).as_bytes())?;
         let boundaries = || model.contact_boundaries.iter().map(|boundary| boundary.name.as_str());
         let boundaries = boundaries().map(String::from).zip(file_names::file_names(boundaries())).collect();
         let names = file_names::file_names(probes.iter().map(|probe| probe.name.as_str()));

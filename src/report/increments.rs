@@ -3,7 +3,7 @@
 use super::balance::{Acting, BalanceRecord};
 use super::csv::{self, number};
 use super::quantities::cell;
-use super::resultant::{ForceRecord, Resultant};
+use super::resultant::{ComponentSums, ForceRecord, OnObstacle, Resultant};
 use crate::history::IncrementRecord;
 use crate::units::UnitSystem;
 
@@ -44,9 +44,10 @@ pub(super) fn line(record: &IncrementRecord, units: &UnitSystem) -> String {
     csv::line(&fields)
 }
 
-/// The header of the table of forces, for so many dimensions.
-pub(super) fn forces_header(dimension: usize) -> String {
-    let header = [&["index", "time", "boundary"], force_columns(dimension), &["kind", "balance"]].concat();
+/// The header of the table of forces, for so many dimensions, and for obstacles of which `several` are in front of a boundary.
+pub(super) fn forces_header(dimension: usize, several: bool) -> String {
+    let obstacle: &[&str] = if several { &["obstacle"] } else { &[] };
+    let header = [&["index", "time", "boundary"], force_columns(dimension), &["kind", "balance"], obstacle].concat();
     csv::table(&header, std::iter::empty())
 }
 
@@ -58,24 +59,31 @@ fn force_columns(dimension: usize) -> &'static [&'static str] {
     }
 }
 
-/// The lines of an increment: the forces on each obstacle, then those of supports, springs and loads on the body.
+/// The lines of an increment: the forces on the obstacles in front of each boundary, and on each of several, then those of supports,
+/// springs and loads on the body.
 pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, units: &UnitSystem) -> String {
     let BalanceRecord { index, time, supports, springs, loads, balance, .. } = balance;
-    let line = |at: &str, force: &[f64], moment: &[f64], sums: [Option<f64>; 3], kind: &str| {
+    let several = contact.iter().any(|record| !record.resultant.obstacles.is_empty());
+    let line = |at: &str, force: &[f64], moment: &[f64], sums: [Option<f64>; 3], kind: &str, obstacle: &str| {
         let numbers = force.iter().chain(moment).copied().map(Some).chain(sums);
         let numbers = force_columns(force.len()).iter().zip(numbers);
         let mut fields = vec![index.to_string(), number(*time), at.to_string()];
         fields.extend(numbers.map(|(column, x)| x.map_or(String::new(), |x| cell(units, column, x))));
         fields.extend([kind.to_string(), number(*balance)]);
+        fields.extend(several.then(|| obstacle.to_string()));
         csv::line(&fields)
     };
+    let components = |sums: &ComponentSums| [Some(sums.sum_p_n), Some(sums.sum_p_t), sums.sum_p_o];
+    let on_each =
+        |at: &str, on: &OnObstacle| line(at, &on.force, &on.moment, components(&on.sums), "obstacle", &on.obstacle);
     let on_obstacle = |record: &ForceRecord| {
-        let Resultant { boundary, force, moment, sums } = &record.resultant;
-        line(boundary, force, moment, [Some(sums.sum_p_n), Some(sums.sum_p_t), sums.sum_p_o], "contact")
+        let Resultant { boundary, force, moment, sums, obstacles } = &record.resultant;
+        let all = line(boundary, force, moment, components(sums), "contact", "");
+        [all].into_iter().chain(obstacles.iter().map(|on| on_each(boundary, on))).collect::<String>()
     };
     let mut lines: String = contact.iter().map(on_obstacle).collect();
     for (kind, acting) in [("support", supports), ("spring", springs), ("load", loads)] {
-        lines.extend(acting.iter().map(|Acting { at, force, moment }| line(at, force, moment, [None; 3], kind)));
+        lines.extend(acting.iter().map(|Acting { at, force, moment }| line(at, force, moment, [None; 3], kind, "")));
     }
     lines
 }

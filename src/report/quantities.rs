@@ -15,7 +15,7 @@ const COLUMNS: &Table = &[
     (&["open", "stick", "slip"], Number),
     (&["seconds_assembly", "seconds_factorization", "seconds_solve", "seconds_rest"], Number),
     (&["friction_work", "strain_energy", "energy"], Energy),
-    (&["boundary", "kind", "balance", "point", "node"], Number),
+    (&["boundary", "kind", "balance", "obstacle", "point", "node"], Number),
     (&["n_x", "n_y", "n_z", "t_x", "t_y", "t_z", "o_x", "o_y", "o_z"], Number),
     (&["f_x", "f_y", "f_z", "sum_p_n", "sum_p_t", "sum_p_o", "p_n", "p_t", "p_o"], Force),
     (&["m_x", "m_y", "m_z"], Moment),
@@ -28,16 +28,16 @@ const COLUMNS: &Table = &[
 const FIELDS: &Table = &[
     (&["displacement", "slip", "gap"], Length),
     (&["contact_pressure", "tangential_traction", "nodal_stress", "stress", "principal_stress", "von_mises"], Stress),
-    (&["status", "material"], Number),
+    (&["status", "material", "discretisation_error"], Number),
 ];
 
 /// The keys of a report below which there is something with a unit of these; doc/results.md has them all.
 const KEYS: &Table = &[
-    (&["position", "length", "linearised", "exact"], Length),
+    (&["position", "length", "linearised", "exact", "element_size", "half_width"], Length),
     (&["force", "sum_p_n", "sum_p_t", "sum_p_o"], Force),
     (&["moment"], Moment),
     (&["friction_work", "strain_energy"], Energy),
-    (&["pressure"], Stress),
+    (&["pressure", "peak_pressure", "patch_pressure"], Stress),
 ];
 
 /// Names with the quantity of what they stand for.
@@ -100,7 +100,7 @@ mod tests {
     /// A column or field that is not in its table would be told in SI units, whatever its neighbours are told in.
     #[test]
     fn every_column_and_field_has_its_quantity() {
-        let of_dimension = |d| [increments::forces_header(d), probe::header(d)];
+        let of_dimension = |d| [increments::forces_header(d, true), probe::header(d)];
         let headers = [vec![increments::header()], of_dimension(2).to_vec(), of_dimension(3).to_vec()].concat();
         let nodes: Vec<&str> = contact_line::names().collect();
         for name in headers.iter().flat_map(|header| header.trim_end().split(',')).chain(nodes) {

@@ -1,5 +1,7 @@
 //! The resultants of the contact forces.
 
+use std::collections::BTreeSet;
+
 use serde::{Deserialize, Serialize};
 
 use crate::contact::ContactBoundary;
@@ -20,6 +22,24 @@ pub struct Resultant {
     pub force: Vec<f64>,
     /// The moment of the force about the origin, at the reference positions of the nodes: about z in two dimensions, about x, y
     /// and z in three, N m; in two dimensions N m per m of depth.
+    pub moment: Vec<f64>,
+    /// The sums of the components.
+    #[serde(flatten)]
+    pub sums: ComponentSums,
+    /// What of it is on each obstacle, where there are several in front of the boundary.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<OnObstacle>,
+}
+
+/// What the nodes of one boundary do to one of the obstacles.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct OnObstacle {
+    /// The obstacle, by its key: `contact[0].obstacle[1]`.
+    pub obstacle: String,
+    /// The force of the body on it, as above.
+    pub force: Vec<f64>,
+    /// Its moment, as above.
     pub moment: Vec<f64>,
     /// The sums of the components.
     #[serde(flatten)]
@@ -59,20 +79,44 @@ impl Resultant {
     }
 
     fn of(model: &Model, state: &State, boundary: &ContactBoundary) -> Self {
-        let dimension = model.mesh.dimension;
-        let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
-        for (i, part) in boundary.parts(&model.contacts) {
-            let f = model.contact_force(state, i).map(|f| part * f);
-            let m = cross(model.contacts[i].acts_at(), f);
-            (0..3).for_each(|c| (force[c] += f[c], moment[c] += m[c]).0);
-        }
-        Resultant {
-            boundary: boundary.name.clone(),
-            force: force[..dimension].to_vec(),
-            moment: if dimension == 2 { vec![moment[2]] } else { moment.to_vec() },
-            sums: ComponentSums::of(model, state, boundary.parts(&model.contacts)),
-        }
+        let (force, moment, sums) = total(model, state, boundary.parts(&model.contacts));
+        let name = boundary.name.clone();
+        Resultant { boundary: name, force, moment, sums, obstacles: OnObstacle::all(model, state, boundary) }
     }
+}
+
+impl OnObstacle {
+    /// One for each obstacle in front of `boundary`, and for each other that a node meets which is of another boundary, too; none
+    /// if there is only one in front.
+    fn all(model: &Model, state: &State, boundary: &ContactBoundary) -> Vec<Self> {
+        if boundary.obstacles.len() < 2 {
+            return Vec::new();
+        }
+        let met = boundary.nodes.iter().map(|&i| model.contacts[i].obstacle);
+        let on = |k: usize| {
+            let parts = boundary.parts(&model.contacts).filter(|(i, _)| model.contacts[*i].obstacle == k);
+            let (force, moment, sums) = total(model, state, parts);
+            OnObstacle { obstacle: model.obstacle_key(k), force, moment, sums }
+        };
+        boundary.obstacles.clone().chain(met).collect::<BTreeSet<_>>().into_iter().map(on).collect()
+    }
+}
+
+/// Force, moment and sums over contact nodes, each with the part of it that counts.
+fn total(
+    model: &Model,
+    state: &State,
+    parts: impl Iterator<Item = (usize, f64)> + Clone,
+) -> (Vec<f64>, Vec<f64>, ComponentSums) {
+    let dimension = model.mesh.dimension;
+    let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+    for (i, part) in parts.clone() {
+        let f = model.contact_force(state, i).map(|f| part * f);
+        let m = cross(model.contacts[i].acts_at(), f);
+        (0..3).for_each(|c| (force[c] += f[c], moment[c] += m[c]).0);
+    }
+    let moment = if dimension == 2 { vec![moment[2]] } else { moment.to_vec() };
+    (force[..dimension].to_vec(), moment, ComponentSums::of(model, state, parts))
 }
 
 impl ComponentSums {

@@ -3,13 +3,14 @@
 use serde::Serialize;
 
 use super::balance::{BalanceRecord, unbalanced};
+use super::estimates::Estimates;
 use super::explain::Explanation;
 use super::quantities;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
 use super::unit_names::UnitNames;
 use super::unknowns::{LeftOut, Unknowns};
 use super::validity::{LargestDisplacement, LargestPressure, Validity};
-use super::warnings::Warning;
+use super::warnings::{Warning, WarningKind};
 use crate::auto::{Choice, Faster};
 use crate::contact::RangeLeft;
 use crate::history::{HistoryOutcome, IncrementRecord, Solver, Status};
@@ -67,6 +68,8 @@ pub struct RunReport {
     /// The node and time where the contact was furthest out of the range of its linearised gaps, if it left it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_left: Option<RangeLeft>,
+    /// What the mesh leaves open.
+    pub estimates: Estimates,
     /// The number of unknowns of each kind.
     pub unknowns: Unknowns,
     /// The unknowns that the scene does without, and why.
@@ -144,6 +147,8 @@ pub struct Facts<'a> {
     pub outcome: &'a HistoryOutcome,
     /// Whether the solution stays where its equations hold.
     pub validity: &'a Validity,
+    /// What the mesh leaves open.
+    pub estimates: Estimates,
     /// The resultants at the end of each increment.
     pub forces: Vec<ForceRecord>,
     /// What else acts on the body then.
@@ -161,8 +166,11 @@ impl RunReport {
     pub fn new(facts: Facts<'_>) -> Self {
         let Facts { scene, model, solver, choice, outcome, validity, measured, .. } = facts;
         let mut warnings = Warning::of_model(model);
+        // What elements have done takes the place of what was expected of them.
+        warnings.retain(|warning| warning.kind != WarningKind::Locking || facts.estimates.locking.is_none());
         warnings.extend(validity.warnings(model));
-        warnings.extend(unbalanced(&facts.reactions, solver.tolerance));
+        warnings.extend(facts.estimates.warnings(model));
+        warnings.extend(unbalanced(&facts.reactions, &outcome.records, solver.tolerance));
         RunReport {
             schema_version: SCHEMA_VERSION,
             program_version: env!("CARGO_PKG_VERSION"),
@@ -181,6 +189,7 @@ impl RunReport {
             largest_displacement: validity.largest,
             largest_pressure: validity.largest_pressure.clone(),
             range_left: validity.range_left,
+            estimates: facts.estimates,
             unknowns: Unknowns::new(&outcome.layout, solver.method),
             left_out: LeftOut::all(model, facts.condensed),
             increments: outcome.records.clone(),

@@ -3,13 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::warnings::{Warning, WarningKind};
-use crate::contact::{ContactNode, ContactStatus, RangeLeft};
+use crate::contact::{ContactStatus, RangeLeft};
 use crate::fem::RigidMotion;
 use crate::history::{Status, Step};
 use crate::model::Model;
 use crate::uniqueness::{NeutralMotion, neutral_motions};
 use crate::units::Quantity;
-use crate::vector::{dot, minus, norm};
+use crate::vector::{dot, norm};
 
 /// The share of the body's size from which on displacements do not count as small. A body that turns by as much turns
 /// its normals by six degrees, and the squares of strains that are left out reach a percent.
@@ -26,6 +26,8 @@ pub struct Validity {
     pub range_left: Option<RangeLeft>,
     /// The motion that the first equilibrium that is one of many leaves open, if there was any, and its time, s.
     pub neutral: Option<(NeutralMotion, f64)>,
+    /// The contact node that touched the obstacle where that leant most against the node's normal, and the slope.
+    steepest: Option<(usize, f64)>,
     /// Whether each contact node ever touched its obstacle.
     touched: Vec<bool>,
 }
@@ -60,7 +62,7 @@ impl Validity {
     /// Before the first increment of `model`.
     pub fn new(model: &Model) -> Self {
         let touched = vec![false; model.contacts.len()];
-        Validity { largest: None, largest_pressure: None, range_left: None, neutral: None, touched }
+        Validity { largest: None, largest_pressure: None, range_left: None, neutral: None, steepest: None, touched }
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
@@ -69,7 +71,7 @@ impl Validity {
         if record.status != Status::Converged {
             return;
         }
-        for (position, u) in model.mesh.nodes.iter().zip(model.displacements(record.time, &state.u)) {
+        for (position, u) in model.mesh.nodes.iter().zip(model.displaced(record.time, &state.u)) {
             let length = norm(u);
             if self.largest.is_none_or(|largest| length > largest.length) {
                 self.largest = Some(LargestDisplacement { length, position: *position, time: record.time });
@@ -89,10 +91,15 @@ impl Validity {
                 }
             }
         }
-        for (touched, status) in self.touched.iter_mut().zip(*statuses) {
-            *touched |= *status != ContactStatus::Open;
+        for (i, _) in statuses.iter().enumerate().filter(|(_, status)| **status != ContactStatus::Open) {
+            self.touched[i] = true;
+            // Where an obstacle that passes is when it touches, not where it was at first.
+            let slope = model.slope(i, record.time);
+            if !slope.is_nan() && self.steepest.is_none_or(|(_, steepest)| slope >= steepest) {
+                self.steepest = Some((i, slope));
+            }
         }
-        if let Some(left) = model.range_left(record.time, &state.u, increment.gap, statuses)
+        if let Some(left) = model.range_left(record.time, state, increment.gap, statuses)
             && self.range_left.is_none_or(|worst| left.share.is_nan() || left.share > worst.share)
         {
             self.range_left = Some(left);
@@ -119,13 +126,11 @@ impl Validity {
             );
             warn(WarningKind::NoContact, message);
         }
-        let touched = model.contacts.iter().zip(&self.touched).filter(|(_, touched)| **touched);
-        let steepest = touched.map(|(contact, _)| (contact, slope(contact))).max_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((contact, slope)) = steepest.filter(|(_, slope)| *slope > NOT_SMALL) {
+        if let Some((i, slope)) = self.steepest.filter(|(_, slope)| *slope > NOT_SMALL) {
             let message = format!(
                 "at the node {} the obstacle leans by {:.0} degrees against the normal along which it presses; use \
                  direction = \"nearest\", or another normal",
-                units.place(contact.position),
+                units.place(model.contacts[i].position),
                 slope.atan().to_degrees()
             );
             warn(WarningKind::LeaningObstacle, message);
@@ -154,11 +159,6 @@ impl Validity {
         }
         warnings
     }
-}
-
-/// The slope of the obstacle in front of a node, against the node's normal: the tangent of the angle.
-fn slope(contact: &ContactNode) -> f64 {
-    norm(minus(contact.facing.inward, contact.facing.normal))
 }
 
 fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<String> {

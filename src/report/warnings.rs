@@ -3,8 +3,7 @@
 use serde::Serialize;
 
 use crate::description::Action;
-use crate::fem::Element;
-use crate::mesh::CellKind;
+use crate::estimate::expected_locking;
 use crate::model::Model;
 use crate::units::Quantity;
 
@@ -39,27 +38,52 @@ pub enum WarningKind {
     GapsOutOfRange,
     /// An equilibrium that is one of many: contact leaves a motion of the body open.
     NotUnique,
+    /// A contact zone of a few nodes, or of isolated ones.
+    ContactUnresolved,
+    /// A contact zone that is fewer than eight nodes across.
+    ContactCoarse,
+    /// A peak pressure that is far above that of the neighbours.
+    PeakScatter,
+    /// A pressure that is singular at the edge of the contact.
+    SingularEdge,
+    /// Elements that differ much in size at the end of the contact.
+    UnevenElements,
+    /// A zone that sticks, known to one element.
+    StickZoneCoarse,
     /// Forces that are so small beside the stiffness and the displacements that rounding counts.
     Unbalanced,
 }
 
 impl WarningKind {
-    /// Whether it is known only once the scene is solved.
+    /// Whether it is known only once the scene is solved; that elements lock is expected before.
     pub fn needs_the_solution(self) -> bool {
         match self {
-            WarningKind::Locking | WarningKind::LayersThroughElements | WarningKind::IdleLoad => false,
-            WarningKind::NoContact
+            WarningKind::LayersThroughElements | WarningKind::IdleLoad => false,
+            WarningKind::Locking
+            | WarningKind::NoContact
             | WarningKind::LargeDisplacements
             | WarningKind::LeaningObstacle
             | WarningKind::GapsOutOfRange
             | WarningKind::NotUnique
+            | WarningKind::ContactUnresolved
+            | WarningKind::ContactCoarse
+            | WarningKind::PeakScatter
+            | WarningKind::SingularEdge
+            | WarningKind::UnevenElements
+            | WarningKind::StickZoneCoarse
             | WarningKind::Unbalanced => true,
         }
     }
 }
 
-/// Poisson's ratio from which elements may lock: K is 50 times as stiff against a change of volume as against shear.
-const LOCKING: f64 = 0.49;
+/// A body that is too stiff by a smaller share is worth no warning.
+const LOCKING: f64 = 0.05;
+
+/// Beyond this share the estimate is known to be too small.
+const AT_LEAST: f64 = 1.0;
+
+/// Elements of half the size lock by so much less.
+const HALVED: f64 = 2.64;
 
 /// The same of elements of second order, which at 0.499 are as good as B-bar elements.
 const QUADRATIC_LOCKING: f64 = 0.499;
@@ -71,36 +95,48 @@ impl Warning {
     /// The warnings that a model deserves before it is solved.
     pub fn of_model(model: &Model) -> Vec<Self> {
         let messages = [
-            (WarningKind::Locking, locking(model)),
             (WarningKind::LayersThroughElements, layers_through_elements(model)),
             (WarningKind::IdleLoad, idle_load(model)),
         ];
-        messages.into_iter().filter_map(|(kind, message)| Some(Warning { kind, message: message? })).collect()
+        let found = messages.into_iter().filter_map(|(kind, message)| Some(Warning { kind, message: message? }));
+        expected(model).into_iter().chain(found).collect()
+    }
+
+    /// That elements lock, if it makes the body too stiff by a `share` that counts.
+    pub(super) fn of_locking(model: &Model, share: f64) -> Option<Self> {
+        let poisson = largest_poisson(model);
+        let kind = model.mesh.cells.first()?.kind;
+        let cells = match (kind.is_simplex(), model.mesh.dimension) {
+            (false, _) => "use mesh.element = \"b-bar\"",
+            (true, 2) => "use triangles of second order, or quadrilaterals with mesh.element = \"b-bar\"",
+            (true, _) => "use tetrahedra of second order, or hexahedra with mesh.element = \"b-bar\"",
+        };
+        let about = if share > AT_LEAST { "at least" } else { "about" };
+        let [now, halved] = [share, share / HALVED].map(|share| 100.0 * share);
+        let message = format!(
+            "expect the body to be {about} {now:.0} % too stiff: such elements hardly change their volume, least near nu = 0.5, and \
+             nu is {poisson:.6}; {cells}, or halve the elements for {about} {halved:.0} %"
+        );
+        (share > LOCKING).then_some(Warning { kind: WarningKind::Locking, message })
     }
 }
 
-fn locking(model: &Model) -> Option<String> {
-    if model.element() == Element::BBar || model.is_thin() {
-        return None;
+/// What is expected of elements before they are solved with.
+fn expected(model: &Model) -> Option<Warning> {
+    if let Some(share) = expected_locking(model) {
+        return Warning::of_locking(model, share);
     }
-    let poisson = model.materials().iter().map(|law| 0.5 * law.lambda / (law.lambda + law.mu)).fold(0.0, f64::max);
-    let has = |what: fn(CellKind) -> bool| model.mesh.cells.iter().any(|cell| what(cell.kind));
-    let quadratic = has(CellKind::is_quadratic);
-    let cells = match (has(CellKind::is_simplex), quadratic, model.mesh.dimension) {
-        (false, ..) => "",
-        (true, true, 2) => " with quadrilaterals",
-        (true, true, _) => " with hexahedra",
-        (true, false, 2) => " with quadrilaterals, or triangles of six nodes",
-        (true, false, _) => " with hexahedra, or tetrahedra of ten nodes",
-    };
-    let limit = if quadratic { QUADRATIC_LOCKING } else { LOCKING };
-    // What is computed back from Lamé's constants may miss the ratio by rounding.
-    (poisson > limit + ROUNDING).then(|| {
-        format!(
-            "elements lock near nu = 0.5, and nu is {poisson:.6}: the body may be far too stiff; \
-             use mesh.element = \"b-bar\"{cells}"
-        )
-    })
+    let poisson = largest_poisson(model);
+    let quadratic = model.mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
+    let locks = quadratic && !model.is_thin() && poisson > QUADRATIC_LOCKING + ROUNDING;
+    let message = format!(
+        "nu is {poisson:.6}: elements of second order, too, may be too stiff; use mesh.element = \"b-bar\" on quadrilaterals or hexahedra"
+    );
+    locks.then_some(Warning { kind: WarningKind::Locking, message })
+}
+
+fn largest_poisson(model: &Model) -> f64 {
+    model.materials().iter().map(|law| 0.5 * law.lambda / (law.lambda + law.mu)).fold(0.0, f64::max)
 }
 
 fn layers_through_elements(model: &Model) -> Option<String> {

@@ -4,13 +4,14 @@ use super::recording::RecordedIncrement;
 use crate::history::{IncrementRecord, Observer, Status, Step};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
-use crate::report::{BalanceRecord, ForceRecord, Validity};
+use crate::report::{BalanceRecord, EstimateWatch, ForceRecord, Validity};
 
 /// Stands before the observer of a run.
 pub(super) struct Watch<'a> {
     model: &'a Model,
     observer: &'a mut dyn Observer,
     pub validity: Validity,
+    pub estimates: EstimateWatch,
     /// The strain energy at the end of each increment so far, J.
     pub energies: Vec<f64>,
     /// The resultants of each increment so far.
@@ -28,6 +29,7 @@ impl<'a> Watch<'a> {
             model,
             observer,
             validity: Validity::new(model),
+            estimates: EstimateWatch::new(model),
             energies: Vec::new(),
             forces: Vec::new(),
             reactions: Vec::new(),
@@ -69,6 +71,7 @@ impl Observer for Watch<'_> {
         let step = &Step { record: record.as_ref().unwrap_or(step.record), ..*step };
         self.energies.push(step.record.strain_energy);
         self.validity.see(self.model, step);
+        self.estimates.see(self.model, step);
         self.forces.extend(ForceRecord::all(self.model, step));
         self.reactions.push(BalanceRecord::new(self.model, step));
         if self.keeps_last && step.record.status == Status::Converged {

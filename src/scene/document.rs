@@ -317,6 +317,7 @@ pub(super) struct Obstacle {
     pub through: Option<Vector>,
     pub radius: Option<f64>,
     pub apex: Option<Vector>,
+    pub center: Option<Vector>,
     pub axis: Option<Vector>,
     pub angle: Option<f64>,
     pub half_angle: Option<f64>,

@@ -40,7 +40,9 @@ fn help(message: &str, source: &Source, span: &Range<usize>) -> String {
         _ => {}
     }
     let given = source.text.get(span.clone()).unwrap_or_default();
-    if let Some(name) = given.strip_prefix("[[").and_then(|rest| rest.strip_suffix("]]")) {
+    let name = given.strip_prefix("[[").and_then(|rest| rest.strip_suffix("]]"));
+    // A list of lists is a value, and no table.
+    if let Some(name) = name.filter(|name| !name.contains([',', '['])) {
         return format!("write `[{name}]`: there is one only");
     }
     let list_expected = message.contains("expected a list");
@@ -53,6 +55,9 @@ fn help(message: &str, source: &Source, span: &Range<usize>) -> String {
     let quoted = given.starts_with(['"', '\'']) && given.trim_matches(['"', '\'']).parse::<f64>().is_ok();
     match message.starts_with("invalid type:") {
         true if quoted && message.contains("number") => "write the number without quotes".to_string(),
+        true if given.starts_with('[') && message.contains("whole number") => {
+            "give one whole number, as 10".to_string()
+        }
         true if list_expected => format!("a list stands in brackets, [ ]; {form}"),
         true => form.to_string(),
         false => "mend the TOML here".to_string(),

@@ -12,6 +12,9 @@ use crate::report::{LargestPressure, Resultant};
 pub struct Outcome {
     /// The verdict, or why there is none: `bad-input`, `machine-failure`, `bug`.
     pub status: String,
+    /// The text of the scene that ran; none without a report.
+    #[serde(skip_serializing)]
+    pub scene_text: Option<String>,
     /// Why it ended early, in words; empty if it did not.
     pub reason: String,
     /// The increments that converged.
@@ -32,6 +35,7 @@ pub struct Outcome {
 #[derive(Deserialize)]
 struct Report {
     status: String,
+    scene_text: Option<String>,
     #[serde(default, alias = "message")]
     reason: String,
     help: Option<String>,
@@ -57,7 +61,7 @@ struct Totals {
 
 impl From<Report> for Outcome {
     fn from(report: Report) -> Self {
-        let Report { status, reason, help, increments, totals, largest_pressure, boundaries } = report;
+        let Report { status, scene_text, reason, help, increments, totals, largest_pressure, boundaries } = report;
         let errors = increments.iter().flat_map(|increment| increment.kkt.values());
         // None where one of them is no number, or there is none.
         let error = errors.copied().collect::<Option<Vec<f64>>>().and_then(|all| all.into_iter().reduce(f64::max));
@@ -68,6 +72,7 @@ impl From<Report> for Outcome {
             seconds: totals.and_then(|totals| totals.wall_seconds),
             error,
             status,
+            scene_text,
             largest_pressure,
             boundaries,
         }
@@ -79,6 +84,7 @@ impl Outcome {
     pub fn failed(status: &str, reason: String) -> Self {
         Outcome {
             status: status.to_string(),
+            scene_text: None,
             reason,
             converged: 0,
             iterations: 0,

@@ -71,7 +71,10 @@ impl FromStr for Variation {
         if values.len() < 2 {
             return Err(VariationError::One(key));
         }
-        let twice = values.iter().enumerate().find(|(k, value)| values[..*k].contains(value));
+        // 0.1 and 1e-1 are one number.
+        let same =
+            |a: &str, b: &str| a == b || matches!((a.parse::<f64>(), b.parse::<f64>()), (Ok(a), Ok(b)) if a == b);
+        let twice = values.iter().enumerate().find(|(k, value)| values[..*k].iter().any(|other| same(other, value)));
         if let Some((_, value)) = twice {
             return Err(VariationError::Twice { key, value: value.clone() });
         }
@@ -191,6 +194,7 @@ mod tests {
             ("contact.friction=0.4", "has one value only"),
             ("contact.friction=", "has one value only"),
             ("contact.friction=0.4,0.2,0.4", "has the value 0.4 twice"),
+            ("contact.friction=0.1,0.2,1e-1", "has the value 1e-1 twice"),
             ("contact.friction=0.1:0.1:2", "has the value 0.1 twice"),
             ("contact.friction=0.1:0.8:1", "is no range"),
             ("contact.friction=0.1:0.8:-3", "is no range"),

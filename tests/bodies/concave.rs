@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::common::Keep;
 use stickslip::contact::{
-    DeformedNode, GapDirection, Obstacle, ObstacleMotion, PlacedObstacle, Rotation, Shape, range_left,
+    DeformedNode, GapDirection, Obstacle, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape, range_left,
 };
 use stickslip::description::{Axis, Description};
 use stickslip::fem::Material;
@@ -58,8 +58,8 @@ fn what_is_too_large_for_its_bore_is_squeezed() {
         let apex = |c: usize| (0..dimension).map(|k| if k == c { 1.0 - delta } else { 0.0 }).collect::<Vec<_>>();
         let vector = |c: usize| apex(c).try_into().unwrap();
         let shape = |c: usize| match dimension {
-            2 => Shape::Bore { radius: 1.0 - delta, apex: vector(c), axis: None },
-            _ => Shape::Socket { radius: 1.0 - delta, apex: vector(c) },
+            2 => Shape::Bore { radius: 1.0 - delta, place: Place::Apex(vector(c)), axis: None },
+            _ => Shape::Socket { radius: 1.0 - delta, place: Place::Apex(vector(c)) },
         };
         let mesh = rounded(dimension, 4);
         let outside = mesh.boundaries.iter().filter(|b| ["right", "top", "back"].contains(&b.name.as_str()));
@@ -124,13 +124,13 @@ fn gaps_end_on_the_surface_wherever_it_has_gone() {
     let (apex, axis) = ([0.1, -0.2, 1.5], [0.6, 0.8, 0.0]);
     let cone_axis = unit([0.1, -0.1, 1.0]);
     let cases: [(Shape, Depth); 3] = [
-        (Shape::Bore { radius: 4.0, apex: apex.into(), axis: Some(axis.into()) }, |r, axis| {
+        (Shape::Bore { radius: 4.0, place: Place::Apex(apex.into()), axis: Some(axis.into()) }, |r, axis| {
             // The centre is 4 m below the apex.
             let from = [r[0], r[1], r[2] + 4.0];
             let along = dot(from, axis);
             norm([0, 1, 2].map(|c| from[c] - along * axis[c])) - 4.0
         }),
-        (Shape::Socket { radius: 4.0, apex: apex.into() }, |r, _| norm([r[0], r[1], r[2] + 4.0]) - 4.0),
+        (Shape::Socket { radius: 4.0, place: Place::Apex(apex.into()) }, |r, _| norm([r[0], r[1], r[2] + 4.0]) - 4.0),
         (Shape::Cone { apex: apex.into(), half_angle: 1.1, axis: Some(cone_axis.into()) }, |r, _| {
             let axis = unit([0.1, -0.1, 1.0]);
             let along = dot(r, axis);
@@ -180,7 +180,7 @@ fn gaps_in_a_bore() {
     let top = mesh.boundary("top").unwrap();
     let see = |given: &Obstacle, x: [f64; 3]| PlacedObstacle::new(&mesh, top, given).unwrap().at(x);
     // About (0, 0.6), with 3-4-5 at (0.3, 1.0).
-    let bore = Obstacle::at_rest(Shape::Bore { radius: 0.5, apex: [0.0, 1.1].into(), axis: None });
+    let bore = Obstacle::at_rest(Shape::Bore { radius: 0.5, place: Place::Apex([0.0, 1.1].into()), axis: None });
     let near = Obstacle { direction: GapDirection::Nearest, ..bore.clone() };
     assert!((see(&bore, [0.3, 0.9, 0.0]).gap - 0.1).abs() < 1e-15);
     assert!((see(&bore, [0.3, 1.05, 0.0]).gap + 0.05).abs() < 1e-15);
@@ -191,7 +191,7 @@ fn gaps_in_a_bore() {
     // In the centre the way along the normal is as near as any.
     let centred = Obstacle {
         direction: GapDirection::Nearest,
-        ..Obstacle::at_rest(Shape::Bore { radius: 0.5, apex: [0.0, 0.5].into(), axis: None })
+        ..Obstacle::at_rest(Shape::Bore { radius: 0.5, place: Place::Apex([0.0, 0.5].into()), axis: None })
     };
     assert_eq!((see(&centred, [0.0; 3]).gap, see(&centred, [0.0; 3]).normal), (0.5, [0.0, 1.0, 0.0]));
     // The surface leans as the circle does: a bore that moves aside opens on one side.
@@ -206,7 +206,7 @@ fn the_range_of_round_and_pointed_obstacles() {
     let square = block(&[1.0; 2], &[1; 2]);
     // About (0, 0.6): from (0.3, 1.0) the node goes to (0, 1), where its old normal (0.6, 0.8) meets the circle after
     // g² + 2 g 0.32 = 0.09.
-    let bore = nearest(Shape::Bore { radius: 0.5, apex: [0.0, 1.1].into(), axis: None }, &[0.0, 1.0]);
+    let bore = nearest(Shape::Bore { radius: 0.5, place: Place::Apex([0.0, 1.1].into()), axis: None }, &[0.0, 1.0]);
     let along_the_bore = -0.32 + (0.32_f64 * 0.32 + 0.09).sqrt();
     // From (0.3, 0, 1) on a cone of 45 degrees to the other side of its tip.
     let cone = Obstacle::at_rest(Shape::Cone { apex: [0.0, 0.0, 0.7].into(), half_angle: 0.25 * PI, axis: None });

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use miette::Diagnostic;
-use stickslip::contact::{GapDirection, Obstacle, Rotation, Shape};
+use stickslip::contact::{GapDirection, Obstacle, Place, Rotation, Shape};
 use stickslip::description::{Axis, Description, Load};
 use stickslip::fem::{Element, Layer, Material, MaterialGroup, Plane};
 use stickslip::formula::Formula;
@@ -93,7 +93,7 @@ fn obstacles_that_move_from_text_and_from_rust() {
         direction: GapDirection::Nearest,
         translation: Some(vec![(0.0, [0.0; 2].into()), (3.0, [0.1, 0.0].into())]),
         rotation: Some(Rotation { axis: None, through: [0.5, -5.001].into(), history: vec![[0.0, 0.0], [1.0, 0.1]] }),
-        ..Obstacle::at_rest(Shape::Cylinder { radius: 5.0, apex: [0.5, -1e-3].into(), axis: None })
+        ..Obstacle::at_rest(Shape::Cylinder { radius: 5.0, place: Place::Apex([0.5, -1e-3].into()), axis: None })
             .approaching(&[[0.0, 0.0], [1.0, 2e-3]])
     };
     let description =
@@ -143,7 +143,7 @@ fn nonsense_in_the_plane() {
     let material = |material: Material| with(&|d| d.material = material.clone());
     let steel = || Material::new(210e9, 0.3);
     let contact = |obstacle: Obstacle| with(&|d| d.contacts[0].obstacles = vec![obstacle.clone()]);
-    let round = |radius: f64| Shape::Cylinder { radius, apex: [0.5, -1.0].into(), axis: None };
+    let round = |radius: f64| Shape::Cylinder { radius, place: Place::Apex([0.5, -1.0].into()), axis: None };
     let plane = || Obstacle::plane(1e-5);
     let layer = Layer { thickness: 0.5, young: 1e9, poisson: 0.3 };
     let group = |name: &str| MaterialGroup { name: name.into(), young: 1e9, poisson: 0.3, ..MaterialGroup::default() };
@@ -267,8 +267,16 @@ fn nonsense_in_space() {
     let mut pressed = cube();
     pressed.contacts[0].obstacles = flat.into();
     for (description, key, says) in [
-        (contact(Shape::Cylinder { radius: 9.0, apex, axis: None }), "contact[0].obstacle", "needs an axis"),
-        (contact(Shape::Sphere { radius: 9.0, apex: [0.5, -0.1].into() }), "contact[0].obstacle", "two components"),
+        (
+            contact(Shape::Cylinder { radius: 9.0, place: Place::Apex(apex), axis: None }),
+            "contact[0].obstacle",
+            "needs an axis",
+        ),
+        (
+            contact(Shape::Sphere { radius: 9.0, place: Place::Apex([0.5, -0.1].into()) }),
+            "contact[0].obstacle",
+            "two components",
+        ),
         (contact(Shape::Wedge { apex, angle: 2.0, axis: None }), "contact[0].obstacle.angle", "between 0 and pi/2"),
         (pressed, "contact[0].obstacle", "normal of the obstacle has two components"),
         (cube().in_plane_stress(), "material.plane", "three dimensions"),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::common;
 use crate::common::{BELT, Keep, difference};
-use stickslip::contact::{GapDirection, Obstacle, Shape};
+use stickslip::contact::{GapDirection, Obstacle, Place, Shape};
 use stickslip::description::{Axis, Contact, Description, Load};
 use stickslip::fem::Material;
 use stickslip::formula::Formula;
@@ -18,6 +18,7 @@ use stickslip::problem::State;
 use stickslip::report::{LeftOut, Resultant};
 use stickslip::run::{Recording, Run};
 use stickslip::scene::Scene;
+use stickslip::vector::{minus, norm};
 
 const PLANE: &str = "kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
 
@@ -331,7 +332,11 @@ fn a_ring_on_a_shaft_in_parts() {
     let shaft = |normal: [f64; 2]| Obstacle {
         normal: Some(normal.into()),
         direction: GapDirection::Nearest,
-        ..Obstacle::at_rest(Shape::Cylinder { radius: 1.001, apex: normal.map(|c| -1.001 * c).into(), axis: None })
+        ..Obstacle::at_rest(Shape::Cylinder {
+            radius: 1.001,
+            place: Place::Apex(normal.map(|c| -1.001 * c).into()),
+            axis: None,
+        })
     };
     let base = Description::new(mesh, Material::new(1e9, 0.3), vec![1.0]);
     let (whole, once) = solved(&base.clone().contact("bore", 0.3, shaft([-1.0, 0.0])));
@@ -346,6 +351,9 @@ fn a_ring_on_a_shaft_in_parts() {
             obstacles: shaft(normal).into(),
         });
     }
+    // A facet may be of one contact only: it would count twice.
+    let error = Model::build(&parts.clone().contact("bore", 0.3, shaft([-1.0, 0.0]))).unwrap_err().to_string();
+    assert!(error.starts_with("contact[4].boundary: the boundaries `q3` and `bore` have the facet at ("), "{error}");
     let (model, four) = solved(&parts);
     assert_eq!((model.contacts.len(), whole.contacts.len()), (around, around));
     let order: Vec<usize> = whole
@@ -355,6 +363,11 @@ fn a_ring_on_a_shaft_in_parts() {
         .collect();
     let largest = once[0].p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
     assert!(largest > 0.0);
+    // All the way round the tangent is the normal turned by +90°, and the tangential forces make up the moment of the shaft.
+    for contact in whole.contacts.iter().chain(&model.contacts) {
+        let ([x, y, _], [t, _]) = (contact.facing.normal, contact.frame);
+        assert!(norm(minus(t, [-y, x, 0.0])) < 1e-15, "{contact:?}");
+    }
     for (i, &j) in order.iter().enumerate() {
         assert!((once[0].p_n[i] - four[0].p_n[j]).abs() < 1e-8 * largest, "{i}");
         assert!((whole.contacts[i].weight - model.contacts[j].weight).abs() < 1e-12);
@@ -365,7 +378,7 @@ fn a_ring_on_a_shaft_in_parts() {
 #[test]
 fn what_has_moved_before_the_beginning_is_there() {
     let body = |apex: f64, before: f64, approach: f64| {
-        let cylinder = |x: f64| Shape::Cylinder { radius: 0.05, apex: [x, -1e-4].into(), axis: None };
+        let cylinder = |x: f64| Shape::Cylinder { radius: 0.05, place: Place::Apex([x, -1e-4].into()), axis: None };
         let first = Obstacle {
             translation: Some(vec![(0.0, [before, 0.0].into()), (1.0, [before, approach].into())]),
             ..Obstacle::at_rest(cylinder(apex))

@@ -34,7 +34,8 @@ fn solved(description: &Description) -> Solved {
         let solved = report.increments[record.index - 1].kkt.equilibrium;
         assert!(record.balance < 1e-12_f64.max(10.0 * solved), "{solved:e} {record:?}");
     }
-    let displacements = recording.increments.iter().map(|kept| model.displacements(kept.record.time, &kept.state.u));
+    let displacements =
+        recording.increments.iter().map(|kept| model.displacements(kept.record.time, &kept.state.u).unwrap());
     let displacements = displacements.collect();
     Solved { model, report, displacements }
 }

@@ -152,7 +152,7 @@ struct Last<'a>(&'a Model, Option<f64>);
 
 impl stickslip::history::Observer for Last<'_> {
     fn increment(&mut self, step: &stickslip::history::Step<'_>) -> stickslip::nonlinear::Flow {
-        let left = self.0.range_left(step.record.time, &step.state.u, step.increment.gap, step.statuses);
+        let left = self.0.range_left(step.record.time, step.state, step.increment.gap, step.statuses);
         self.1 = left.map(|left| left.share);
         stickslip::nonlinear::Flow::Continue
     }

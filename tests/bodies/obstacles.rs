@@ -8,12 +8,13 @@ use crate::common;
 use crate::common::BELT;
 use miette::Diagnostic;
 use stickslip::contact::{
-    Facing, GapDirection, Obstacle, ObstacleError, ObstacleMotion, PlacedObstacle, Rotation, Shape,
+    Facing, GapDirection, Obstacle, ObstacleError, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape,
 };
 use stickslip::formula::Formula;
 use stickslip::mesh::{Mesh, block};
 use stickslip::model::Model;
 use stickslip::scene::Scene;
+use stickslip::vector::{Vector, cross, minus, norm, plus, unit};
 
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
@@ -40,7 +41,7 @@ fn gaps_along_one_normal() {
         &gaps(&mesh, Shape::PlaneThrough { through: [9.0, 1.25, 0.0].into() }, &points),
         &[0.25, 0.25, 0.35]
     ));
-    let round = Shape::Cylinder { radius: 0.5, apex: [0.0, 1.1, 0.0].into(), axis: None };
+    let round = Shape::Cylinder { radius: 0.5, place: Place::Apex([0.0, 1.1, 0.0].into()), axis: None };
     assert!(close(&gaps(&mesh, round, &points), &[0.1, 0.2, 0.3]));
     let wedge = Shape::Wedge { apex: [0.1, 1.0, 0.0].into(), angle: 0.5_f64.atan(), axis: None };
     assert!(close(&gaps(&mesh, wedge, &points), &[0.05, 0.1, 0.2]));
@@ -52,12 +53,12 @@ fn gaps_along_one_normal() {
 fn a_sphere_and_an_oblique_cylinder_over_a_cube() {
     let mesh = block(&[1.0, 1.0, 1.0], &[2, 2, 2]);
     let points = [[0.5, 0.5, 1.0], [0.8, 0.5, 1.0], [0.8, 0.9, 1.0]];
-    let sphere = Shape::Sphere { radius: 1.3, apex: [0.5, 0.5, 1.0].into() };
+    let sphere = Shape::Sphere { radius: 1.3, place: Place::Apex([0.5, 0.5, 1.0].into()) };
     assert!(close(&gaps(&mesh, sphere, &points), &[0.0, 1.3 - 1.6_f64.sqrt(), 1.3 - 1.44_f64.sqrt()]));
     // Across an axis along (1, 1, 0) the last point is 0.1 / √2 away.
     let cylinder = Shape::Cylinder {
         radius: 1.0,
-        apex: [0.5, 0.5, 1.0].into(),
+        place: Place::Apex([0.5, 0.5, 1.0].into()),
         axis: Some([FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0].into()),
     };
     let expected = [0.0, 1.0 - (1.0_f64 - 0.045).sqrt(), 1.0 - (1.0_f64 - 0.005).sqrt()];
@@ -69,7 +70,7 @@ fn gaps_to_the_nearest_point() {
     let nearest = |shape| Obstacle { direction: GapDirection::Nearest, ..Obstacle::at_rest(shape) };
     let mesh = block(&[1.0, 1.0, 1.0], &[2, 2, 2]);
     // The centre is at (0, 0, 1.5): 3-4-5 from (0.3, 0, 1.1) and from (0, 0.4, 1.2).
-    let sphere = nearest(Shape::Sphere { radius: 0.4, apex: [0.0, 0.0, 1.1].into() });
+    let sphere = nearest(Shape::Sphere { radius: 0.4, place: Place::Apex([0.0, 0.0, 1.1].into()) });
     for (x, normal) in [([0.3, 0.0, 1.1], [-0.6, 0.0, 0.8]), ([0.0, 0.4, 1.2], [0.0, -0.8, 0.6])] {
         let facing = above(&mesh, &sphere, &[x])[0];
         assert!((facing.gap - 0.1).abs() < 1e-15 && close(&facing.normal, &normal), "{facing:?}");
@@ -86,14 +87,78 @@ fn gaps_to_the_nearest_point() {
     assert!(close(&facings[1].normal, &[-FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0]));
 }
 
+/// Round a whole bore a tangent across the axis turns with the normal, and one along the axis stays; a given tangent says which way.
+#[test]
+fn tangents_go_round_a_bore() {
+    let (square, cube) = (block(&[1.0, 1.0], &[1, 1]), block(&[1.0; 3], &[1; 3]));
+    let along = [0.0, 1.0, 0.0];
+    let bore = |axis: Option<[f64; 3]>, centre: Vector| Shape::Bore {
+        radius: 2.0,
+        place: Place::Center(centre),
+        axis: axis.map(Vector::from),
+    };
+    let nearest = |shape: Shape, tangent: Option<Vector>, normal: Vector| Obstacle {
+        direction: GapDirection::Nearest,
+        tangent,
+        normal: Some(normal),
+        ..Obstacle::at_rest(shape)
+    };
+    for k in 0..48 {
+        let (sin, cos) = (PI * f64::from(k) / 24.0).sin_cos();
+        for (tangent, sense) in [(None, 1.0), (Some([1.0, 0.0].into()), -1.0)] {
+            let given = nearest(bore(None, [0.5, 0.5].into()), tangent, [0.0, 1.0].into());
+            let facing = above(&square, &given, &[[0.5 + 0.7 * cos, 0.5 + 0.7 * sin, 0.0]])[0];
+            let turned = [-sin, cos, 0.0].map(|c| sense * c);
+            assert!(norm(minus(facing.tangents[0], turned)) < 2e-15, "{k}: {facing:?}");
+        }
+        let x = [0.5 + 0.7 * cos, 0.3, 0.5 + 0.7 * sin];
+        for (tangent, expected) in [([1.0, 0.0, 0.0], [sin, 0.0, -cos]), (along, along)] {
+            let given = nearest(bore(Some(along), [0.5; 3].into()), Some(tangent.into()), [0.0, 0.0, 1.0].into());
+            let facing = above(&cube, &given, &[x])[0];
+            assert!(norm(minus(facing.tangents[0], expected)) < 2e-15, "{k}: {facing:?}");
+            assert!(norm(minus(facing.tangents[1], cross(facing.normal, facing.tangents[0]))) < 2e-15);
+        }
+    }
+}
+
+/// By its centre a round obstacle stays where it is when its radius changes, and is the same as by its apex.
+#[test]
+fn round_obstacles_by_apex_or_centre() {
+    let square = block(&[1.0, 1.0], &[2, 2]);
+    let points = [[0.0, 1.0, 0.0], [0.4, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    let (apex, centre) = (|y: f64| Place::Apex([0.3, y].into()), Place::Center([0.3, 2.0].into()));
+    for radius in [0.8, 0.9] {
+        let cylinder = |place| gaps(&square, Shape::Cylinder { radius, place, axis: None }, &points);
+        assert!(close(&cylinder(centre), &cylinder(apex(2.0 - radius))));
+        let exact = points.map(|x| 1.0 - (radius * radius - (x[0] - 0.3).powi(2)).sqrt());
+        assert!(close(&cylinder(centre), &exact), "{exact:?}");
+        let bore = |place| gaps(&square, Shape::Bore { radius: 3.0 * radius, place, axis: None }, &points);
+        assert!(close(&bore(centre), &bore(apex(2.0 + 3.0 * radius))));
+    }
+    // In space from an oblique axis, and the nearest point of a socket.
+    let cube = block(&[1.0; 3], &[2; 3]);
+    let (axis, points) = ([0.6, 0.8, 0.0], [[0.1, 0.2, 1.0], [0.9, 0.4, 1.0]]);
+    let cylinder = |place| gaps(&cube, Shape::Cylinder { radius: 2.0, place, axis: Some(axis.into()) }, &points);
+    let by_apex = cylinder(Place::Apex([0.5, 0.5, 1.1].into()));
+    let on_the_axis = plus([0.5, 0.5, 3.1], 7.0, axis);
+    assert!(close(&cylinder(Place::Center(on_the_axis.into())), &by_apex));
+    let socket = Shape::Socket { radius: 2.0, place: Place::Center([0.5, 0.4, 0.3].into()) };
+    let given = Obstacle { direction: GapDirection::Nearest, ..Obstacle::at_rest(socket) };
+    for (x, facing) in points.iter().zip(above(&cube, &given, &points)) {
+        let from = minus(*x, [0.5, 0.4, 0.3]);
+        assert!((facing.gap - (2.0 - norm(from))).abs() < 1e-15);
+        assert!(norm(minus(facing.normal, unit(from))) < 1e-15);
+    }
+}
+
 #[test]
 fn obstacles_that_do_not_suit_the_dimension_are_refused() {
     let (plane, cube) = (block(&[1.0, 1.0], &[1, 1]), block(&[1.0, 1.0, 1.0], &[1, 1, 1]));
     let refused =
         |mesh: &Mesh, given: &Obstacle| PlacedObstacle::new(mesh, mesh.boundary("top").unwrap(), given).unwrap_err();
     let at_rest = Obstacle::at_rest;
-    let cylinder = |axis| at_rest(Shape::Cylinder { radius: 1.0, apex: [0.0, 1.0, 0.0].into(), axis });
-    let sphere = at_rest(Shape::Sphere { radius: 1.0, apex: [0.0, 1.0, 0.0].into() });
+    let cylinder = |axis| at_rest(Shape::Cylinder { radius: 1.0, place: Place::Apex([0.0, 1.0, 0.0].into()), axis });
+    let sphere = at_rest(Shape::Sphere { radius: 1.0, place: Place::Apex([0.0, 1.0, 0.0].into()) });
     assert!(matches!(refused(&plane, &sphere), ObstacleError::OnlyInSpace("sphere")));
     assert!(matches!(refused(&cube, &cylinder(None)), ObstacleError::NoAxis));
     assert!(matches!(refused(&cube, &cylinder(Some(Z.into()))), ObstacleError::SkewAxis));
@@ -110,7 +175,7 @@ fn obstacles_that_do_not_suit_the_dimension_are_refused() {
     assert!(matches!(refused(&both, &plane_at_rest), ObstacleError::NoNormal));
     let upwards = Obstacle { normal: Some(Z.into()), ..plane_at_rest };
     let top = both.boundary("top").unwrap();
-    assert!(!PlacedObstacle::new(&both, top, &upwards).unwrap().faces(&both, top));
+    assert!(PlacedObstacle::new(&both, top, &upwards).unwrap().faces_away(&both, top).is_some());
     let table = at_rest(Shape::Table { file: "nowhere.csv".into(), scale: 1.0 });
     assert!(matches!(refused(&plane, &table), ObstacleError::Table(_)));
 }
@@ -166,7 +231,8 @@ fn leaning_surfaces_change_the_gap_as_they_pass() {
         (motions[0].0[0].gap, motions[0].0[0].drift[0])
     };
     // A circle of radius 0.5 about (0.5, 1.5): 3-4-5 at 0.3 aside, slope 3/4; the first tangent is -x.
-    let round = Obstacle::at_rest(Shape::Cylinder { radius: 0.5, apex: [0.5, 1.0, 0.0].into(), axis: None });
+    let round =
+        Obstacle::at_rest(Shape::Cylinder { radius: 0.5, place: Place::Apex([0.5, 1.0, 0.0].into()), axis: None });
     let (gap, drift) = rates(&Obstacle { translation: along.clone(), ..round.clone() });
     assert!((gap + 0.75).abs() < 1e-14 && drift == -1.0, "{gap} {drift}");
     let rotation =

@@ -77,7 +77,8 @@ fn probes_follow_the_shape_functions() {
     let values = probed(&model, &scene, Probe::along("row", [0.2, 1.0], [0.4, 1.0], 3)).pop().unwrap();
     let mut last = Recording::last();
     common::run(&scene, &model, &mut last);
-    let displacements = model.displacements(2.0, &last.increments[0].state.u);
+    let displacements = model.displacements(2.0, &last.increments[0].state.u).unwrap();
+    assert!(model.displacements(2.0, &[0.0]).is_err());
     let node = |x: [f64; 2]| {
         let near = |y: &[f64; 3]| (y[0] - x[0]).abs() + (y[1] - x[1]).abs() < 1e-12;
         displacements[model.mesh.nodes.iter().position(near).unwrap()]

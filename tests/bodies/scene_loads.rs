@@ -83,6 +83,7 @@ const BUILT: &[Fault] = &[
     (TRACTION, "force = [0, 0, 1]", "force", &["3 components"], "[x, y]"),
     (TRACTION, "pressure = \"sqrt(-1 - x)\"", "pressure", &["not a finite number everywhere"], "has a value"),
     (TRACTION, "traction = [0, \"1 / (x - x)\"]", "traction", &["not a finite number"], "has a value"),
+    (TRACTION, "traction = [0, \"1e6 * z\"]", "traction", &["`1e6 * z` has z, but the body has two"], "use x and y"),
     (FACES, "point = [0.31, 0.77]\nforce = [0, 1]", "point", &["no node"], "the nearest"),
     (
         "[time]",

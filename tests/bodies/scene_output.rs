@@ -24,13 +24,18 @@ const OUTPUT: &[Fault] = &[
 ];
 
 /// Probes, each with words of the message and of the help.
-const PROBES: [(&str, &str, &str); 12] = [
+const PROBES: [(&str, &str, &str); 13] = [
     ("name = '', point = [0, 0]", "called \"\", which is empty", "a name of its own"),
     ("name = 'a'", "a probe without a point needs from", "add the key"),
     ("name = 'a', from = [0, 0], points = 3", "needs to", "add the key"),
     ("name = 'a', from = [0, 0], to = [1, 1]", "needs points", "add the key"),
     ("name = 'a', from = [0, 0], to = [1, 1], points = 1", "points is 1, but must be at least 2", "the ends count"),
     ("name = 'a', from = [0, 0], to = [1, 1], points = 20000", "at most 10000", "output.fields"),
+    (
+        "name = 'a', from = [0, 0], to = [1, 1], points = [[0, 1], [1, 2]]",
+        "expected a whole number",
+        "one whole number",
+    ),
     ("name = 'a', from = [1, 1], to = [1, 1], points = 2", "has no length", "point = [x, y]"),
     ("name = 'a', point = [0, 0], to = [1, 1]", "a probe with a point has no to", "remove the key"),
     ("name = 'a', point = [0, 0], points = 3", "a probe with a point has no points", "remove the key"),

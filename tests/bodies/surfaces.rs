@@ -4,37 +4,15 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fmt::Write as _;
-use std::fs;
-use std::path::PathBuf;
 
 use crate::common::edit;
 use crate::common::faults::{BLOCK, line_of, verify};
+use crate::common::scratch::Scratch;
 use crate::common::{Keep, run};
 use stickslip::history::Status;
 use stickslip::model::{Model, ModelError};
 use stickslip::problem::State;
 use stickslip::scene::{Scene, SceneError};
-
-/// A file that goes with the value.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(name: &str, bytes: &[u8]) -> Self {
-        let path = std::env::temp_dir().join(format!("stickslip-surface-{}-{name}", std::process::id()));
-        fs::write(&path, bytes).unwrap();
-        Scratch(path)
-    }
-
-    fn path(&self) -> &str {
-        self.0.to_str().unwrap()
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = fs::remove_file(&self.0);
-    }
-}
 
 type Triangle = [[f64; 3]; 3];
 
@@ -306,6 +284,57 @@ fn bad_friction_and_obstacles_of_a_block() {
         ),
         (rests, "{ kind = \"surface\" }", "obstacle =", "a surface needs file", "add the key"),
         (rests, "{ kind = \"plane\", scale = 2 }", "obstacle =", "a plane has no scale", "remove"),
+        (rests, "{ kind = \"bore\", radius = 2 }", "obstacle =", "a bore needs apex or center", "add one of them"),
+        (
+            rests,
+            "{ kind = \"cylinder\", radius = 2,\napex = [0.5, 0],\ncenter = [0.5, -2] }",
+            "center =",
+            "a cylinder has both apex and center",
+            "keep one",
+        ),
+        (rests, "{ kind = \"wedge\", angle = 1, center = [0.5, -2] }", "obstacle =", "a wedge has no center", "remove"),
+        (
+            rests,
+            "{ kind = \"bore\", radius = 2, center = [0.5, 2, 1] }",
+            "obstacle =",
+            "the place of the obstacle leaves the plane",
+            "two components",
+        ),
+        (
+            rests,
+            "{ kind = \"bore\", radius = 2, center = [0.5, nan] }",
+            "obstacle =",
+            "center is [0.5, NaN], but must be finite numbers",
+            "other than nan",
+        ),
+        (
+            "friction = 0.4",
+            "friction = 0\nfriction_history = [[0, 1], [1, 2]]",
+            "friction_history",
+            "friction_history multiplies a friction that is 0 on the whole of `bottom`",
+            "remove the key",
+        ),
+        (
+            "friction = 0.4",
+            "friction = \"0 * x\"\nfriction_history = [[0, 1], [1, 2]]",
+            "friction_history",
+            "friction_history multiplies a friction that is 0 on the whole of `bottom`",
+            "remove the key",
+        ),
+        (
+            "friction = 0.4",
+            "friction = \"0.1 * z\"",
+            "friction =",
+            "`0.1 * z` has z, but the body has two",
+            "y points up",
+        ),
+        (
+            rests,
+            "{ kind = \"formula\", formula = \"max(0, z)\" }",
+            "obstacle =",
+            "`max(0, z)` has z, but the body has two dimensions",
+            "use x and y",
+        ),
     ] {
         let text = edit(&block, from, to);
         verify(&refused(&text), &text, line_of(&text, marker), &[says], help);
@@ -368,6 +397,16 @@ fn bad_cones_and_surfaces_in_space() {
     ] {
         let text = edit(&cube, "kind = \"plane\", gap = 1e-5", &obstacle);
         verify(&refused(&text), &text, line_of(&text, "obstacle ="), &[says], help);
+    }
+    // A punch smaller than the face: to the nodes beside it its nearest points are along the face.
+    let [a, b, c, d] = [[0.4, 0.4, 0.0], [0.6, 0.4, 0.0], [0.5, 0.6, 0.0], [0.5, 0.5, -0.3]];
+    let punch = Scratch::new("punch", &ascii(&[[a, b, c], [b, a, d], [c, b, d], [a, c, d]]).into_bytes());
+    let (beside, along) = ("direction = \"nearest\"", "kind = \"sphere\", radius = 0.2, center = [0.5, 0.5, 0.1]");
+    for obstacle in [surface(&punch, &format!(", {beside}, scale = 1")), format!("{along}, {beside}")] {
+        let text = edit(&cube, "kind = \"plane\", gap = 1e-5", &obstacle);
+        let says =
+            "the nearest point of the obstacle is beside or behind the contact node at (0, 0, 0) m, from which the way";
+        verify(&refused(&text), &text, line_of(&text, "obstacle ="), &[says], "direction = \"normal\"");
     }
     let text = edit(&cube, "kind = \"plane\", gap = 1e-5", &surface(&good, ""));
     assert!(Model::new(&Scene::parse("scene.toml", &text, &[]).unwrap()).is_ok());

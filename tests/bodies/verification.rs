@@ -3,6 +3,8 @@
 // The figures of doc/verification.md, with --nocapture.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use std::f64::consts::PI;
+
 use crate::common;
 use crate::common::Keep;
 use crate::common::hertz::Hertz;
@@ -275,6 +277,48 @@ fn cattaneo_mindlin() {
         println!("traction {errors:?}, order {}", order(&elements, &errors));
         assert!(errors.windows(2).all(|pair| pair[1] < pair[0]) && order(&elements, &errors) > 1.0, "{errors:?}");
     }
+}
+
+/// Pushed to and fro between ± Q: with s = 1 - Q/(μ P) a cycle dissipates `(μ P)²/(π E*) (2 (1 - s²) + 4 s ln s)`. The closed
+/// form of the first push is linear in Q but for `(μ P)/(π E*) s ln s`, however far away the body is held, and later ones
+/// are that one, twice as large (Masing). The errors, with so many increments for a push, of the area of the loop of force and
+/// path, and of the friction work that increments are recorded with.
+fn dissipated_in_a_cycle(increments: usize) -> [f64; 2] {
+    let far = 2.1e-5;
+    let to_and_fro =
+        format!("contact.obstacle.motion.translation=[[1,0,0],[2,{far},0],[3,{0},0],[4,{far},0],[5,{0},0]]", -far);
+    let (steps, end) = (format!("time.increments={}", 4 * increments), "time.end=4");
+    let mut keep = Keep::default();
+    let overrides = ["mesh.elements=[[24,36,24],32]", &to_and_fro, end, "output.times=[]", &steps];
+    let (_, outcome) = solve("cattaneo_mindlin.toml", &overrides, &mut keep);
+    let cycle = 2 * increments..4 * increments;
+    let forces: Vec<f64> = keep.states.iter().map(|state| sum(&state.p_t)).collect();
+    let pushed = &keep.states[cycle.start - 1];
+    let slides = 0.4 * sum(&pushed.p_n);
+    let s = 1.0 - sum(&pushed.p_t).abs() / slides;
+    let modulus = YOUNG / (1.0 - 0.499_f64.powi(2));
+    let exact = slides * slides / (PI * modulus) * (2.0 * (1.0 - s * s) + 4.0 * s * s.ln());
+    let path = 2.0 * far / increments as f64;
+    let area: f64 = cycle
+        .clone()
+        .map(|k| {
+            let way = if k < 3 * increments { -path } else { path };
+            -0.5 * (forces[k - 1] + forces[k]) * way
+        })
+        .sum();
+    let recorded: f64 = outcome.records[cycle].iter().map(|record| record.friction_work).sum();
+    println!("{increments}: s {s}, area {area:.6e} J/m, recorded {recorded:.6e} J/m, closed form {exact:.6e} J/m");
+    [area, recorded].map(|found| found / exact - 1.0)
+}
+
+#[test]
+fn cattaneo_mindlin_energy() {
+    let [coarse, fine] = [8, 16].map(dissipated_in_a_cycle);
+    println!("energy of a cycle {coarse:?} {fine:?}");
+    assert!(
+        fine[0].abs() < 0.003 && fine[1].abs() < 0.003 && fine[0].abs() < 0.3 * coarse[0].abs(),
+        "{coarse:?} {fine:?}"
+    );
 }
 
 /// F/G = (tan α + μ)/(1 - μ tan α) once everything slides, driven in; (tan α - μ)/(1 + μ tan α), drawn out. F is what the

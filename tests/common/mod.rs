@@ -7,6 +7,7 @@ pub mod hertz;
 pub mod program;
 pub mod random;
 pub mod rings;
+pub mod scratch;
 
 use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver};
 use stickslip::linear::Direct;

@@ -25,13 +25,13 @@ fn on_top(elements: &str, obstacle: &str, load: &str) -> Model {
     Model::new(&Scene::parse("on_top.toml", &text, &[]).unwrap()).unwrap()
 }
 
-fn solve(model: &Model, method: Method, linear: LinearAlgebra) -> HistoryOutcome {
+pub fn solve(model: &Model, method: Method, linear: LinearAlgebra) -> HistoryOutcome {
     let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap();
     history::run(&model.problem, &model.loading, model.times(), &settings, linear.into(), &mut ()).unwrap()
 }
 
 /// What all linear algebras agree on, in so many iterations at most.
-fn agreed(model: &Model, method: Method, iterations: usize) -> HistoryOutcome {
+pub fn agreed(model: &Model, method: Method, iterations: usize) -> HistoryOutcome {
     let mut first: Option<HistoryOutcome> = None;
     for (word, linear) in LinearAlgebra::WORDS {
         let outcome = solve(model, method, linear);

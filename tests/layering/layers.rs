@@ -79,12 +79,14 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     ("auto", &["formulation", "history", "linear", "problem"]),
+    ("estimate", &["contact", "fem", "mesh", "model", "problem", "sets", "vector"]),
     (
         "report",
         &[
             "auto",
             "contact",
             "description",
+            "estimate",
             "fault",
             "fem",
             "formulation",

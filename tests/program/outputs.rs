@@ -100,3 +100,59 @@ fn a_probe_beside_the_body_is_told_by_check_and_run() {
     }
     assert!(!folder.0.join("out").exists());
 }
+
+/// Where several obstacles are in front of a boundary, the force on each is told, and which of them each node meets; where there is
+/// one, nothing is.
+#[test]
+fn several_obstacles_are_told_apart() {
+    let rollers = "[{ kind = \"cylinder\", radius = 50.0, apex = [0.5, 0] }, { kind = \"plane\", gap = 1e-5 }]";
+    let text = small().replace("{ kind = \"plane\", gap = 1e-5 }", rollers).replace("\"paper\"", "\"default\"");
+    let (folder, scene) = Folder::with_scene(&text);
+    let (out, report) = (folder.join("out"), folder.join("out/run.json"));
+    let said = stickslip(&["run", &scene, "--out", &out]);
+    assert_exit(&said, 0);
+    assert!(stdout(&said).contains("of it on contact[0].obstacle[1] ("), "{}", stdout(&said));
+    let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(report).unwrap()).unwrap();
+    let (header, rows) = csv(&folder.0.join("out/forces.csv"));
+    assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t,kind,balance,obstacle");
+    let (head, nodes) = csv(&folder.0.join("out/contact_0004.csv"));
+    assert!(head.ends_with(",t_x,t_y,obstacle"), "{head}");
+    let column = |name: &str| head.split(',').position(|column| column == name).unwrap();
+    let number = |text: &String| text.parse::<f64>().unwrap();
+    let mut sums = [0.0; 5];
+    for (k, key) in ["contact[0].obstacle[0]", "contact[0].obstacle[1]"].into_iter().enumerate() {
+        let own: Vec<_> = nodes.iter().filter(|node| node.last().unwrap() == key).collect();
+        assert!(!own.is_empty() && own.len() < nodes.len());
+        let line = rows.iter().rfind(|row| row.last().unwrap() == key).unwrap();
+        assert_eq!((line[0].as_str(), line[2].as_str(), line[8].as_str()), ("4", "bottom", "obstacle"));
+        let of = |node: &[String]| {
+            let [x, y, f_x, f_y, p_n, p_t] = ["x", "y", "f_x", "f_y", "p_n", "p_t"].map(|c| number(&node[column(c)]));
+            [f_x, f_y, x * f_y - y * f_x, p_n, p_t]
+        };
+        let expected =
+            own.iter().map(|node| of(node)).fold([0.0; 5], |sum, of| [0, 1, 2, 3, 4].map(|c| sum[c] + of[c]));
+        let found = [3, 4, 5, 6, 7].map(|c| number(&line[c]));
+        let on = &report["boundaries"][0]["obstacles"][k];
+        assert_eq!(on["obstacle"], key);
+        let told = [&on["force"][0], &on["force"][1], &on["moment"][0], &on["sum_p_n"], &on["sum_p_t"]];
+        assert!(expected[3] > 1e4, "{expected:?}");
+        for c in 0..5 {
+            assert!((found[c] - expected[c]).abs() < 1e-9 * expected[3], "{found:?} {expected:?}");
+            assert!((told[c].as_f64().unwrap() - found[c]).abs() <= 1e-15 * found[c].abs(), "{on}");
+            sums[c] += found[c];
+        }
+    }
+    let whole = rows.iter().rfind(|row| row[8] == "contact").unwrap();
+    assert!([0, 1, 2, 3, 4].iter().all(|&c| (number(&whole[3 + c]) - sums[c]).abs() < 1e-9 * sums[3]), "{whole:?}");
+    assert_eq!(
+        (whole.last().unwrap().as_str(), &report["forces"][3]["obstacles"]),
+        ("", &report["boundaries"][0]["obstacles"])
+    );
+
+    let (folder, scene) = Folder::with_scene(&small());
+    assert_exit(&stickslip(&["run", &scene, "--out", &folder.join("out")]), 0);
+    for file in ["forces.csv", "contact_0004.csv", "run.json"] {
+        assert!(!fs::read_to_string(folder.0.join("out").join(file)).unwrap().contains("obstacles"), "{file}");
+        assert!(!fs::read_to_string(folder.0.join("out").join(file)).unwrap().contains(",obstacle"), "{file}");
+    }
+}

@@ -131,6 +131,9 @@ fn keys_of(value: &Value, at: &str, into: &mut BTreeSet<String>) {
     value.as_array().into_iter().flatten().for_each(|value| keys_of(value, &format!("{at}[]"), into));
 }
 
+/// A ball under the middle of a face, and a plane under the rest.
+const ON_A_BALL: &str = "[{ kind = \"sphere\", radius = 50, apex = [0.5, 0.5, 0] }, { kind = \"plane\", gap = 1e-5 }]";
+
 /// Changes of the block with which increments are halved.
 const HALVED: [&str; 12] = [
     "--setting",
@@ -162,9 +165,18 @@ fn reports() -> Vec<Value> {
         json_of(&small(), &slow),
         json_of(&edit(&small(), "young = 210e9", "young = 210e5"), &["--setting", "default"]),
         json_of(&cube, &["--method", "ip"]),
+        json_of(&edit(&cube, "{ kind = \"plane\", gap = 1e-5 }", ON_A_BALL), &[]),
         json_of(&small(), &HALVED),
         json_of(&[&small(), "\n[[spring]]\nboundary = \"right\"\nnormal = 1e9\n"].concat(), &[]),
         report(&edit(&small(), "[solver]", "[solver]\nmax_iterations = 1"), 1),
+        json_of(
+            &edit(
+                &small(),
+                "{ kind = \"plane\", gap = 1e-5 }",
+                "{ kind = \"cylinder\", radius = 9, apex = [0.5, -1e-6] }",
+            ),
+            &[],
+        ),
         json_of(&small(), &["--set", "units.length=ft", "--set", "units.stress=psi"]),
         report(&without(&small(), "[[support]]", "[[load]]"), 1),
     ]

@@ -75,6 +75,18 @@ fn every_combination_is_a_row_and_a_folder() {
     }
 }
 
+/// A folder that stands where a table goes is told before anything runs.
+#[test]
+fn tables_have_their_place() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    fs::create_dir_all(folder.0.join("out/sweep.csv")).unwrap();
+    let output = stickslip(&sweep(&scene, &out, &["--vary", "contact.friction=0.2,0.4"]));
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("sweep.csv: results cannot be written"), "{}", stderr(&output));
+    assert!(results(&folder).0.is_empty());
+}
+
 /// The same command again runs nothing; a wider one what is new; a changed file what it changes.
 #[test]
 fn what_is_done_is_kept() {
@@ -124,6 +136,19 @@ fn what_is_done_is_kept() {
     fs::write(folder.join("b.msh"), mesh).unwrap();
     known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 3, 4);
     known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 4, 4);
+    // A folder that was given the name of another is not the other's result.
+    let of = |friction: &str| {
+        let is_of = |name: &&String| {
+            let report = fs::read_to_string(folder.0.join("out/variants").join(name).join("run.json")).unwrap();
+            let report: Value = serde_json::from_str(&report).unwrap();
+            report["scene_text"].as_str().unwrap().contains(friction)
+        };
+        folder.0.join("out/variants").join(first.iter().find(is_of).unwrap())
+    };
+    let (one, other) = (of("friction = 0.1"), of("friction = 0.2"));
+    fs::remove_dir_all(&one).unwrap();
+    fs::rename(other, one).unwrap();
+    known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 2, 4);
 }
 
 /// What fails is a row, and the exit status says so.

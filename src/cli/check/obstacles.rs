@@ -1,6 +1,6 @@
 //! Obstacles in words.
 
-use stickslip::contact::{GapDirection, Obstacle, PlacedObstacle, Rotation, Shape};
+use stickslip::contact::{GapDirection, Obstacle, Place, PlacedObstacle, Rotation, Shape};
 use stickslip::model::Model;
 use stickslip::units::Quantity;
 use stickslip::vector::Vector;
@@ -51,13 +51,17 @@ pub(super) fn shape(model: &Model, given: &Obstacle, placed: &PlacedObstacle) ->
     let units = model.units();
     let place = |x: &Vector| units.place(x.components());
     let length = |x: f64| units.text(Quantity::Length, x);
+    let round = |kind: &str, radius: f64, at: &Place| match at {
+        Place::Apex(apex) => format!("{kind}, radius {}, apex {}", length(radius), place(apex)),
+        Place::Center(center) => format!("{kind}, radius {}, center {}", length(radius), place(center)),
+    };
     match &given.shape {
         Shape::Plane { gap } => format!("plane at {}", told(&units, Quantity::Length, *gap)),
         Shape::PlaneThrough { through } => format!("plane through {}", place(through)),
-        Shape::Cylinder { radius, apex, .. } => format!("cylinder, radius {}, apex {}", length(*radius), place(apex)),
-        Shape::Bore { radius, apex, .. } => format!("bore, radius {}, apex {}", length(*radius), place(apex)),
-        Shape::Sphere { radius, apex } => format!("sphere, radius {}, apex {}", length(*radius), place(apex)),
-        Shape::Socket { radius, apex } => format!("socket, radius {}, apex {}", length(*radius), place(apex)),
+        Shape::Cylinder { radius, place, .. } => round("cylinder", *radius, place),
+        Shape::Bore { radius, place, .. } => round("bore", *radius, place),
+        Shape::Sphere { radius, place } => round("sphere", *radius, place),
+        Shape::Socket { radius, place } => round("socket", *radius, place),
         Shape::Cone { apex, half_angle, .. } => format!("cone, half angle {half_angle} rad, apex {}", place(apex)),
         Shape::Wedge { apex, angle, .. } => format!("wedge, angle {angle} rad, apex {}", place(apex)),
         Shape::Formula(formula) => format!("gap {}", formula.text()),

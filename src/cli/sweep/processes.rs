@@ -10,10 +10,10 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use stickslip::scene::Override;
 use stickslip::sweep::Outcome;
 
 use super::super::interrupt;
+use super::Task;
 
 /// How long nothing is looked at while all processes work.
 const PAUSE: Duration = Duration::from_millis(10);
@@ -77,38 +77,34 @@ impl Processes<'_> {
         }
     }
 
-    /// The result of an earlier try, if it is complete.
-    pub(super) fn kept(&self, fingerprint: &str) -> Option<Outcome> {
-        read(&self.whole(fingerprint).join("run.json")).filter(Outcome::is_final)
+    /// The result of an earlier try, if it is complete and of the scene of `task`: folders can be renamed.
+    pub(super) fn kept(&self, task: &Task) -> Option<Outcome> {
+        let outcome = read(&self.whole(&task.fingerprint).join("run.json"))?;
+        (outcome.is_final() && outcome.scene_text.as_ref() == Some(&task.text)).then_some(outcome)
     }
 
     /// Keeps the results of a variant for good, if they are final; what came of it.
-    pub(super) fn keep(&self, fingerprint: &str, outcome: Outcome) -> Outcome {
-        let (partial, whole) = (self.partial(fingerprint), self.whole(fingerprint));
+    pub(super) fn keep(&self, task: &Task, outcome: Outcome) -> Outcome {
+        let (partial, whole) = (self.partial(&task.fingerprint), self.whole(&task.fingerprint));
         if !outcome.is_final() || !partial.join("run.json").is_file() {
             return outcome;
         }
         // Something that has no complete report is no result.
-        if self.kept(fingerprint).is_none() {
+        if self.kept(task).is_none() {
             remove(&whole);
         }
         match fs::rename(&partial, &whole) {
             // Another sweep may have been faster.
-            Err(error) if self.kept(fingerprint).is_none() => {
+            Err(error) if self.kept(task).is_none() => {
                 Outcome::failed("machine-failure", format!("the results cannot be kept: {error}"))
             }
             _ => outcome,
         }
     }
 
-    /// Runs the variants of all `orders`, fingerprints with what to set, `jobs` at a time, and tells of each when it has
+    /// Runs the variants of all `orders`, `jobs` at a time, and tells of each when it has
     /// ended. Ctrl-C ends all of them at once.
-    pub(super) fn run(
-        &self,
-        orders: &[(&str, &[Override])],
-        jobs: usize,
-        tell: &mut dyn FnMut(Ended),
-    ) -> io::Result<()> {
+    pub(super) fn run(&self, orders: &[&Task], jobs: usize, tell: &mut dyn FnMut(Ended)) -> io::Result<()> {
         let mut running: Vec<Running> = Vec::new();
         let mut next = 0;
         while next < orders.len() || !running.is_empty() {
@@ -151,8 +147,8 @@ impl Processes<'_> {
         Ok(())
     }
 
-    fn start(&self, order: usize, orders: &[(&str, &[Override])]) -> io::Result<Running> {
-        let (fingerprint, overrides) = orders[order];
+    fn start(&self, order: usize, orders: &[&Task]) -> io::Result<Running> {
+        let Task { fingerprint, overrides, .. } = orders[order];
         let partial = self.partial(fingerprint);
         let printed = partial.with_extension(format!("{}.json", std::process::id()));
         let mut command = Command::new(std::env::current_exe()?);
@@ -165,7 +161,7 @@ impl Processes<'_> {
         Ok(Running { order, child, printed })
     }
 
-    fn stop(&self, running: Vec<Running>, orders: &[(&str, &[Override])]) {
+    fn stop(&self, running: Vec<Running>, orders: &[&Task]) {
         for mut process in running {
             // One that has ended already cannot be ended.
             let _ = process.child.kill().and_then(|()| process.child.wait());
@@ -173,9 +169,9 @@ impl Processes<'_> {
         }
     }
 
-    fn clear(&self, process: &Running, orders: &[(&str, &[Override])]) {
+    fn clear(&self, process: &Running, orders: &[&Task]) {
         remove(&process.printed);
-        remove(&self.partial(orders[process.order].0));
+        remove(&self.partial(&orders[process.order].fingerprint));
     }
 }
 

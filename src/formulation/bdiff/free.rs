@@ -8,7 +8,7 @@
 
 use super::{Bdiff, Case};
 use crate::contact::coulomb::{NormalCase, TangentialCase};
-use crate::null_space::null_space;
+use crate::null_space::{NEGLIGIBLE, null_space};
 use crate::sparse::Csr;
 
 /// The bisections that find where a case changes, to nine digits.
@@ -127,15 +127,21 @@ impl Bdiff {
 
 /// The places by which `motions` are told apart, one for each: where the largest is when those before have been taken
 /// out of the others.
-fn anchors(mut motions: Vec<Vec<f64>>) -> Vec<usize> {
+fn anchors(motions: Vec<Vec<f64>>) -> Vec<usize> {
     let mut places = Vec::with_capacity(motions.len());
+    // What is left of a motion that depends on others is rounding.
+    let least = |motion: &Vec<f64>| NEGLIGIBLE * motion.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+    let mut motions: Vec<(f64, Vec<f64>)> = motions.into_iter().map(|motion| (least(&motion), motion)).collect();
     loop {
-        let entries = motions.iter().enumerate().flat_map(|(k, motion)| motion.iter().enumerate().map(move |u| (k, u)));
-        let largest = entries.filter(|(_, (_, u))| **u != 0.0).max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs()));
+        let entries = motions.iter().enumerate().flat_map(|(k, (least, motion))| {
+            let telling = motion.iter().enumerate().filter(|(_, u)| u.abs() > *least);
+            telling.map(move |u| (k, u))
+        });
+        let largest = entries.max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs()));
         let Some((k, (place, _))) = largest else { return places };
         places.push(place);
-        let pivot = motions.swap_remove(k);
-        for motion in &mut motions {
+        let (_, pivot) = motions.swap_remove(k);
+        for (_, motion) in &mut motions {
             let factor = motion[place] / pivot[place];
             motion.iter_mut().zip(&pivot).for_each(|(u, pivot)| *u -= factor * pivot);
         }
@@ -172,5 +178,8 @@ mod tests {
         assert!(places.iter().filter(|place| *place % 2 == 1).count() == 2, "{places:?}");
         // What depends on others has no place of its own.
         assert_eq!(anchors(vec![vec![1.0, 2.0], vec![2.0, 4.0]]).len(), 1);
+        assert_eq!(anchors(vec![vec![0.1, 0.2, 0.3], vec![0.3, 0.6, 0.9]]).len(), 1);
+        // However small it is beside another.
+        assert_eq!(anchors(vec![vec![1.0, 0.0], vec![0.0, 1e-12]]).len(), 2);
     }
 }

@@ -1,6 +1,6 @@
 //! The obstacle of a contact.
 
-use crate::contact::{Obstacle, Rotation, Shape};
+use crate::contact::{Obstacle, Place, Rotation, Shape};
 use crate::fault::Fault;
 use crate::scene::SceneError;
 use crate::scene::document::{self, ObstacleKind};
@@ -54,12 +54,12 @@ fn whose(kind: &ObstacleKind) -> &'static str {
 
 /// Refuses the keys of other kinds of obstacles.
 fn own_keys(obstacle: &document::Obstacle) -> Result<(), Fault> {
-    let document::Obstacle { kind, gap, through, radius, apex, axis, angle, half_angle, formula, file, scale, .. } =
-        obstacle;
+    let document::Obstacle { kind, gap, through, radius, apex, center, axis, .. } = obstacle;
+    let document::Obstacle { angle, half_angle, formula, file, scale, .. } = obstacle;
     let keys: &[&str] = match kind {
         ObstacleKind::Plane => &["gap", "through"],
-        ObstacleKind::Cylinder | ObstacleKind::Bore => &["radius", "apex", "axis"],
-        ObstacleKind::Sphere | ObstacleKind::Socket => &["radius", "apex"],
+        ObstacleKind::Cylinder | ObstacleKind::Bore => &["radius", "apex", "center", "axis"],
+        ObstacleKind::Sphere | ObstacleKind::Socket => &["radius", "apex", "center"],
         ObstacleKind::Cone => &["apex", "half_angle", "axis"],
         ObstacleKind::Wedge => &["apex", "angle", "axis"],
         ObstacleKind::Formula => &["formula"],
@@ -73,6 +73,7 @@ fn own_keys(obstacle: &document::Obstacle) -> Result<(), Fault> {
         ("half_angle", half_angle.is_some()),
         ("through", through.is_some()),
         ("apex", apex.is_some()),
+        ("center", center.is_some()),
         ("axis", axis.is_some()),
         ("formula", formula.is_some()),
         ("file", file.is_some()),
@@ -83,9 +84,21 @@ fn own_keys(obstacle: &document::Obstacle) -> Result<(), Fault> {
 }
 
 fn shape(obstacle: &document::Obstacle, source: &Source) -> Result<Shape, Fault> {
-    let document::Obstacle { kind, gap, through, radius, apex, axis, angle, half_angle, file, scale, .. } = obstacle;
+    let document::Obstacle { kind, gap, through, radius, apex, center, axis, .. } = obstacle;
+    let document::Obstacle { angle, half_angle, file, scale, .. } = obstacle;
     let whose = whose(kind);
     let number = |key: &str, value: &Option<f64>| needed(key, *value, "kind", whose);
+    let place = || match (apex, center) {
+        (Some(_), Some(_)) => {
+            Err(Fault::new("center", format!("{whose} has both apex and center"), "keep one of them"))
+        }
+        (Some(apex), None) => Ok(Place::Apex(*apex)),
+        (None, Some(center)) => Ok(Place::Center(*center)),
+        (None, None) => {
+            let help = "add one of them: a point of the surface, or its centre or a point of its axis";
+            Err(Fault::new("kind", format!("{whose} needs apex or center"), help))
+        }
+    };
     let apex = || needed("apex", *apex, "kind", whose);
     let path = || needed("file", file.as_ref(), "kind", whose).map(|file| source.beside(file));
     Ok(match kind {
@@ -96,10 +109,10 @@ fn shape(obstacle: &document::Obstacle, source: &Source) -> Result<Shape, Fault>
             (None, Some(through)) => Shape::PlaneThrough { through: *through },
             (gap, None) => Shape::Plane { gap: gap.unwrap_or(0.0) },
         },
-        ObstacleKind::Cylinder => Shape::Cylinder { radius: number("radius", radius)?, apex: apex()?, axis: *axis },
-        ObstacleKind::Bore => Shape::Bore { radius: number("radius", radius)?, apex: apex()?, axis: *axis },
-        ObstacleKind::Sphere => Shape::Sphere { radius: number("radius", radius)?, apex: apex()? },
-        ObstacleKind::Socket => Shape::Socket { radius: number("radius", radius)?, apex: apex()? },
+        ObstacleKind::Cylinder => Shape::Cylinder { radius: number("radius", radius)?, place: place()?, axis: *axis },
+        ObstacleKind::Bore => Shape::Bore { radius: number("radius", radius)?, place: place()?, axis: *axis },
+        ObstacleKind::Sphere => Shape::Sphere { radius: number("radius", radius)?, place: place()? },
+        ObstacleKind::Socket => Shape::Socket { radius: number("radius", radius)?, place: place()? },
         ObstacleKind::Cone => Shape::Cone { apex: apex()?, half_angle: number("half_angle", half_angle)?, axis: *axis },
         ObstacleKind::Wedge => Shape::Wedge { angle: number("angle", angle)?, apex: apex()?, axis: *axis },
         ObstacleKind::Formula => return needed("formula", None, "kind", whose),

@@ -1,0 +1,92 @@
+//! Where a line meets a surface of which only the height above it is known.
+
+/// Steps of the search. Each at least doubles the last one, or halves what is left.
+const MOST: usize = 200;
+
+/// What rounding leaves of a place on the line, as a share of it.
+const ROUNDING: f64 = 2.0 * f64::EPSILON;
+
+/// How far along a line it meets a surface: where `height`, how far the surface is from a point of the line along its own
+/// direction, goes from positive, before the surface, to negative. `closing` is the cosine of the angle between both
+/// directions, and of several places the one is found to which the steps lead that would end on a level surface. NaN where the
+/// line leads away from the surface, or off it: where the height is NaN.
+pub(super) fn crossing(height: impl Fn(f64) -> f64, closing: f64) -> f64 {
+    let (mut here, mut above) = (0.0, height(0.0));
+    if closing <= 0.0 || above.is_nan() {
+        return f64::NAN;
+    }
+    let (mut reach, mut ends) = (1.0 / closing, false);
+    for _ in 0..MOST {
+        let next = here + reach * above;
+        if !next.is_finite() {
+            return f64::NAN;
+        }
+        if above == 0.0 || (next - here).abs() <= ROUNDING * next.abs() {
+            // Steps that had to be shortened lead to the rim.
+            return if ends { f64::NAN } else { here };
+        }
+        let there = height(next);
+        if there.is_nan() {
+            // Off the surface, which may be met before.
+            (reach, ends) = (0.5 * reach, true);
+        } else if there * above <= 0.0 {
+            return between(height, (here, above), (next, there));
+        } else {
+            (here, above) = (next, there);
+            reach *= 2.0;
+        }
+    }
+    f64::NAN
+}
+
+/// The zero of `height` between two places with the heights there, of which one is positive and one is not, by the Illinois
+/// method: secants, of which an end that stays counts half.
+fn between(height: impl Fn(f64) -> f64, mut one: (f64, f64), mut other: (f64, f64)) -> f64 {
+    for _ in 0..MOST {
+        if other.1 == 0.0 || (other.0 - one.0).abs() <= ROUNDING * other.0.abs() {
+            break;
+        }
+        let next = other.0 - other.1 * (other.0 - one.0) / (other.1 - one.1);
+        let there = height(next);
+        if there.is_nan() {
+            return f64::NAN;
+        }
+        if there * other.1 < 0.0 {
+            one = other;
+        } else {
+            one.1 *= 0.5;
+        }
+        if next == other.0 {
+            break;
+        }
+        other = (next, there);
+    }
+    other.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::crossing;
+
+    /// A line that leans by 30 degrees over a plane, a parabola, a roof and a step that it does not see.
+    #[test]
+    fn the_places_where_a_line_ends() {
+        let (sin, cos) = (0.5, 0.75_f64.sqrt());
+        // From (x, 0) upwards to the side, to a surface at the height h(x).
+        let met = |x: f64, h: &dyn Fn(f64) -> f64| crossing(|s| h(x + s * sin) - s * cos, cos);
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-15 * (1.0 + b.abs());
+        assert!(close(met(0.3, &|_| 0.7), 0.7 / cos));
+        assert!(close(met(0.3, &|_| -0.7), -0.7 / cos));
+        assert_eq!(met(0.3, &|_| 0.0), 0.0);
+        // 1/2 + (s/2)² = s cos at the first of two places.
+        assert!(close(met(0.0, &|x| 0.5 + x * x), 2.0 * (cos - 0.25_f64.sqrt())));
+        // A slope of 2 climbs faster than the line; downwards it is met.
+        assert!(met(0.0, &|x| 1.0 + 2.0 * x).is_nan());
+        assert!(close(met(0.0, &|x| 1.0 - 2.0 * x), 1.0 / (cos + 1.0)));
+        assert!(close(met(0.0, &|x| (x - 0.25).abs()), 0.25 / (cos + 0.5)));
+        // Beyond 1 there is nothing, neither for the first step nor in truth.
+        let ends = |h: f64| move |x: f64| if x < 1.0 { h - x } else { f64::NAN };
+        assert!(close(met(0.0, &ends(2.0)), 2.0 / (cos + 0.5)) && met(0.0, &ends(9.0)).is_nan());
+        assert!(crossing(|s| 1.0 + s, 0.0).is_nan() && crossing(|_| f64::NAN, 1.0).is_nan());
+    }
+}

@@ -1,0 +1,41 @@
+//! What the error measure does not see: the laws hold on the mesh that there is, but the mesh may be too coarse to tell.
+//!
+//! The numbers are estimates, free of units and without a reference; doc/estimates.md says where they come from and how far
+//! they were right.
+
+mod discretisation;
+mod graph;
+mod hertz;
+mod locking;
+mod strains;
+mod zone;
+
+use crate::model::Model;
+use strains::Strains;
+
+pub use discretisation::DiscretisationError;
+pub use graph::ContactGraph;
+pub use hertz::HertzContact;
+pub(crate) use locking::expected_locking;
+pub use zone::{ContactEstimate, StickZone, peak_error};
+
+/// What the strains of a body tell of its elements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElementEstimate {
+    /// By what share the body is too stiff because elements lock, about: within a factor of two where it is below 1. None where no
+    /// cell can lock.
+    pub locking: Option<f64>,
+    /// The error of the mesh in the energy norm; none on cells of second order.
+    pub discretisation: Option<DiscretisationError>,
+}
+
+impl ElementEstimate {
+    /// Of a body with these `displacements` of all nodes (m) and the `factors` of [`Model::thermal_factors`].
+    pub(crate) fn new(model: &Model, factors: &[f64], displacements: &[[f64; 3]]) -> Self {
+        let strains = Strains::new(model, factors, displacements);
+        ElementEstimate {
+            locking: locking::locking(model, &strains),
+            discretisation: DiscretisationError::new(model, &strains),
+        }
+    }
+}

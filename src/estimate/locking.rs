@@ -1,0 +1,104 @@
+//! How much too stiff elements are that cannot keep their volume: from what they do, and before a run from what they are.
+//!
+//! Elements lock where the dilatation varies within them although the material hardly allows any. The share of the strain energy
+//! that is in dilatation about its mean,
+//!
+//! ```text
+//! s = Σ_e ½ κ ∫_e (θ - θ_m)² / U,
+//! ```
+//!
+//! tells how much: with θ_m the mean over a quadrilateral or hexahedron, and over the corners of a triangle or tetrahedron, where
+//! θ is the mean of the cells around. A body is too stiff by about `c s / (1 - s)`.
+
+use super::strains::Strains;
+use crate::fem::{Elasticity, Element, cell_volume};
+use crate::mesh::CellKind;
+use crate::model::Model;
+
+/// A share of the strain energy that is smaller says nothing of the body.
+const COUNTS: f64 = 0.1;
+
+/// Poisson's ratios between which the estimate before a run was measured.
+const MEASURED: [f64; 2] = [0.45, 0.4999];
+
+/// What was measured of a kind of cell: c above, and that of [`expected_locking`]; none of those that do not lock.
+fn measured(kind: CellKind) -> Option<[f64; 2]> {
+    match kind {
+        CellKind::Quadrilateral => Some([1.3, 0.17]),
+        CellKind::Hexahedron => Some([1.3, 0.21]),
+        CellKind::Triangle => Some([2.0, 0.26]),
+        CellKind::Tetrahedron => Some([3.0, 0.28]),
+        // Of prisms nothing was measured.
+        CellKind::Prism | CellKind::Triangle6 | CellKind::Tetrahedron10 => None,
+    }
+}
+
+/// Whether elements of the model can lock.
+fn can_lock(model: &Model) -> bool {
+    model.element() == Element::Bilinear && !model.is_thin()
+}
+
+/// By what share the body is too stiff, about: within a factor of two where it is below 1. The largest of the laws that hold a
+/// tenth of the energy; none where no cell can lock.
+pub(super) fn locking(model: &Model, strains: &Strains) -> Option<f64> {
+    let kinds = || model.mesh.cells.iter().map(|cell| measured(cell.kind));
+    if !can_lock(model) || kinds().any(|measured| measured.is_none()) {
+        return None;
+    }
+    let dilatation = |strain: &[f64; 6]| strain[0] + strain[1] + strain[2];
+    let mean = |e: usize| {
+        let sum: f64 = strains.of_cell(e).iter().map(|(v, strain)| v * dilatation(strain)).sum();
+        sum / strains.volume(e)
+    };
+    let around = strains.means(model, |e, _| [mean(e)]);
+    // By law: energy, and what of it locks, times c.
+    let mut laws: Vec<(Elasticity, f64, f64, f64)> = Vec::new();
+    for (e, (cell, law)) in model.mesh.cells.iter().zip(model.materials()).enumerate() {
+        let points = strains.of_cell(e);
+        let mean = if cell.kind.is_simplex() {
+            let corners = cell.nodes.len();
+            (0..corners).map(|k| around[strains.place(e, k)][0]).sum::<f64>() / corners as f64
+        } else {
+            mean(e)
+        };
+        let varies: f64 = points.iter().map(|(v, strain)| v * (dilatation(strain) - mean).powi(2)).sum();
+        let energy: f64 = points.iter().map(|(v, strain)| v * law.energy_density(strain)).sum();
+        let [c, _] = measured(cell.kind)?;
+        let locked = 0.5 * law.bulk() * varies;
+        match laws.iter_mut().find(|(other, ..)| other == law) {
+            Some((_, all, of_it, weighted)) => {
+                *all += energy;
+                *of_it += locked;
+                *weighted += c * locked;
+            }
+            None => laws.push((*law, energy, locked, c * locked)),
+        }
+    }
+    let all: f64 = laws.iter().map(|(_, energy, ..)| energy).sum();
+    let count = laws.into_iter().filter(|(_, energy, ..)| *energy > COUNTS * all);
+    count.map(|(_, energy, locked, weighted)| weighted / (energy - locked)).reduce(f64::max)
+}
+
+/// What [`locking`] is expected to be before a run: `c m^-1.4 (1 - 2ν)^-0.75` with m elements across the smaller side of the body;
+/// none where Poisson's ratio is below 0.45, as it was measured for blocks that are pressed with ratios from there on.
+pub(crate) fn expected_locking(model: &Model) -> Option<f64> {
+    let mesh = &model.mesh;
+    let kind = mesh.cells.first()?.kind;
+    let [_, c] = measured(kind).filter(|_| can_lock(model))?;
+    let poisson = |law: &Elasticity| 0.5 * law.lambda / (law.lambda + law.mu);
+    let poisson = model.materials().iter().map(poisson).fold(0.0, f64::max);
+    if poisson < MEASURED[0] - ROUNDING {
+        return None;
+    }
+    let d = mesh.dimension;
+    let extent = &mesh.extent()[..d];
+    let smaller = extent.iter().copied().fold(f64::INFINITY, f64::min);
+    let cells = mesh.cells.iter().filter_map(|cell| cell_volume(cell.kind, &mesh.points(&cell.nodes)));
+    // Two triangles make up a square, six tetrahedra a cube.
+    let together = if kind.is_simplex() { [2.0, 6.0][d - 2] } else { 1.0 };
+    let size = (together * cells.sum::<f64>() / mesh.cells.len() as f64).powf(1.0 / d as f64);
+    Some(c * (smaller / size).powf(-1.4) * (1.0 - 2.0 * poisson.min(MEASURED[1])).powf(-0.75))
+}
+
+/// What is computed back from Lamé's constants may miss Poisson's ratio by as much.
+const ROUNDING: f64 = 1e-9;

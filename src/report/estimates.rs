@@ -1,0 +1,194 @@
+//! What the mesh cannot tell, as a report has it.
+
+use serde::Serialize;
+
+use super::warnings::{Warning, WarningKind};
+use crate::estimate::{ContactEstimate, ContactGraph, ElementEstimate, HertzContact, peak_error};
+use crate::history::{Status, Step};
+use crate::model::Model;
+use crate::units::{Quantity, UnitSystem};
+
+/// Estimates of what the mesh leaves open.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct Estimates {
+    /// Of each contact surface that ever touched.
+    pub contact: Vec<ContactEstimate>,
+    /// By what share the body is too stiff because elements lock, about, when its strain energy was largest: within a factor of
+    /// two where it is below 1; none where no cell can lock.
+    pub locking: Option<f64>,
+    /// The error of the mesh in the energy norm then, as a share of the solution; none on cells of second order.
+    pub discretisation: Option<f64>,
+}
+
+/// Watches the converged increments of a history: each contact surface counts when its force is largest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EstimateWatch {
+    graph: ContactGraph,
+    contact: Vec<Option<ContactEstimate>>,
+    /// The state with the largest strain energy (J): that, its time and its displacements.
+    strained: Option<(f64, f64, Vec<f64>)>,
+}
+
+/// Zones with fewer nodes across have a peak that may be a tenth off.
+const FINE: usize = 8;
+
+/// A share of the force on isolated nodes that is larger is told, however wide other zones are.
+const ISOLATED: f64 = 0.1;
+
+/// Elements that differ by a larger factor at the end of a contact spoil the pressure inside.
+const UNEVEN: f64 = 3.0;
+
+/// Zones with fewer nodes across leave the zone that sticks known to a twentieth at best.
+const FINE_FOR_STICK: usize = 40;
+
+/// A scatter of the peak that is smaller is none.
+const SMOOTH: f64 = 0.1;
+
+impl EstimateWatch {
+    /// Before the first increment of `model`.
+    pub fn new(model: &Model) -> Self {
+        let graph = ContactGraph::new(model);
+        let contact = graph.forces(&vec![0.0; model.contacts.len()]).map(|_| None).collect();
+        EstimateWatch { graph, contact, strained: None }
+    }
+
+    /// Looks at the end of an increment; one that did not converge says nothing.
+    pub fn see(&mut self, model: &Model, step: &Step<'_>) {
+        if step.record.status != Status::Converged {
+            return;
+        }
+        for (k, force) in self.graph.forces(&step.state.p_n).enumerate() {
+            if force > self.contact[k].as_ref().map_or(0.0, |heaviest| heaviest.force) {
+                let time = step.record.time;
+                self.contact[k] = ContactEstimate::new(model, &self.graph, k, time, step.state, step.statuses);
+            }
+        }
+        let (energy, time) = (step.record.strain_energy, step.record.time);
+        match &mut self.strained {
+            Some((largest, ..)) if *largest >= energy => {}
+            Some((largest, at, u)) => {
+                (*largest, *at) = (energy, time);
+                u.copy_from_slice(&step.state.u);
+            }
+            None => self.strained = Some((energy, time, step.state.u.clone())),
+        }
+    }
+
+    /// What was found.
+    pub fn estimates(&self, model: &Model) -> Estimates {
+        let elements = self
+            .strained
+            .as_ref()
+            .map(|(_, time, u)| ElementEstimate::new(model, &model.thermal_factors(*time), &model.displaced(*time, u)));
+        Estimates {
+            contact: self.contact.iter().flatten().cloned().collect(),
+            locking: elements.as_ref().and_then(|elements| elements.locking),
+            discretisation: elements.and_then(|elements| elements.discretisation).map(|error| error.whole),
+        }
+    }
+}
+
+impl Estimates {
+    /// The warnings that follow.
+    pub fn warnings(&self, model: &Model) -> Vec<Warning> {
+        let units = model.units();
+        let simplices = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
+        let contact = self.contact.iter().flat_map(|contact| of_contact(contact, &units, simplices));
+        contact.chain(self.locking.and_then(|share| Warning::of_locking(model, share))).collect()
+    }
+}
+
+fn of_contact(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) -> Vec<Warning> {
+    let length = |x: f64| told(units, Quantity::Length, x);
+    let stress = |x: f64| told(units, Quantity::Stress, x);
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let at = format!("`{}` at t = {} s", contact.boundary, contact.time);
+    let mut warnings = Vec::new();
+    let mut warn = |kind, message| warnings.push(Warning { kind, message });
+    let n = contact.nodes_across;
+    if contact.isolated_share > ISOLATED || n.is_some_and(|n| n < 4) {
+        let bears = if contact.isolated_share > ISOLATED {
+            format!("{} of the force is on nodes without a closed neighbour", percent(contact.isolated_share))
+        } else {
+            format!("the contact zone is {} nodes wide", n.unwrap_or(0))
+        };
+        let size = length(contact.element_size);
+        let finer = match contact.hertz {
+            Some(HertzContact { half_width, peak_pressure }) => format!(
+                "; for this force Hertz has a half-width of {} and a peak of {}; elements there are {size}, make them {} \
+                 (8 across)",
+                length(half_width),
+                stress(peak_pressure),
+                length(0.25 * half_width)
+            ),
+            None => format!("; elements there are {size}, make them smaller until 8 nodes are across"),
+        };
+        warn(
+            WarningKind::ContactUnresolved,
+            format!("{at}: {bears}: pressure and contact width mean nothing, the force does{finer}"),
+        );
+    } else if let Some(n) = n.filter(|&n| n < FINE) {
+        let (peak, width) = (peak_error(n), 2.0 * peak_error(n));
+        warn(
+            WarningKind::ContactCoarse,
+            format!(
+                "{at}: the contact zone is {n} nodes wide: its peak pressure may be {} off, its width {}; halve the \
+                 elements there for {}",
+                percent(peak),
+                percent(width),
+                percent(peak_error(2 * n - 1))
+            ),
+        );
+    }
+    if let Some(n) = n.filter(|&n| n > 4)
+        && contact.scatter > SMOOTH.max(peak_error(n))
+        && !contact.singular_edge
+    {
+        let trust = if simplices { "trust the latter" } else { "refine the mesh there" };
+        warn(
+            WarningKind::PeakScatter,
+            format!(
+                "{at}: neighbouring nodes differ: the peak of {} is {} above its mean over neighbours, {}; {trust}",
+                stress(contact.peak_pressure),
+                percent(contact.scatter),
+                stress(contact.patch_pressure)
+            ),
+        );
+    }
+    if contact.singular_edge {
+        warn(
+            WarningKind::SingularEdge,
+            format!(
+                "{at}: the pressure is singular at the edge ({} of the force on its nodes): its peak is that of the mesh; \
+                 use forces, and pressures inside",
+                percent(contact.edge_share)
+            ),
+        );
+    }
+    if let Some(ratio) = contact.edge_ratio.filter(|ratio| *ratio > UNEVEN) {
+        warn(
+            WarningKind::UnevenElements,
+            format!(
+                "{at}: the contact reaches the end of its boundary, where elements beyond are {ratio:.0} times as long, or \
+                 as short, as those inside: pressures inside may be several percent off; let elements grow slowly there"
+            ),
+        );
+    }
+    if let (Some(stick), Some(n)) = (contact.stick, n.filter(|&n| (FINE..FINE_FOR_STICK).contains(&n))) {
+        warn(
+            WarningKind::StickZoneCoarse,
+            format!(
+                "{at}: the zone that sticks is known to one element: its width is {:.2} ± {:.2} of that of the contact, {n} \
+                 nodes wide",
+                stick.ratio, stick.uncertainty
+            ),
+        );
+    }
+    warnings
+}
+
+/// A number with its unit.
+fn told(units: &UnitSystem, quantity: Quantity, x: f64) -> String {
+    format!("{:.2e} {}", units.of_si(quantity, x), units.name(quantity))
+}

@@ -1,0 +1,248 @@
+//! What a report says of its own mesh. doc/estimates.md has the figures, which `--nocapture` prints.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+use stickslip::contact::{Obstacle, Place, Shape};
+use stickslip::description::{Action, Axis, Description, Field, Support};
+
+use stickslip::estimate::{ContactEstimate, peak_error};
+use stickslip::fem::{Element, Material};
+use stickslip::formula::Formula;
+use stickslip::history::{Method, Solver, Status};
+use stickslip::mesh::{CellKind, HalfPlane, MeshSource};
+use stickslip::model::Model;
+use stickslip::report::{RunReport, WarningKind};
+use stickslip::run::Run;
+
+use crate::common::hertz::Hertz;
+
+const YOUNG: f64 = 210e9;
+const NU: f64 = 0.3;
+const MODULUS: f64 = YOUNG / (1.0 - NU * NU);
+const RADIUS: f64 = 100.0;
+/// The contact is looked for so far to each side.
+const REACH: f64 = 0.06;
+
+fn solved(description: &Description) -> RunReport {
+    let model = Model::build(description).unwrap();
+    let report = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
+    assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+    report
+}
+
+fn contact(report: &RunReport) -> &ContactEstimate {
+    let [contact] = &report.estimates.contact[..] else { panic!("{:?}", report.estimates) };
+    contact
+}
+
+fn kinds_of(report: &RunReport) -> Vec<WarningKind> {
+    report.warnings.iter().map(|warning| warning.kind).collect()
+}
+
+/// A cylinder on a block, right of the symmetry plane x = 0 or on both sides of it, with elements of the size `REACH / n`.
+fn pressed_by_a_cylinder(n: usize, half: bool, approach: f64) -> Description {
+    let right = ([REACH, 2.0 - REACH], [n, 24], [1.0, 60.0]);
+    let (sizes, elements, grading) = if half {
+        (right.0.to_vec(), right.1.to_vec(), right.2.to_vec())
+    } else {
+        (vec![2.0 - REACH, 2.0 * REACH, 2.0 - REACH], vec![24, 2 * n, 24], vec![1.0 / 60.0, 1.0, 60.0])
+    };
+    let start = if half { 0.0 } else { -2.0 };
+    let mesh = MeshSource::segmented(
+        &[sizes, vec![2.0]],
+        &[elements, vec![24 + n / 4]],
+        Some(&[grading, vec![1.0 / 200.0]]),
+        None,
+    );
+    // A block begins at 0, so that the cylinder stands in its middle, or at its left side.
+    let cylinder = Shape::Cylinder { radius: RADIUS, place: Place::Apex([-start, 2.0].into()), axis: None };
+    let body = Description::new(mesh.unwrap(), Material::new(YOUNG, NU), vec![1.0])
+        .support("bottom", &[Axis::X, Axis::Y])
+        .contact("top", 0.0, Obstacle::at_rest(cylinder).approaching(&[[0.0, 0.0], [1.0, approach]]));
+    if half { body.support("left", &[Axis::X]) } else { body }
+}
+
+/// Whatever the number of nodes across, the peak is as near to Hertz' for the force as the estimate says.
+#[test]
+fn the_peak_is_within_its_estimate() {
+    for n in [2, 3, 4, 5, 6, 8, 12, 16] {
+        for approach in [2e-5, 5e-5] {
+            let report = solved(&pressed_by_a_cylinder(n, true, approach));
+            let contact = contact(&report);
+            let across = contact.nodes_across.unwrap();
+            let hertz = Hertz::line(2.0 * contact.force, RADIUS, MODULUS);
+            let error = contact.peak_pressure / hertz.p0 - 1.0;
+            println!(
+                "{across} across: peak {:.1} %, estimate {:.1} %",
+                100.0 * error,
+                100.0 * contact.peak_error.unwrap()
+            );
+            assert!(across < 2 || error.abs() <= peak_error(across), "{across}: {error}");
+            let expected = match across {
+                0..4 => vec![WarningKind::ContactUnresolved],
+                4..8 => vec![WarningKind::ContactCoarse],
+                _ => vec![],
+            };
+            assert_eq!(kinds_of(&report), expected, "{across}: {:?}", report.warnings);
+            // What Hertz has for the force is told where the mesh cannot tell.
+            assert_eq!(contact.hertz.is_some(), across < 4);
+            if let Some(found) = contact.hertz {
+                assert!(
+                    (found.half_width / hertz.a - 1.0).abs() < 1e-12
+                        && (found.peak_pressure / hertz.p0 - 1.0).abs() < 1e-12
+                );
+            }
+        }
+    }
+}
+
+/// Half of a body with a symmetry plane is told as the whole.
+#[test]
+fn a_symmetry_plane_hides_nothing() {
+    for n in [4, 10] {
+        let [half, whole] = [true, false].map(|half| solved(&pressed_by_a_cylinder(n, half, 5e-5)));
+        let [a, b] = [contact(&half), contact(&whole)];
+        assert_eq!(a.nodes_across, b.nodes_across);
+        for (a, b) in [(a.peak_pressure, b.peak_pressure), (2.0 * a.force, b.force), (a.scatter, b.scatter)] {
+            assert!((a - b).abs() < 1e-9 * b, "{a} {b}");
+        }
+        assert_eq!(kinds_of(&half), kinds_of(&whole));
+    }
+}
+
+/// Under a cylinder across the diagonals of coarse elements no two closed nodes are neighbours; along the elements they are, but
+/// only one is across.
+#[test]
+fn nodes_without_neighbours_are_told() {
+    let mesh = || MeshSource::block([0.1, 0.1, 0.05], [10, 10, 5]);
+    for (axis, isolated) in [([1.0, 1.0, 0.0], 1.0), ([0.0, 1.0, 0.0], 0.0)] {
+        let cylinder =
+            Shape::Cylinder { radius: 0.02, place: Place::Apex([0.05, 0.05, 0.05].into()), axis: Some(axis.into()) };
+        let report = solved(
+            &Description::new(mesh(), Material::new(YOUNG, NU), vec![1.0])
+                .support("bottom", &[Axis::X, Axis::Y, Axis::Z])
+                .contact("top", 0.0, Obstacle::at_rest(cylinder).approaching(&[[0.0, 0.0], [1.0, 1e-4]])),
+        );
+        let contact = contact(&report);
+        assert_eq!((contact.nodes_across, contact.unresolved_share), (Some(1), 1.0));
+        assert!((contact.isolated_share - isolated).abs() < 1e-12);
+        // Elements that are pressed in one node are too stiff, too.
+        assert_eq!(kinds_of(&report), [WarningKind::ContactUnresolved, WarningKind::Locking]);
+        let length = 0.1 * axis.iter().map(|c: &f64| c * c).sum::<f64>().sqrt();
+        let hertz = Hertz::line(contact.force / length, 0.02, MODULUS);
+        let found = contact.hertz.unwrap();
+        assert!((found.half_width / hertz.a - 1.0).abs() < 1e-12, "{found:?} {}", hertz.a);
+    }
+}
+
+/// Under a flat punch the pressure is singular at the edge, and elements that jump in size there spoil the inside, too.
+#[test]
+fn punches_have_singular_edges() {
+    for (outer, uneven) in [(8, true), (64, false)] {
+        let mesh = MeshSource::HalfPlane(HalfPlane {
+            size: [0.5, 0.5],
+            contact_width: 0.06,
+            contact_elements: 24,
+            outer_elements: outer,
+            layers: 20,
+        });
+        let report = solved(
+            &Description::new(mesh, Material::new(YOUNG, NU), vec![1.0])
+                .support("left", &[Axis::X])
+                .support("bottom", &[Axis::Y])
+                .contact("contact", 0.0, Obstacle::plane(0.0).approaching(&[[0.0, 0.0], [1.0, 1e-5]])),
+        );
+        let contact = contact(&report);
+        println!("{outer} outside: {contact:?}");
+        assert_eq!(contact.nodes_across, None);
+        let expected = [Some(WarningKind::SingularEdge), uneven.then_some(WarningKind::UnevenElements)];
+        assert_eq!(kinds_of(&report), expected.into_iter().flatten().collect::<Vec<_>>());
+    }
+}
+
+/// A block that is clamped below and pressed by a plane on which nothing slips, as wide as it is high: the strain energy is half
+/// of the force times the approach.
+fn pressed(d: usize, n: usize, poisson: f64, cells: Option<CellKind>, element: Element) -> RunReport {
+    let mesh = MeshSource::segmented(&vec![vec![1.0]; d], &vec![vec![n]; d], None, cells).unwrap();
+    let all = &[Axis::X, Axis::Y, Axis::Z][..d];
+    solved(
+        &Description::new(mesh, Material::new(1e9, poisson), vec![1.0])
+            .element(element)
+            .support("bottom", all)
+            .contact("top", 1e6, Obstacle::plane(0.0).approaching(&[[0.0, 0.0], [1.0, 1e-3]])),
+    )
+}
+
+/// Where elements make the block too stiff by 5 % or more, against fine elements with B-bar, the estimate is within three times
+/// of that, and where they do by less than 1 % it is below 3 %.
+#[test]
+fn locking_is_seen() {
+    let kinds = [
+        (2, CellKind::Quadrilateral, [4, 8]),
+        (2, CellKind::Triangle, [4, 8]),
+        (3, CellKind::Hexahedron, [3, 6]),
+        (3, CellKind::Tetrahedron, [3, 6]),
+    ];
+    for poisson in [0.3, 0.45, 0.49, 0.499] {
+        let fine = [2, 3].map(|d| {
+            let reports =
+                [12, 24].map(|n| pressed(d, if d == 2 { 2 * n } else { n / 3 }, poisson, None, Element::BBar));
+            assert!(reports.iter().all(|report| report.estimates.locking.is_none()));
+            let [coarse, fine] = reports.map(|report| contact(&report).force);
+            // The corners make the error one of first order.
+            2.0 * fine - coarse
+        });
+        for (d, kind, sizes) in kinds {
+            for n in sizes {
+                let report = pressed(d, n, poisson, Some(kind), Element::Bilinear);
+                let error = contact(&report).force / fine[d - 2] - 1.0;
+                let estimate = report.estimates.locking.unwrap();
+                println!("{kind:?} {n}, nu {poisson}: {:.1} %, estimate {:.1} %", 100.0 * error, 100.0 * estimate);
+                if error > 0.05 {
+                    assert!((error / 3.0..3.0 * error).contains(&estimate) || error > 1.0, "{error} {estimate}");
+                }
+                assert!(error > 0.01 || estimate < 0.03, "{error} {estimate}");
+                assert_eq!(kinds_of(&report).contains(&WarningKind::Locking), estimate > 0.05);
+            }
+        }
+    }
+}
+
+/// A block that is bent by tractions that are linear over its height: the exact strain energy is `∫ σ² / 2E`, in plane strain with
+/// `E / (1 - ν²)`. That of the mesh is smaller by half the square of the error, and the estimate meets it to a sixth.
+#[test]
+fn the_error_of_the_mesh_is_seen() {
+    let (young, poisson, most) = (1e9, 0.3, 1e6);
+    for (d, kind, sizes) in [
+        (2, CellKind::Quadrilateral, [8, 16]),
+        (2, CellKind::Triangle, [8, 16]),
+        (3, CellKind::Hexahedron, [4, 8]),
+        (3, CellKind::Tetrahedron, [4, 8]),
+    ] {
+        let modulus = if d == 2 { young / (1.0 - poisson * poisson) } else { young };
+        let exact = most * most / (6.0 * modulus);
+        for n in sizes {
+            let mesh = MeshSource::segmented(&vec![vec![1.0]; d], &vec![vec![n]; d], None, Some(kind)).unwrap();
+            let traction = [format!("{most} * (1 - 2 * y)"), "0".to_string(), "0".to_string()];
+            let traction = traction[..d].iter().map(|text| Field::Formula(Formula::parse(text).unwrap())).collect();
+            let mut body = Description::new(mesh, Material::new(young, poisson), vec![1.0])
+                .support("left", &[Axis::X])
+                .load(Action::Traction { boundary: "right".to_string(), traction }.into());
+            body = match d {
+                2 => body.held(Support::new("left", &[Axis::Y]).at([0.0, 0.0])),
+                _ => body
+                    .held(Support::new("left", &[Axis::Y, Axis::Z]).at([0.0, 0.0, 0.0]))
+                    .held(Support::new("left", &[Axis::Z]).at([0.0, 1.0, 0.0])),
+            };
+            let report = solved(&body);
+            let energy = report.increments[0].strain_energy;
+            let (error, estimate) = (((exact - energy) / exact).sqrt(), report.estimates.discretisation.unwrap());
+            println!(
+                "{kind:?} {n}: error {:.2} %, estimate {:.2} %, {:.3}",
+                100.0 * error,
+                100.0 * estimate,
+                estimate / error
+            );
+            assert!((estimate / error - 1.0).abs() < 0.17, "{kind:?} {n}: {error} {estimate}");
+        }
+    }
+}

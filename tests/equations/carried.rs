@@ -1,0 +1,160 @@
+//! Bodies that contact alone holds and that obstacles and loads carry far beyond what they deform: the forces are those that
+//! they would have on the spot, from every method and every linear algebra, in a few iterations.
+#![allow(clippy::unwrap_used)]
+
+use crate::neutral::{agreed, solve};
+use stickslip::contact::KktErrors;
+use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step};
+use stickslip::model::Model;
+use stickslip::nonlinear::Flow;
+use stickslip::report::Resultant;
+use stickslip::scene::Scene;
+
+const METHODS: [Method; 2] = [Method::BN, Method::IP];
+
+fn model(text: &str) -> Model {
+    Model::new(&Scene::parse("carried.toml", text, &[]).unwrap()).unwrap()
+}
+
+/// A steel block of 10 mm at a distance from a floor and a wall, pressed against both.
+fn on_the_way(elements: &str, gap: f64, force: f64) -> Model {
+    let plane = elements.split(',').count() == 2;
+    let (size, down, left) = if plane {
+        ("[0.01, 0.01]", format!("[0, -{force:e}]"), format!("[-{force:e}, 0]"))
+    } else {
+        ("[0.01, 0.01, 0.01]", format!("[0, 0, -{force:e}]"), format!("[-{force:e}, 0, 0]"))
+    };
+    model(&format!(
+        r#"
+        mesh = {{ kind = "block", size = {size}, elements = [{elements}] }}
+        material = {{ young = 210e9, poisson = 0.3 }}
+        contact = [
+            {{ boundary = "bottom", friction = 0.3, obstacle = {{ kind = "plane", gap = {gap:e} }} }},
+            {{ boundary = "left", friction = 0.3, obstacle = {{ kind = "plane", gap = {gap:e} }} }},
+        ]
+        load = [{{ boundary = "top", force = {down} }}, {{ boundary = "right", force = {left} }}]
+        time = {{ end = 1, increments = 2 }}
+        "#
+    ))
+}
+
+/// Ten newtons carry it by a millimetre and deform it by a nanometre: `ε |K| |u|` is a share of 1e-9 of the load.
+#[test]
+fn a_block_comes_to_rest_in_a_corner() {
+    for elements in ["6, 6", "3, 3, 3"] {
+        for (gap, force) in [(1e-5, 1e3), (1e-3, 1e3), (1e-3, 10.0), (1e-2, 0.1)] {
+            let model = on_the_way(elements, gap, force);
+            for method in METHODS {
+                let outcome = agreed(&model, method, 20);
+                // One tangent lies in the other obstacle's normal: friction at one counts at the other.
+                let on_obstacles = Resultant::all(&model, &outcome.state);
+                let sum = |axis: usize| on_obstacles.iter().map(|resultant| resultant.force[axis]).sum::<f64>();
+                let [x, y] = [sum(0), sum(model.mesh.dimension - 1)];
+                assert!((x + force).abs() < 1e-9 * force && (y + force).abs() < 1e-9 * force, "{gap} {force}: {x} {y}");
+            }
+        }
+    }
+}
+
+/// Who measures the state from outside finds what its verdict says.
+#[test]
+fn a_body_that_was_carried_is_in_equilibrium() {
+    struct Measured<'a>(&'a Model, Vec<(KktErrors, f64)>);
+    impl Observer for Measured<'_> {
+        fn increment(&mut self, step: &Step<'_>) -> Flow {
+            let scales = stickslip::contact::KktScales::new(&self.0.problem, step.increment, step.state);
+            let errors = KktErrors::measure(&self.0.problem, step.increment, step.state, &scales).unwrap();
+            let least = step.increment.gap.iter().fold(f64::INFINITY, |least, gap| least.min(*gap));
+            self.1.push((errors, least));
+            Flow::Continue
+        }
+    }
+    let model = on_the_way("3, 3, 3", 1e-3, 10.0);
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let mut measured = Measured(&model, Vec::new());
+    let system = LinearAlgebra::default().into();
+    history::run(&model.problem, &model.loading, model.times(), &settings, system, &mut measured).unwrap();
+    assert_eq!(measured.1.len(), 2);
+    for (errors, gap) in measured.1 {
+        assert!(errors.worst().1 < 1e-10, "{errors:?}");
+        assert!((gap - 1e-3).abs() < 1e-15, "{gap}");
+    }
+}
+
+/// A gap that nothing ever closes is no distance to anything.
+#[test]
+fn an_obstacle_out_of_reach() {
+    let model = model(
+        r#"
+        mesh = { kind = "block", size = [1.0, 1.0], elements = [5, 5] }
+        material = { young = 1e9, poisson = 0.3 }
+        contact = [
+            { boundary = "bottom", friction = 0.3, obstacle = { kind = "plane", gap = 1e-3 } },
+            { boundary = "left", friction = 0.3, obstacle = { kind = "plane", gap = 1e30 } },
+        ]
+        load = [{ boundary = "right", traction = [-0.5e4, 0] }, { boundary = "top", traction = [0, -0.7e5] }]
+        time = { end = 1, increments = 2 }
+        "#,
+    );
+    for method in METHODS {
+        let outcome = agreed(&model, method, 20);
+        assert!(outcome.state.u.iter().all(|u| u.abs() < 2e-3));
+    }
+}
+
+/// A block on an oblique guide, between an obstacle on its left and nothing.
+fn on_a_guide(gap: f64, load: &str) -> Model {
+    model(&format!(
+        r#"
+        mesh = {{ kind = "block", size = [1.0, 1.0], elements = [4, 4] }}
+        material = {{ young = 1e9, poisson = 0.3 }}
+        support = [{{ boundary = "bottom", direction = [-0.28, 0.96] }}]
+        contact = [{{ boundary = "left", friction = 0.3, obstacle = {{ kind = "plane", gap = {gap:e} }} }}]
+        load = [{load}]
+        time = {{ end = 1, increments = 2 }}
+        "#
+    ))
+}
+
+/// An obstacle that has come into a body which nothing presses moves it by no more than it must, and no force is needed.
+#[test]
+fn a_body_without_load_is_pushed_out() {
+    for gap in [0.0, -1e-6, -1e-2] {
+        let model = on_a_guide(gap, "");
+        for method in METHODS {
+            let outcome = agreed(&model, method, 0);
+            assert!(outcome.state.p_n.iter().chain(&outcome.state.p_t).all(|p| *p == 0.0));
+            let way = -gap / 0.96;
+            let moved = model.dofs.displacements(&outcome.state.u);
+            let off = moved.iter().map(|u| (u[0] - 0.96 * way).abs().max((u[1] - 0.28 * way).abs()));
+            assert!(off.fold(0.0, f64::max) <= 1e-15 * gap.abs(), "{gap}: {moved:?}");
+        }
+    }
+}
+
+/// What rounding leaves of a load that is balanced drives nothing: the body stays where it is.
+#[test]
+fn a_body_without_net_load_stays() {
+    // At right angles to the guide.
+    let pressed = on_a_guide(1e-3, "{ boundary = \"top\", force = [28, -96] }");
+    // In balance node by node, but for rounding, and side by side.
+    let cancelled = on_a_guide(
+        1e-3,
+        "{ boundary = \"top\", traction = [0.1, -0.3] }, { boundary = \"top\", traction = [-0.3, 0.1] }, \
+         { boundary = \"top\", traction = [0.2, 0.2] }",
+    );
+    let pulled = on_a_guide(
+        1e-3,
+        "{ boundary = \"left\", traction = [-0.7e2, 0.1e2] }, { boundary = \"right\", traction = [0.7e2, -0.1e2] }",
+    );
+    for (name, model) in [("pressed", pressed), ("cancelled", cancelled), ("pulled", pulled)] {
+        for method in METHODS {
+            for (word, linear) in LinearAlgebra::WORDS {
+                let outcome = solve(&model, method, linear);
+                assert_eq!(outcome.status, Status::Converged, "{name} {method} {word}");
+                let u = outcome.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+                assert!(u < 1e-6, "{name} {method} {word}: {u}");
+            }
+        }
+    }
+}
