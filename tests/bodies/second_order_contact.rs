@@ -533,6 +533,22 @@ fn tables_tell_of_nodes() {
     solve(&model, &times, Solver::default(), &mut Tables(&model));
 }
 
+/// The largest pressure of a run, and the peak that its estimate is about, are those of the tables.
+#[test]
+fn one_peak_in_all_reports() {
+    let scene = pressed("triangle6", "[8, 8]", 0.0, "0.1 * (x - 0.5)^2 - 0.01", "");
+    let model = Model::new(&scene).unwrap();
+    let mut lines = Lines(&model, Vec::new());
+    solve(&model, &[1.0], scene.solver, &mut lines);
+    let peak = lines.1[0].points.iter().map(|point| point.sigma_n).fold(0.0, f64::max);
+    let mean = lines.1[0].points.iter().zip(&model.contacts).map(|(point, contact)| point.p_n / contact.weight);
+    assert!(peak > 1.01 * mean.fold(0.0, f64::max));
+    let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
+    let near = |pressure: f64| (pressure / peak - 1.0).abs() < 1e-9;
+    assert!(near(report.largest_pressure.unwrap().pressure));
+    assert!(near(report.estimates.contact[0].peak_pressure));
+}
+
 /// An obstacle that is smaller than the boundary: where the end of an edge is not in front of it the gap of the row is that of the node.
 #[test]
 fn rims_of_obstacles() {
