@@ -12,7 +12,7 @@
 //! half the digits. What a load case leaves of the interior is worked out once, too, so an
 //! increment touches the interior only at its end, in [`Condensed::state`].
 //!
-//! Where contact rows hold displacements of several nodes the condensed problem has others, by [`OwnBasis`], so that each node can be
+//! Where contact rows hold displacements of several nodes the condensed problem has others, by `OwnBasis`, so that each node can be
 //! eliminated by itself.
 //!
 //! A body that only contact holds has a singular `K`; then `ρ`, the diagonal of `K` as a rule, is added to the

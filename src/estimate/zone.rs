@@ -31,7 +31,7 @@ pub struct ContactEstimate {
     pub unresolved_share: f64,
     /// The size of the elements at the node of the largest pressure, m.
     pub element_size: f64,
-    /// The largest pressure of a node (32), Pa.
+    /// The largest pressure of a node (32), Pa; with elements of second order corrected as in tables.
     pub peak_pressure: f64,
     /// The largest pressure of a node and its neighbours together, Pa.
     pub patch_pressure: f64,
@@ -108,7 +108,8 @@ impl ContactEstimate {
             of.fold(0.0, |all, (zone, _)| all + sum(zone)) / force
         };
         let alone = zones.iter().filter(|(zone, _)| zone.len() == 1).fold(0.0, |all, (zone, _)| all + sum(zone));
-        let pressure = |i: usize| p_n[i] / model.contacts[i].weight;
+        let pressures = model.contact_pressures(state);
+        let pressure = |i: usize| pressures[i];
         let patch = |i: usize| {
             let around = || graph.neighbours(i).iter().chain([&i]);
             around().map(|&j| p_n[j]).sum::<f64>() / around().map(|&j| model.contacts[j].weight).sum::<f64>()

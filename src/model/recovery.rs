@@ -16,6 +16,7 @@ use crate::contact::{ContactBoundary, ContactNode};
 use crate::fem::facet_mass;
 use crate::mesh::Mesh;
 use crate::problem::State;
+use crate::vector::dot;
 
 /// What nodal tractions follow from.
 #[derive(Debug, Clone)]
@@ -52,6 +53,16 @@ impl Recovery {
 }
 
 impl Model {
+    /// The pressure (Pa) at each contact node: `p_n / l` (32), on boundaries of second order as in [`Model::recovered_tractions`].
+    pub(crate) fn contact_pressures(&self, state: &State) -> Vec<f64> {
+        match self.recovered_tractions(state) {
+            None => self.contacts.iter().zip(&state.p_n).map(|(contact, p_n)| p_n / contact.weight).collect(),
+            Some(all) => {
+                self.contacts.iter().zip(all).map(|(contact, sigma)| dot(sigma, contact.facing.normal)).collect()
+            }
+        }
+    }
+
     /// The traction (Pa) of the body on the obstacle at each contact node, in the directions of space, where boundaries with contact are
     /// of second order. `None` where none is: there it is the contact force by the node's weight (32).
     pub(crate) fn recovered_tractions(&self, state: &State) -> Option<Vec<[f64; 3]>> {

@@ -9,7 +9,7 @@ use crate::history::{Status, Step};
 use crate::model::Model;
 use crate::uniqueness::{NeutralMotion, neutral_motions};
 use crate::units::Quantity;
-use crate::vector::{dot, norm};
+use crate::vector::norm;
 
 /// The share of the body's size from which on displacements do not count as small. A body that turns by as much turns
 /// its normals by six degrees, and the squares of strains that are left out reach a percent.
@@ -77,14 +77,10 @@ impl Validity {
                 self.largest = Some(LargestDisplacement { length, position: *position, time: record.time });
             }
         }
-        let tractions = model.recovered_tractions(state);
+        let pressures = model.contact_pressures(state);
         for boundary in &model.contact_boundaries {
             for &i in &boundary.nodes {
-                let contact = &model.contacts[i];
-                let pressure = match &tractions {
-                    None => state.p_n[i] / contact.weight,
-                    Some(all) => dot(all[i], contact.facing.normal),
-                };
+                let (contact, pressure) = (&model.contacts[i], pressures[i]);
                 if pressure > self.largest_pressure.as_ref().map_or(0.0, |largest| largest.pressure) {
                     let (boundary, position) = (boundary.name.clone(), contact.position);
                     self.largest_pressure = Some(LargestPressure { pressure, boundary, position, time: record.time });

@@ -51,6 +51,13 @@ const AGAINST_THE_MESH: &[Fault] = &[
     ),
     (
         "elements =",
+        "cells = \"triangle6\"\nelement = \"b-bar\"\nelements =",
+        "element = \"b-bar\"",
+        &["mesh.element is \"b-bar\"", "triangles"],
+        "triangles of six",
+    ),
+    (
+        "elements =",
         "cells = \"triangle\"\nelement = \"b-bar\"\nelements =",
         "element = \"b-bar\"",
         &["mesh.element is \"b-bar\"", "triangles"],

@@ -60,6 +60,13 @@ const KEYS_AND_TYPES: &[Fault] = &[
     ("\"block\"", "\"ball\"", "\"ball\"", &["unknown variant `ball`", "`block`"], LISTED),
     ("\"strain\"", "\"strian\"", "\"strian\"", &["unknown variant `strian`", "`strain` or `stress`"], LISTED),
     ("elements =", "element = \"bbar\"\nelements =", "element =", &["unknown variant `bbar`", "`b-bar`"], LISTED),
+    (
+        "elements =",
+        "cells = \"triangle7\"\nelements =",
+        "cells =",
+        &["unknown variant `triangle7`", "`triangle6`"],
+        LISTED,
+    ),
     ("elements =", "element = 4\nelements =", "element =", &["expected a word in quotes"], FORM),
     ("poisson =", "layers = [[0.1, 1e9]]\npoisson =", "layers =", &["invalid length 2", "3 values"], FORM),
     ("poisson =", "layers = [0.1, 1e9, 0.3]\npoisson =", "layers =", &["`0.1`", "a list"], FORM),

@@ -51,6 +51,14 @@ const VALUES: &[Fault] = &[
     ),
     (
         "elements =",
+        "cells = \"tetrahedron10\"\nelements =",
+        "cells =",
+        &["mesh.cells have 3 dimensions, but mesh.size has 2"],
+        "\"triangle6\"",
+    ),
+    ("elements =", "cells = \"prism\"\nelements =", "cells =", &["mesh.cells have 3 dimensions"], "\"quadrilateral\""),
+    (
+        "elements =",
         "cells = \"tetrahedron\"\nelements =",
         "cells =",
         &["mesh.cells have 3 dimensions, but mesh.size has 2"],

@@ -280,6 +280,48 @@ fn bodies_that_only_contact_holds() {
     }
 }
 
+/// A block pressed into the corner of two planes: both have the pressure of the load at all nodes, those of the edge that they share
+/// included, which carry friction along it alone.
+#[test]
+fn a_block_in_a_corner() {
+    for (cells, d) in [("triangle6", 2), ("tetrahedron10", 3)] {
+        let (size, elements, down, aside, front) = match d {
+            2 => ("[1, 0.5]", "[3, 2]", "[0, -0.02]", "[0.01, 0]", ""),
+            _ => (
+                "[1, 0.8, 0.5]",
+                "[2, 2, 1]",
+                "[0, 0, -0.02]",
+                "[0.01, 0, 0]",
+                "[[support]]\nboundary = \"front\"\nfix = [\"y\"]\n",
+            ),
+        };
+        let text = format!(
+            "[mesh]\nkind = \"block\"\nsize = {size}\nelements = {elements}\ncells = \"{cells}\"\n\
+             [material]\nyoung = 1.0\npoisson = 0.0\n{front}\
+             [[contact]]\nboundary = \"bottom\"\nfriction = 1e-3\nobstacle = {{ kind = \"plane\" }}\n\
+             [[contact]]\nboundary = \"right\"\nfriction = 1e-3\nobstacle = {{ kind = \"plane\" }}\n\
+             [[load]]\nboundary = \"top\"\ntraction = {down}\n[[load]]\nboundary = \"left\"\ntraction = {aside}\n\
+             [time]\nend = 1.0\nincrements = 1\n"
+        );
+        let scene = Scene::parse("corner.toml", &text, &[]).unwrap();
+        let model = Model::new(&scene).unwrap();
+        let shared = |contact: &ContactNode| contact.position[0] == 1.0 && contact.position[d - 1] == 0.0;
+        let edge: Vec<&ContactNode> = model.contacts.iter().filter(|contact| shared(contact)).collect();
+        assert_eq!(edge.len(), if d == 2 { 2 } else { 10 });
+        // At the end that a support holds there is none.
+        let along = edge.iter().filter(|contact| !contact.tangents[0].is_empty()).count();
+        assert_eq!(along, if d == 2 { 0 } else { 4 });
+        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+            let state = solve(&model, &[1.0], Solver { linear: Some(linear), ..Solver::default() }, &mut ()).state;
+            for (contact, p) in model.contacts.iter().zip(&state.p_n) {
+                let pressure = if contact.facing.normal[0] == 1.0 { 0.01 } else { 0.02 };
+                // Friction takes a little off.
+                assert!((p / contact.weight / pressure - 1.0).abs() < 0.02, "{cells} {linear:?}: {p} of {contact:?}");
+            }
+        }
+    }
+}
+
 /// The distances of the nodes in the rows of a contact node from its obstacle, by what supports and unknowns make of them.
 fn distances(contact: &ContactNode, u: &[[f64; 3]], gap: &dyn Fn([f64; 3]) -> f64) -> Vec<f64> {
     contact.terms().map(|term| gap(term.position) - dot(u[term.node], contact.facing.normal)).collect()
@@ -489,6 +531,22 @@ impl Observer for Tables<'_> {
 fn tables_tell_of_nodes() {
     let (_, model, times) = pushed("triangle6", "[6, 3]");
     solve(&model, &times, Solver::default(), &mut Tables(&model));
+}
+
+/// The largest pressure of a run, and the peak that its estimate is about, are those of the tables.
+#[test]
+fn one_peak_in_all_reports() {
+    let scene = pressed("triangle6", "[8, 8]", 0.0, "0.1 * (x - 0.5)^2 - 0.01", "");
+    let model = Model::new(&scene).unwrap();
+    let mut lines = Lines(&model, Vec::new());
+    solve(&model, &[1.0], scene.solver, &mut lines);
+    let peak = lines.1[0].points.iter().map(|point| point.sigma_n).fold(0.0, f64::max);
+    let mean = lines.1[0].points.iter().zip(&model.contacts).map(|(point, contact)| point.p_n / contact.weight);
+    assert!(peak > 1.01 * mean.fold(0.0, f64::max));
+    let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
+    let near = |pressure: f64| (pressure / peak - 1.0).abs() < 1e-9;
+    assert!(near(report.largest_pressure.unwrap().pressure));
+    assert!(near(report.estimates.contact[0].peak_pressure));
 }
 
 /// An obstacle that is smaller than the boundary: where the end of an edge is not in front of it the gap of the row is that of the node.
