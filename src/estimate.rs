@@ -7,6 +7,7 @@ mod discretisation;
 mod graph;
 mod hertz;
 mod locking;
+mod recovery;
 mod strains;
 mod zone;
 
@@ -25,7 +26,7 @@ pub struct ElementEstimate {
     /// By what share the body is too stiff because elements lock, about: within a factor of two where it is below 1. None where no
     /// cell can lock.
     pub locking: Option<f64>,
-    /// The error of the mesh in the energy norm; none on cells of second order.
+    /// The error of the mesh in the energy norm; none where too few cells of second order hang together.
     pub discretisation: Option<DiscretisationError>,
 }
 

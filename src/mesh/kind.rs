@@ -280,6 +280,11 @@ impl CellKind {
         self.properties().gmsh_order.len()
     }
 
+    /// The corners at the ends of the edge of node `k`; none of a corner.
+    pub(crate) fn ends(self, k: usize) -> Option<[usize; 2]> {
+        k.checked_sub(self.corners()).map(|middle| self.properties().edges[middle])
+    }
+
     /// Where node `k` is in the reference cell.
     pub(crate) fn reference_node(self, k: usize) -> [f64; 3] {
         let corner = |k: usize| match (self.properties().functions, self.dimension()) {
@@ -288,10 +293,10 @@ impl CellKind {
             (Functions::Multilinear, 2) => [CUBE[k][0], CUBE[k][1], 0.0],
             (Functions::Multilinear, _) => CUBE[k],
         };
-        match k.checked_sub(self.corners()) {
+        match self.ends(k) {
             None => corner(k),
-            Some(middle) => {
-                let [a, b] = self.properties().edges[middle].map(corner);
+            Some(ends) => {
+                let [a, b] = ends.map(corner);
                 [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]))
             }
         }

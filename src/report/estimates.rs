@@ -17,7 +17,7 @@ pub struct Estimates {
     /// By what share the body is too stiff because elements lock, about, when its strain energy was largest: within a factor of
     /// two where it is below 1; none where no cell can lock.
     pub locking: Option<f64>,
-    /// The error of the mesh in the energy norm then, as a share of the solution; none on cells of second order.
+    /// The error of the mesh in the energy norm then, as a share of the solution; none where it cannot be told.
     pub discretisation: Option<f64>,
 }
 

@@ -19,7 +19,7 @@ use crate::model::Model;
 /// Where cells are of second order `nodal_stress` (Pa, as `stress` below), the mean of the cells around a node.
 /// Of cells: `stress` (Pa, at the centre, all nine components row by row), `principal_stress` (Pa, the most tensile first),
 /// `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the order of the elements;
-/// and on linear cells `discretisation_error`, the share of a cell in the error of the mesh in the energy norm.
+/// and `discretisation_error`, the share of a cell in the error of the mesh in the energy norm.
 pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     let mesh = &model.mesh;
     let (displacements, factors) = deformation(model, step);
@@ -37,11 +37,9 @@ pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
         real("von_mises", 1, stresses.iter().copied().map(von_mises).collect()),
         whole("material", materials(model)),
     ];
-    if !mesh.cells.iter().any(|cell| cell.kind.is_quadratic()) {
-        let error = ElementEstimate::new(model, &factors, &displacements).discretisation;
-        let of_cells = error.map_or_else(|| vec![0.0; mesh.cells.len()], |error| error.of_cells);
-        cell_fields.push(real("discretisation_error", 1, of_cells));
-    }
+    let error = ElementEstimate::new(model, &factors, &displacements).discretisation;
+    let of_cells = error.map_or_else(|| vec![0.0; mesh.cells.len()], |error| error.of_cells);
+    cell_fields.push(real("discretisation_error", 1, of_cells));
     let cells = mesh
         .cells
         .iter()

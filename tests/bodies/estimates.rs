@@ -246,3 +246,53 @@ fn the_error_of_the_mesh_is_seen() {
         }
     }
 }
+
+/// A block with tractions all around of which the exact stress is σ_xx = A x η, τ = A (1/8 - η²/2), η = y - 1/2: cubic
+/// displacements, which cells of second order do not have. In space without Poisson's ratio, so that it is the same in each slice.
+/// The strain energy is `A² (1 / (72 E') + 1 / (240 G))`.
+#[test]
+fn the_error_of_cells_of_second_order_is_seen() {
+    let (young, most) = (1e9, 1e6);
+    for (d, kind, poisson, sizes) in [(2, CellKind::Triangle6, 0.3, [4, 8]), (3, CellKind::Tetrahedron10, 0.0, [2, 4])]
+    {
+        let modulus = if d == 2 { young / (1.0 - poisson * poisson) } else { young };
+        let shear = 0.5 * young / (1.0 + poisson);
+        let exact = most * most * (1.0 / (72.0 * modulus) + 1.0 / (240.0 * shear));
+        for n in sizes {
+            let mesh = MeshSource::segmented(&vec![vec![1.0]; d], &vec![vec![n]; d], None, Some(kind)).unwrap();
+            let tractions = |boundary: &str, along: [&str; 2]| {
+                let fields = along.map(|text| Field::Formula(Formula::parse(text).unwrap()));
+                let across = (d == 3).then_some(Field::Uniform(0.0));
+                Action::Traction {
+                    boundary: boundary.to_string(),
+                    traction: fields.into_iter().chain(across).collect(),
+                }
+            };
+            let tau = "(1/8 - (y - 0.5)^2 / 2)";
+            let at = |axes: &[Axis], point: [f64; 3]| {
+                let support = Support::new("left", axes);
+                if d == 2 { support.at([point[0], point[1]]) } else { support.at(point) }
+            };
+            let mut body = Description::new(mesh, Material::new(young, poisson), vec![1.0])
+                .load(tractions("right", [&format!("{most} * (y - 0.5)"), &format!("{most} * {tau}")]).into())
+                .load(tractions("left", ["0", &format!("-{most} * {tau}")]).into());
+            body = match d {
+                2 => body.held(at(&[Axis::X, Axis::Y], [0.0; 3])).held(at(&[Axis::X], [0.0, 1.0, 0.0])),
+                _ => body
+                    .held(at(&[Axis::X, Axis::Y, Axis::Z], [0.0; 3]))
+                    .held(at(&[Axis::X, Axis::Z], [0.0, 1.0, 0.0]))
+                    .held(at(&[Axis::X], [0.0, 0.0, 1.0])),
+            };
+            let report = solved(&body);
+            let energy = report.increments[0].strain_energy;
+            let (error, estimate) = (((exact - energy) / exact).sqrt(), report.estimates.discretisation.unwrap());
+            println!(
+                "{kind:?} {n}: error {:.3} %, estimate {:.3} %, {:.3}",
+                100.0 * error,
+                100.0 * estimate,
+                estimate / error
+            );
+            assert!((estimate / error - 1.0).abs() < 0.25, "{kind:?} {n}: {error} {estimate}");
+        }
+    }
+}
