@@ -185,6 +185,9 @@ fn print_verdict(report: &RunReport, increments: usize) {
         let length = units.of_si(Quantity::Length, largest.length);
         say!("displaced    by {length:.3e} {} at most", units.name(Quantity::Length));
     }
+    if let Some(error) = report.estimates.discretisation {
+        say!("mesh         its error is about {:.1} % in the energy norm", 100.0 * error);
+    }
     say!(
         "work         {} iterations, {} factorisations, {} symbolic analysis, {} entries in L and U",
         totals.iterations,

@@ -3,6 +3,10 @@
 /// Steps of the search. Each at least doubles the last one, or halves what is left.
 const MOST: usize = 200;
 
+/// A line that closes in on a surface by less than this share of its length lies along it: where they meet is millions of lengths
+/// away, if they do.
+pub(super) const GRAZING: f64 = 1e-6;
+
 /// What rounding leaves of a place on the line, as a share of it.
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
@@ -12,7 +16,7 @@ const ROUNDING: f64 = 2.0 * f64::EPSILON;
 /// line leads away from the surface, or off it: where the height is NaN.
 pub(super) fn crossing(height: impl Fn(f64) -> f64, closing: f64) -> f64 {
     let (mut here, mut above) = (0.0, height(0.0));
-    if closing <= 0.0 || above.is_nan() {
+    if closing <= GRAZING || above.is_nan() {
         return f64::NAN;
     }
     let (mut reach, mut ends) = (1.0 / closing, false);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::cone::Cone;
-use super::crossing::crossing;
+use super::crossing::{GRAZING, crossing};
 use super::description::SKEW;
 use super::gap_table::GapTable;
 use super::triangles::Triangles;
@@ -45,7 +45,7 @@ impl Surface {
         match self {
             Surface::Plane { level, gap } => {
                 let closing = dot(facing, n);
-                if closing > 0.0 { (gap + (level - dot(facing, x))) / closing } else { f64::NAN }
+                if closing > GRAZING { (gap + (level - dot(facing, x))) / closing } else { f64::NAN }
             }
             Surface::Round { radius, apex, axis } => {
                 // A line that leans along the axis of a cylinder is longer than its shadow.

@@ -25,11 +25,10 @@ const MEASURED: [f64; 2] = [0.45, 0.4999];
 fn measured(kind: CellKind) -> Option<[f64; 2]> {
     match kind {
         CellKind::Quadrilateral => Some([1.3, 0.17]),
-        CellKind::Hexahedron => Some([1.3, 0.21]),
+        CellKind::Hexahedron | CellKind::Prism => Some([1.3, 0.21]),
         CellKind::Triangle => Some([2.0, 0.26]),
         CellKind::Tetrahedron => Some([3.0, 0.28]),
-        // Of prisms nothing was measured.
-        CellKind::Prism | CellKind::Triangle6 | CellKind::Tetrahedron10 => None,
+        CellKind::Triangle6 | CellKind::Tetrahedron10 => None,
     }
 }
 
@@ -94,8 +93,12 @@ pub(crate) fn expected_locking(model: &Model) -> Option<f64> {
     let extent = &mesh.extent()[..d];
     let smaller = extent.iter().copied().fold(f64::INFINITY, f64::min);
     let cells = mesh.cells.iter().filter_map(|cell| cell_volume(cell.kind, &mesh.points(&cell.nodes)));
-    // Two triangles make up a square, six tetrahedra a cube.
-    let together = if kind.is_simplex() { [2.0, 6.0][d - 2] } else { 1.0 };
+    // Two triangles make up a square, two prisms or six tetrahedra a cube.
+    let together = match kind {
+        CellKind::Triangle | CellKind::Prism => 2.0,
+        CellKind::Tetrahedron => 6.0,
+        _ => 1.0,
+    };
     let size = (together * cells.sum::<f64>() / mesh.cells.len() as f64).powf(1.0 / d as f64);
     Some(c * (smaller / size).powf(-1.4) * (1.0 - 2.0 * poisson.min(MEASURED[1])).powf(-0.75))
 }

@@ -74,22 +74,28 @@ impl HeldRows {
     }
 }
 
+/// Supports that feel a translation by less, as a share of the one that they feel most, do not feel it.
+const FELT: f64 = 1e-6;
+
 /// The translation (m) that comes nearest, in the mean square, to displacements prescribed at nodes: pairs of a unit vector and
 /// the displacement (m) along it. It is 0 along what none of them feels.
 pub fn nearest_translation(prescribed: impl Iterator<Item = ([f64; 3], f64)> + Clone) -> [f64; 3] {
-    // Gram-Schmidt on the columns of `n · t = value`, twice, with what makes each member of the basis.
+    // Gram-Schmidt on the columns of `n · t = value`, twice, with what makes each member of the basis: the longest column first,
+    // for one that is felt a little because a direction is off its axis by rounding says nothing of the motion along it.
+    let mut columns: Vec<(usize, Vec<f64>)> =
+        (0..3).map(|c| (c, prescribed.clone().map(|(n, _)| n[c]).collect())).collect();
+    columns.sort_by(|(_, a), (_, b)| dot(b, b).total_cmp(&dot(a, a)));
+    let whole = dot(&columns[0].1, &columns[0].1).sqrt();
     let mut basis: Vec<(Vec<f64>, [f64; 3])> = Vec::new();
-    for c in 0..3 {
-        let mut member: Vec<f64> = prescribed.clone().map(|(n, _)| n[c]).collect();
+    for (c, mut member) in columns {
         let mut made_of = axis(c);
-        let whole = dot(&member, &member).sqrt();
         for (other, of) in basis.iter().chain(&basis) {
             let along = dot(&member, other);
             member.iter_mut().zip(other).for_each(|(x, y)| *x -= along * y);
             made_of = minus(made_of, of.map(|x| along * x));
         }
         let rest = dot(&member, &member).sqrt();
-        if rest > 1e-6 * whole {
+        if rest > FELT * whole {
             basis.push((member.into_iter().map(|x| x / rest).collect(), made_of.map(|x| x / rest)));
         }
     }
@@ -106,7 +112,7 @@ pub fn nearest_translation(prescribed: impl Iterator<Item = ([f64; 3], f64)> + C
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vector::unit;
+    use crate::vector::{norm, unit};
 
     #[test]
     fn what_moves_as_a_whole_is_seen_to() {
@@ -120,5 +126,10 @@ mod tests {
         let found = nearest_translation([along(oblique), along(oblique)].into_iter());
         assert!((dot(found, oblique) - dot(to, oblique)).abs() < 1e-15 && found[2] == 0.0, "{found:?}");
         assert_eq!(nearest_translation(std::iter::empty()), [0.0; 3]);
+        // A direction that rounding has turned off its axis.
+        for off in [1e-25, 6e-17, 1e-10, 1e-7] {
+            let found = nearest_translation([(unit([off, -1.0, 0.0]), 1e-6); 5].into_iter());
+            assert!(norm(found) < 1.1e-6 && (found[1] + 1e-6).abs() < 1e-12, "{off}: {found:?}");
+        }
     }
 }

@@ -10,6 +10,9 @@ use crate::null_space::{NEGLIGIBLE, null_space};
 use crate::units::{Quantity, UnitSystem};
 use crate::vector::{cross, dot, minus, norm};
 
+/// What a rotation adds to a translation counts from this share on, when motions are told.
+const FAR: f64 = 1e-4;
+
 /// An infinitesimal rigid motion of the body, `u(x) = translation + rotation × (x - about)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidMotion {
@@ -75,7 +78,8 @@ impl RigidMotion {
     /// The motion in words, whose coordinates are in a unit of this name.
     fn in_words(&self, unit: &str) -> String {
         let (length, angle) = (norm(self.translation), norm(self.rotation));
-        if angle * self.size <= NEGLIGIBLE * length {
+        // A rotation about an axis that is ten thousand sizes away is none that anybody sees.
+        if angle * self.size <= FAR * length {
             let along = self.rounded(self.translation.map(|t| t / length), 1e-6);
             return format!("a translation along {along}");
         }

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! and `Σ λ_i Ñ_i` at the nodes is `λ_a` at corners and `½ λ_m + ¼ (λ_a + λ_b)` between them. Next to the end of a contact it may leave
-//! a little tension: the law and the status are those of `p̃`. What supports hold of a boundary has no contact force; its traction
+//! tension, which is taken off: the law and the status are those of `p̃`. What supports hold of a boundary has no contact force; its traction
 //! counts as that of the node beside it.
 
 use super::Model;
@@ -16,7 +16,7 @@ use crate::contact::{ContactBoundary, ContactNode};
 use crate::fem::facet_mass;
 use crate::mesh::Mesh;
 use crate::problem::State;
-use crate::vector::dot;
+use crate::vector::{dot, plus};
 
 /// What nodal tractions follow from.
 #[derive(Debug, Clone)]
@@ -80,7 +80,10 @@ impl Model {
         let nodal = |(i, ends): (usize, &Option<[Option<usize>; 2]>)| {
             let own = corrected[i];
             let [a, b] = ends.unwrap_or([None; 2]).map(|end| end.map_or(own, |j| corrected[j]));
-            [0, 1, 2].map(|c| 0.5 * own[c] + 0.25 * (a[c] + b[c]))
+            let sigma = [0, 1, 2].map(|c| 0.5 * own[c] + 0.25 * (a[c] + b[c]));
+            // The tension that the correction leaves beside the end of a contact is none of the law's.
+            let normal = self.contacts[i].facing.normal;
+            plus(sigma, -dot(sigma, normal).min(0.0), normal)
         };
         Some(ends.iter().enumerate().map(nodal).collect())
     }

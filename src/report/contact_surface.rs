@@ -73,13 +73,16 @@ impl ContactSurface {
             };
             node.status = Some(step.statuses[i]);
         }
-        let facets = facets.iter().map(|facet| facet.iter().filter_map(|&node| number[node]).collect());
+        let mut facets: Vec<Vec<usize>> =
+            facets.iter().map(|facet| facet.iter().filter_map(|&node| number[node]).collect()).collect();
+        // Of a surface that goes round the body two sides lie over each other: what is pressed is to be seen.
+        facets.sort_by_key(|facet| facet.iter().any(|&node| nodes[node].pressure > 0.0));
         Some(ContactSurface {
             boundary: (model.contact_boundaries.len() > 1).then(|| boundary.name.clone()),
             index: step.record.index,
             time: step.record.time,
             axes,
-            facets: facets.collect(),
+            facets,
             nodes,
             units: model.units(),
         })

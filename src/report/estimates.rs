@@ -33,7 +33,7 @@ pub struct EstimateWatch {
 /// Zones with fewer nodes across have a peak that may be a tenth off.
 const FINE: usize = 8;
 
-/// A share of the force on isolated nodes that is larger is told, however wide other zones are.
+/// A share of the force on isolated nodes, or on narrow zones, that is larger is told, however wide other zones are.
 const ISOLATED: f64 = 0.1;
 
 /// Elements that differ by a larger factor at the end of a contact spoil the pressure inside.
@@ -41,6 +41,9 @@ const UNEVEN: f64 = 3.0;
 
 /// Zones with fewer nodes across leave the zone that sticks known to a twentieth at best.
 const FINE_FOR_STICK: usize = 40;
+
+/// Meshes with a larger error in the energy norm are told: a tenth of the energy.
+const COARSE: f64 = 0.3;
 
 /// A scatter of the peak that is smaller is none.
 const SMOOTH: f64 = 0.1;
@@ -95,7 +98,8 @@ impl Estimates {
         let units = model.units();
         let simplices = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
         let contact = self.contact.iter().flat_map(|contact| of_contact(contact, &units, simplices));
-        contact.chain(self.locking.and_then(|share| Warning::of_locking(model, share))).collect()
+        let locking = self.locking.and_then(|share| Warning::of_locking(model, share));
+        contact.chain(locking).chain(self.discretisation.and_then(coarse)).collect()
     }
 }
 
@@ -107,11 +111,11 @@ fn of_contact(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) ->
     let mut warnings = Vec::new();
     let mut warn = |kind, message| warnings.push(Warning { kind, message });
     let n = contact.nodes_across;
-    if contact.isolated_share > ISOLATED || n.is_some_and(|n| n < 4) {
+    if contact.unresolved_share > ISOLATED || contact.isolated_share > ISOLATED {
         let bears = if contact.isolated_share > ISOLATED {
             format!("{} of the force is on nodes without a closed neighbour", percent(contact.isolated_share))
         } else {
-            format!("the contact zone is {} nodes wide", n.unwrap_or(0))
+            format!("{} of the force is on zones of up to 3 nodes across", percent(contact.unresolved_share))
         };
         let size = length(contact.element_size);
         let finer = match contact.hertz {
@@ -126,7 +130,7 @@ fn of_contact(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) ->
         };
         warn(
             WarningKind::ContactUnresolved,
-            format!("{at}: {bears}: pressure and contact width mean nothing, the force does{finer}"),
+            format!("{at}: {bears}: pressure and contact width mean nothing there{finer}"),
         );
     } else if let Some(n) = n.filter(|&n| n < FINE) {
         let (peak, width) = (peak_error(n), 2.0 * peak_error(n));
@@ -186,6 +190,17 @@ fn of_contact(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) ->
         );
     }
     warnings
+}
+
+/// That the mesh is too coarse for the body itself.
+fn coarse(error: f64) -> Option<Warning> {
+    let message = format!(
+        "the mesh is coarse: its error is about {:.0} % in the energy norm, so that displacements and forces may be off by about {:.0} %, \
+         pressures by more; refine it where the field `discretisation_error` is large, or use elements of second order",
+        100.0 * error,
+        100.0 * error * error
+    );
+    (error > COARSE).then_some(Warning { kind: WarningKind::CoarseMesh, message })
 }
 
 /// A number with its unit.

@@ -38,6 +38,8 @@ pub enum WarningKind {
     GapsOutOfRange,
     /// An equilibrium that is one of many: contact leaves a motion of the body open.
     NotUnique,
+    /// A mesh that is too coarse for the body itself.
+    CoarseMesh,
     /// A contact zone of a few nodes, or of isolated ones.
     ContactUnresolved,
     /// A contact zone that is fewer than eight nodes across.
@@ -65,6 +67,7 @@ impl WarningKind {
             | WarningKind::LeaningObstacle
             | WarningKind::GapsOutOfRange
             | WarningKind::NotUnique
+            | WarningKind::CoarseMesh
             | WarningKind::ContactUnresolved
             | WarningKind::ContactCoarse
             | WarningKind::PeakScatter

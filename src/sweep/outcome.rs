@@ -27,6 +27,8 @@ pub struct Outcome {
     pub error: Option<f64>,
     /// The largest contact pressure of all increments.
     pub largest_pressure: Option<LargestPressure>,
+    /// The kinds of the warnings of the run.
+    pub warnings: Vec<String>,
     /// The resultant on each obstacle at the end of the last converged increment.
     pub boundaries: Vec<Resultant>,
 }
@@ -44,7 +46,14 @@ struct Report {
     totals: Option<Totals>,
     largest_pressure: Option<LargestPressure>,
     #[serde(default)]
+    warnings: Vec<Told>,
+    #[serde(default)]
     boundaries: Vec<Resultant>,
+}
+
+#[derive(Deserialize)]
+struct Told {
+    kind: String,
 }
 
 #[derive(Deserialize)]
@@ -61,7 +70,8 @@ struct Totals {
 
 impl From<Report> for Outcome {
     fn from(report: Report) -> Self {
-        let Report { status, scene_text, reason, help, increments, totals, largest_pressure, boundaries } = report;
+        let Report { status, scene_text, reason, help, increments, totals, largest_pressure, warnings, boundaries } =
+            report;
         let errors = increments.iter().flat_map(|increment| increment.kkt.values());
         // None where one of them is no number, or there is none.
         let error = errors.copied().collect::<Option<Vec<f64>>>().and_then(|all| all.into_iter().reduce(f64::max));
@@ -74,6 +84,7 @@ impl From<Report> for Outcome {
             status,
             scene_text,
             largest_pressure,
+            warnings: warnings.into_iter().map(|warning| warning.kind).collect(),
             boundaries,
         }
     }
@@ -91,6 +102,7 @@ impl Outcome {
             seconds: None,
             error: None,
             largest_pressure: None,
+            warnings: Vec::new(),
             boundaries: Vec::new(),
         }
     }

@@ -98,7 +98,7 @@ impl Sweep {
             let columns = COMPONENTS[..*components].iter().chain(&["sum_p_n", "sum_p_t", "sum_p_o"][..*components]);
             header.extend(columns.map(|column| format!("{name}.{column}")));
         }
-        header.extend(["error", "results", "reason"].map(String::from));
+        header.extend(["error", "warnings", "results", "reason"].map(String::from));
         let number = |x: Option<f64>| x.map_or(String::new(), csv_number);
         let row = |row: &Row| {
             let outcome = &row.outcome;
@@ -113,6 +113,7 @@ impl Sweep {
                 fields.extend((0..*components).map(|c| number(sums.and_then(|sums| sums[c]))));
             }
             fields.push(number(outcome.error));
+            fields.push(outcome.warnings.join(" "));
             fields.extend([row.results.clone().unwrap_or_default(), outcome.reason.clone()]);
             fields
         };
@@ -130,7 +131,7 @@ impl Sweep {
         for (name, components) in &boundaries {
             heads.extend(COMPONENTS[..*components].iter().map(|component| format!("{name} {component}, {force}")));
         }
-        heads.push("error".to_string());
+        heads.extend(["error", "warnings"].map(String::from));
         let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
         let mut table = Table::new(&heads);
         let shown = |x: Option<f64>, show: fn(f64) -> String| x.map_or("-".to_string(), show);
@@ -145,6 +146,7 @@ impl Sweep {
                 row.extend((0..*components).map(|c| shown(force(c), |force| format!("{force:.5e}"))));
             }
             row.push(shown(outcome.error, |error| format!("{error:.1e}")));
+            row.push(if outcome.warnings.is_empty() { "-".to_string() } else { outcome.warnings.join(" ") });
             table.push(row);
         }
         let early = self.variants.iter().filter(|row| !row.outcome.reason.is_empty());

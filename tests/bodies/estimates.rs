@@ -126,7 +126,8 @@ fn nodes_without_neighbours_are_told() {
         assert_eq!((contact.nodes_across, contact.unresolved_share), (Some(1), 1.0));
         assert!((contact.isolated_share - isolated).abs() < 1e-12);
         // Elements that are pressed in one node are too stiff, too.
-        assert_eq!(kinds_of(&report), [WarningKind::ContactUnresolved, WarningKind::Locking]);
+        let expected = [WarningKind::ContactUnresolved, WarningKind::Locking, WarningKind::CoarseMesh];
+        assert_eq!(kinds_of(&report), expected);
         let length = 0.1 * axis.iter().map(|c: &f64| c * c).sum::<f64>().sqrt();
         let hertz = Hertz::line(contact.force / length, 0.02, MODULUS);
         let found = contact.hertz.unwrap();
@@ -181,6 +182,7 @@ fn locking_is_seen() {
         (2, CellKind::Triangle, [4, 8]),
         (3, CellKind::Hexahedron, [3, 6]),
         (3, CellKind::Tetrahedron, [3, 6]),
+        (3, CellKind::Prism, [3, 6]),
     ];
     for poisson in [0.3, 0.45, 0.49, 0.499] {
         let fine = [2, 3].map(|d| {

@@ -364,3 +364,24 @@ fn a_carried_body_drags_its_springs() {
     let dragged = solved(&body(0.01, 0.4));
     assert!((pressed(&dragged) - 0.08964).abs() < 1e-5, "{}", pressed(&dragged));
 }
+
+/// A direction that rounding has turned off its axis moves the body along the axis, and not without end across it.
+#[test]
+fn directions_that_are_off_their_axis_by_rounding() {
+    let pressed = |direction: [f64; 2]| {
+        let mesh = MeshSource::block([1.0, 0.5], [10, 5]);
+        let body = Description::new(mesh, Material::new(2e11, 0.3), vec![1.0])
+            .held(Support::along("top", direction, 1e-6))
+            .spring(Bed::surface("left", 1e10, 0.0))
+            .contact("bottom", 0.3, Obstacle::plane(0.0))
+            .load(Load::new("right", &[-1e3, 0.0]));
+        let report = solved(&body).report;
+        report.boundaries[0].force[1]
+    };
+    let along = pressed([0.0, -1.0]);
+    assert!(along < -1e5, "{along}");
+    for off in [1e-25, 6.1e-17, 1e-12, 1e-10] {
+        let found = pressed([off, -1.0]);
+        assert!((found / along - 1.0).abs() < 1e-8, "{off}: {found} {along}");
+    }
+}

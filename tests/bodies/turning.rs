@@ -164,6 +164,7 @@ fn kinds(text: &str) -> Vec<WarningKind> {
         WarningKind::SingularEdge,
         WarningKind::StickZoneCoarse,
         WarningKind::Locking,
+        WarningKind::CoarseMesh,
     ];
     let kinds = warnings(text).into_iter().map(|warning| warning.kind);
     kinds.filter(|kind| !of_the_mesh.contains(kind)).collect()
@@ -225,4 +226,18 @@ fn a_pressed_crest_is_in_range() {
     let wedge = "kind = \"wedge\", angle = 0.3, apex = [0.55, -1e-6]";
     let slides = held.replace("OBSTACLE", wedge) + "[[load]]\nboundary = \"top\"\ntraction = [1e7, -1e5]\n";
     assert!(kinds(&slides).contains(&WarningKind::GapsOutOfRange));
+}
+
+/// A plane that turns until it stands upright lies along the lines on which gaps are measured: where it stands in the body it is
+/// refused, and where it is beside it there is nothing in front.
+#[test]
+fn planes_that_stand_upright() {
+    let upright = |through: &str, sense: &str| {
+        let angle = std::f64::consts::FRAC_PI_2;
+        let turns = format!("motion.rotation = {{ through = {through}, history = [[0, 0], [1, {sense}{angle}]] }}");
+        Model::new(&Scene::parse("scene.toml", &scene(&format!("kind = \"plane\", gap = 1e-3, {turns}")), &[]).unwrap())
+    };
+    let found = ["", "-"].map(|sense| upright("[-0.5, 0.0]", sense).map(|_| ()).map_err(|error| error.to_string()));
+    let refused: Vec<&String> = found.iter().filter_map(|found| found.as_ref().err()).collect();
+    assert!(refused.len() == 1 && refused[0].contains("turns its back"), "{found:?}");
 }

@@ -80,7 +80,7 @@ fn kinds(report: &Value) -> Vec<&str> {
 
 /// Those that are not of the mesh in the contact: the scenes here have a few elements.
 fn kinds_but_of_the_mesh(report: &Value) -> Vec<&str> {
-    let of_the_mesh = ["contact-unresolved", "contact-coarse", "singular-edge", "locking"];
+    let of_the_mesh = ["contact-unresolved", "contact-coarse", "singular-edge", "locking", "coarse-mesh"];
     kinds(report).into_iter().filter(|kind| !of_the_mesh.contains(kind)).collect()
 }
 

@@ -57,6 +57,7 @@ fn every_combination_is_a_row_and_a_folder() {
     assert_eq!(row["boundaries"], report["boundaries"]);
     assert_eq!(row["largest_pressure"], report["largest_pressure"]);
     assert_eq!(row["iterations"], report["totals"]["iterations"]);
+    assert_eq!(row["warnings"], serde_json::json!(["contact-unresolved"]));
     assert_eq!((row["status"].as_str(), row["converged"].as_u64()), (Some("converged"), Some(4)));
     assert!(number(&row["error"]) < 1e-10 && number(&row["seconds"]) > 0.0);
     for row in rows {
@@ -67,7 +68,7 @@ fn every_combination_is_a_row_and_a_folder() {
     assert!(
         header.starts_with("contact.friction,time.increments,status,converged,iterations,seconds,largest_pressure,")
     );
-    assert!(header.contains(",bottom.f_x,bottom.f_y,bottom.sum_p_n,bottom.sum_p_t,error,results,reason"));
+    assert!(header.contains(",bottom.f_x,bottom.f_y,bottom.sum_p_n,bottom.sum_p_t,error,warnings,results,reason"));
     assert_eq!(lines.len(), 6);
     let svg = fs::read_to_string(folder.0.join("out/sweep.svg")).unwrap();
     for text in ["contact.friction", "time.increments = 2", "largest contact pressure, MPa", "6 variants"] {

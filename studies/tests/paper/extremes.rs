@@ -44,12 +44,38 @@ fn along(row: &[(usize, f64)], state: &State) -> f64 {
     sum.value()
 }
 
+/// Displacements in two words, without their part along the free motions, which a body does not feel: where it has moved by much
+/// more than it is strained, what rounding has left of a free motion in the entries of K is not an error of the state.
+fn strained(problem: &ContactProblem, state: &State) -> [Vec<f64>; 2] {
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for motion in problem.free_motions() {
+        let mut motion = motion.clone();
+        for other in &basis {
+            let share = product(&motion, other) / product(other, other);
+            motion.iter_mut().zip(other).for_each(|(r, other)| *r -= share * other);
+        }
+        basis.push(motion);
+    }
+    let (mut u, mut rest) = (state.u.clone(), state.u_rest.clone());
+    rest.resize(u.len(), 0.0);
+    for motion in basis.iter().chain(&basis) {
+        let share = product(&u, motion) / product(motion, motion);
+        for ((u, rest), r) in u.iter_mut().zip(&mut rest).zip(motion) {
+            let left = Double::ZERO.plus(*u).plus_product(-share, *r).plus(*rest);
+            *u = left.value();
+            *rest = left.plus(-*u).value();
+        }
+    }
+    [u, rest]
+}
+
 /// The largest imbalance of any displacement, relative to `force`.
 fn imbalance(problem: &ContactProblem, increment: &Increment<'_>, state: &State, force: f64) -> f64 {
     let mut sums = vec![Double::ZERO; state.u.len()];
+    let [u, rest] = strained(problem, state);
     for (row, column, value) in problem.stiffness().entries() {
-        let rest = state.u_rest.get(column).copied().unwrap_or(0.0);
-        sums[row] = sums[row].plus_product(value, state.u[column]).plus(value * rest);
+        sums[row] = sums[row].plus_product(value, u[column]).plus_product(value, rest[column]);
     }
     for i in 0..problem.contacts() {
         for (map, p) in [(problem.c_n(), state.p_n[i]), (problem.c_t(), state.p_t[i])] {
