@@ -42,6 +42,7 @@ fn check_names_nodal_volumes() {
     };
     let (plain, averaged) = (told("bilinear"), told("nodal-volume"));
     assert!(plain.contains("linear triangles, 25 nodes") && plain.contains("too stiff"), "{plain}");
+    assert!(plain.contains("use mesh.element = \"nodal-volume\""), "{plain}");
     assert!(averaged.contains("linear triangles with nodal volumes, 25 nodes"), "{averaged}");
     assert!(!averaged.contains("too stiff"), "{averaged}");
 }

@@ -91,11 +91,8 @@ fn warnings() {
     let leaning = "{ kind = \"wedge\", angle = 0.2, apex = [0.75, -1e-5] }";
     let idle =
         "[[support]]\nboundary = \"right\"\nfix = [\"x\"]\n\n[[load]]\nboundary = \"right\"\ntraction = [1e5, 0.0]\n";
-    let triangles = edit(&small(), "elements =", "cells = \"triangle\"\nelements =");
-    let triangles = edit(&triangles, "poisson = 0.3", "poisson = 0.4999");
     for (scene, kind, words) in [
         (edit(&small(), "poisson = 0.3", "poisson = 0.4999"), "locking", "use mesh.element = \"b-bar\""),
-        (triangles, "locking", "use mesh.element = \"nodal-volume\""),
         (edit(&small(), "poisson = 0.3", layers), "layers-through-elements", "y = 0.3 m goes through 4 elements"),
         (small() + idle, "idle-load", "the load on `right` does nothing"),
         (edit(&small(), "{ kind = \"plane\", gap = 1e-5 }", leaning), "leaning-obstacle", "leans by 11 degrees"),
