@@ -6,8 +6,10 @@ mod dofs;
 mod elastic;
 mod facet;
 mod held;
+mod inverted;
 mod locate;
 mod material;
+mod nodal_volume;
 mod rigid;
 mod shape;
 mod spring;
@@ -15,20 +17,24 @@ mod stiffness;
 mod strain;
 mod stress;
 
-pub use assembly::{InvertedElement, assemble};
+pub use assembly::assemble;
 pub use body_force::{body_force, free_stretch, thermal_forces, thermal_stress};
 pub use dofs::Dofs;
 pub(crate) use dofs::{SAME_DIRECTION, independent};
 pub use elastic::Elasticity;
+pub(crate) use elastic::numbered;
 pub use facet::{
     NodalForces, area, bernstein, facet_load, facet_mass, facet_normals, facet_weights, traction, uniform_traction,
 };
 pub use held::{HeldRows, nearest_translation};
+pub use inverted::InvertedElement;
 pub use locate::reference_point;
 pub use material::{Layer, Material, MaterialGroup, Plane};
+pub use nodal_volume::NodalVolumes;
 pub use rigid::{RigidMotion, rigid_motions, unresisted_motions};
 pub use shape::gradients;
 pub use spring::{Bedding, Spring};
 pub use stiffness::element_stiffness;
 pub use strain::Element;
+pub(crate) use strain::with_dilatation;
 pub use stress::{cell_volume, centre_stress, strains, stress_at};

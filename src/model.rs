@@ -19,7 +19,7 @@ use crate::contact::{ContactBoundary, ContactNode, ObstacleMotion, PlacedObstacl
 use crate::description::Description;
 use crate::fault::Fault;
 use crate::fem::{
-    Dofs, Elasticity, Element, HeldRows, InvertedElement, Plane, RigidMotion, Spring, unresisted_motions,
+    Dofs, Elasticity, Element, HeldRows, InvertedElement, NodalVolumes, Plane, RigidMotion, Spring, unresisted_motions,
 };
 use crate::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::mesh::{Boundary, Mesh, MeshError, MeshFileError};
@@ -31,7 +31,7 @@ use crate::units::{Scaling, UnitSystem};
 use crate::vector::dot;
 use balance::Statics;
 use contact::Contacts;
-use load::Body;
+use load::{Body, FreeStrain};
 use recovery::Recovery;
 use support::Moved;
 
@@ -44,6 +44,8 @@ pub struct Model {
     pub mesh: Arc<Mesh>,
     /// The law of each cell.
     materials: Vec<Elasticity>,
+    /// Where dilatations are averaged, if they are.
+    volumes: NodalVolumes,
     /// The numbering of the free displacements.
     pub dofs: Dofs,
     /// The contact nodes, in the order of `problem`'s rows.
@@ -60,8 +62,8 @@ pub struct Model {
     pub rigid_motions: Vec<RigidMotion>,
     /// Where supports move the body.
     moved: Vec<Moved>,
-    /// The stress-free strains of loads by temperature: of each cell at factor 1, and the number of the load.
-    thermal: Vec<(Vec<f64>, usize)>,
+    /// The stress-free strains of loads by temperature at factor 1, and the number of the load.
+    thermal: Vec<(FreeStrain, usize)>,
     statics: Statics,
     /// How tractions at contact nodes follow from forces, where that takes more than their weights.
     recovery: Option<Recovery>,
@@ -125,9 +127,10 @@ impl Model {
         let dofs = support::dofs(&mesh, &holdings)?;
         let element = element::element(description, &mesh)?;
         let materials = description.material.laws(&mesh)?;
+        let volumes = NodalVolumes::new(&mesh, element, |e| materials[e])?;
         let beds = load::springs(description, &mesh)?;
         let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
-        let (stiffness, rows) = HeldRows::beside(&mesh, &dofs, element, |e| materials[e], &springs)?;
+        let (stiffness, rows) = HeldRows::beside(&mesh, &dofs, element, &volumes, |e| materials[e], &springs)?;
         let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows)?;
 
         let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved)?;
@@ -141,14 +144,14 @@ impl Model {
             Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))
         };
         let thin = description.material.plane == Some(Plane::Stress);
-        let body = Body { description, mesh: &mesh, element, thin, materials: &materials };
+        let body = Body { description, mesh: &mesh, element, volumes: &volumes, thin, materials: &materials };
         let (mut cases, mut forces, mut thermal) = (Vec::new(), Vec::new(), Vec::new());
         let end = description.end();
         for (k, load) in description.loads.iter().enumerate() {
             let on_mesh = body.load(k)?;
             let factors = within(end, &load.factors(end));
             cases.push(LoadCase::new(dofs.forces(on_mesh.forces.iter().copied()), factors)?);
-            thermal.extend(on_mesh.thermal_strain.map(|strain| (strain, k)));
+            thermal.extend(on_mesh.free_strain.map(|strain| (strain, k)));
             forces.push(on_mesh.forces);
         }
         // What supports move beyond the body comes as forces on the rest of it, and as gaps.
@@ -189,6 +192,7 @@ impl Model {
             description: description.clone(),
             mesh,
             materials,
+            volumes,
             dofs,
             contacts,
             contact_boundaries,

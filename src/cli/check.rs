@@ -110,6 +110,8 @@ fn body(scene: &Scene, model: &Model) {
     let mut cells: Vec<CellKind> = model.mesh.cells.iter().map(|cell| cell.kind).collect();
     cells.dedup();
     let cells = match (&cells[..], model.element()) {
+        ([CellKind::Triangle], Element::NodalVolume) => "linear triangles with nodal volumes",
+        ([CellKind::Tetrahedron], Element::NodalVolume) => "linear tetrahedra with nodal volumes",
         ([CellKind::Triangle], _) => "linear triangles",
         ([CellKind::Tetrahedron], _) => "linear tetrahedra",
         ([CellKind::Triangle6], _) => "quadratic triangles",
@@ -120,7 +122,7 @@ fn body(scene: &Scene, model: &Model) {
         ([CellKind::Hexahedron], Element::BBar) => "B-bar hexahedra",
         ([CellKind::Prism], Element::Bilinear) => "prisms",
         ([CellKind::Prism], Element::BBar) => "B-bar prisms",
-        (_, Element::Bilinear) => "elements of several kinds",
+        (_, Element::Bilinear | Element::NodalVolume) => "elements of several kinds",
         (_, Element::BBar) => "B-bar elements of several kinds",
     };
     say!(

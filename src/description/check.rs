@@ -15,8 +15,8 @@ impl Description {
         check_times("times", &self.times)?;
         self.mesh.check()?;
         self.material.check()?;
-        if self.element == Element::BBar && self.material.plane == Some(Plane::Stress) {
-            let message = "mesh.element is \"b-bar\", but material.plane is \"stress\"";
+        if self.element != Element::Bilinear && self.material.plane == Some(Plane::Stress) {
+            let message = format!("mesh.element is \"{}\", but material.plane is \"stress\"", self.element.name());
             let help = "plane stress does not constrain the volume, so nothing locks: use \"bilinear\"";
             return Err(Fault::new("mesh.element", message, help));
         }

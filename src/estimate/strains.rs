@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::fem::Elasticity;
+use crate::fem::{Element, numbered};
 use crate::model::Model;
 
 /// The elastic strains of a body, and where its nodes have values of their own: one for each law of the cells around, for at a
@@ -25,10 +25,14 @@ impl Strains {
     pub(super) fn new(model: &Model, factors: &[f64], displacements: &[[f64; 3]]) -> Self {
         let (mut points, mut begins) = (Vec::new(), vec![0]);
         for e in 0..model.mesh.cells.len() {
-            points.extend(model.elastic_strains(e, factors, displacements));
+            let strains = model.elastic_strains(e, factors, displacements);
+            match model.element() {
+                Element::NodalVolume => points.push(mean(&strains)),
+                Element::Bilinear | Element::BBar => points.extend(strains),
+            }
             begins.push(points.len());
         }
-        let laws = numbered(model.materials());
+        let laws = numbered(model.materials().iter().copied());
         let mut known: HashMap<(usize, usize), usize> = HashMap::new();
         let (mut places, mut places_of) = (Vec::new(), Vec::new());
         for (cell, law) in model.mesh.cells.iter().zip(laws) {
@@ -77,14 +81,9 @@ impl Strains {
     }
 }
 
-/// A number for each law, the same for equal ones.
-fn numbered(laws: &[Elasticity]) -> Vec<usize> {
-    let mut different: Vec<Elasticity> = Vec::new();
-    let number = |law: &Elasticity| {
-        different.iter().position(|other| other == law).unwrap_or_else(|| {
-            different.push(*law);
-            different.len() - 1
-        })
-    };
-    laws.iter().map(number).collect()
+/// The volume and the mean strain of a cell, whose strains at its nodes differ in dilatation alone.
+fn mean(strains: &[(f64, [f64; 6])]) -> (f64, [f64; 6]) {
+    let volume: f64 = strains.iter().map(|(volume, _)| volume).sum();
+    let component = |c: usize| strains.iter().map(|(v, strain)| v / volume * strain[c]).sum();
+    (volume, std::array::from_fn(component))
 }

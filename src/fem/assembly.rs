@@ -2,26 +2,12 @@
 
 use super::dofs::Dofs;
 use super::elastic::Elasticity;
+use super::inverted::InvertedElement;
+use super::nodal_volume::{NodalVolume, NodalVolumes};
 use super::stiffness::element_stiffness;
 use super::strain::Element;
-use crate::mesh::{Cell, Mesh};
+use crate::mesh::Mesh;
 use crate::sparse::Symmetric;
-
-/// An element whose Jacobian is not positive at an integration point.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("element {element} near ({}) is inverted or degenerate", coordinates(centre, *dimension))]
-pub struct InvertedElement {
-    /// The number of the element, from 0.
-    pub element: usize,
-    /// The centre of the element, m.
-    pub centre: [f64; 3],
-    /// The dimension of the mesh.
-    pub dimension: usize,
-}
-
-fn coordinates(centre: &[f64; 3], dimension: usize) -> String {
-    centre[..dimension].iter().map(|x| format!("{x:.6}")).collect::<Vec<_>>().join(", ")
-}
 
 /// `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m, in two dimensions per unit
 /// depth; every element is an `element`, and `material` is that of each.
@@ -34,33 +20,33 @@ pub fn assemble(
     element: Element,
     material: impl Fn(usize) -> Elasticity,
 ) -> Result<Symmetric, InvertedElement> {
-    assemble_watched(mesh, dofs, element, material, |_, _| {})
+    let volumes = NodalVolumes::new(mesh, element, &material)?;
+    assemble_watched(mesh, dofs, element, &volumes, material, |_, _| {})
 }
 
-/// The same, showing `watch` the stiffness of every cell: as all nodes have it, with the components x, y and z.
+/// The same with the nodal volumes of the mesh, showing `watch` the nodes and the stiffness of every cell and nodal volume: as all
+/// nodes have it, with the components x, y and z.
 pub(super) fn assemble_watched(
     mesh: &Mesh,
     dofs: &Dofs,
     element: Element,
+    volumes: &NodalVolumes,
     material: impl Fn(usize) -> Elasticity,
-    mut watch: impl FnMut(&Cell, &[Vec<f64>]),
+    mut watch: impl FnMut(&[usize], &[Vec<f64>]),
 ) -> Result<Symmetric, InvertedElement> {
     let mut k = Symmetric::of(dofs.free(), |take| {
-        for cell in &mesh.cells {
-            let unknowns = dofs.element(&cell.nodes);
+        let cells = mesh.cells.iter().map(|cell| &cell.nodes[..]);
+        for nodes in cells.chain(volumes.iter().map(NodalVolume::nodes)) {
+            let unknowns = dofs.element(nodes);
             for &column in unknowns.iter().flatten() {
-                for &row in unknowns.iter().flatten() {
-                    take(row, column);
-                }
+                unknowns.iter().flatten().filter(|row| **row >= column).for_each(|&row| take(row, column));
             }
         }
     });
-    for (e, cell) in mesh.cells.iter().enumerate() {
-        let mut stiffness = element_stiffness(cell.kind, &mesh.points(&cell.nodes), element, &material(e))
-            .ok_or_else(|| InvertedElement { element: e, centre: mesh.centre(e), dimension: mesh.dimension })?;
-        watch(cell, &stiffness);
-        dofs.turn(&cell.nodes, &mut stiffness);
-        let unknowns = dofs.element(&cell.nodes);
+    let mut add = |nodes: &[usize], mut stiffness: Vec<Vec<f64>>| {
+        watch(nodes, &stiffness);
+        dofs.turn(nodes, &mut stiffness);
+        let unknowns = dofs.element(nodes);
         for (row, values) in unknowns.iter().zip(&stiffness) {
             for (column, value) in unknowns.iter().zip(values) {
                 if let (Some(row), Some(column)) = (*row, *column)
@@ -70,6 +56,15 @@ pub(super) fn assemble_watched(
                 }
             }
         }
+    };
+    for (e, cell) in mesh.cells.iter().enumerate() {
+        let whole = material(e);
+        let law = if volumes.of_cell(e).is_empty() { whole } else { whole.deviatoric() };
+        let stiffness = element_stiffness(cell.kind, &mesh.points(&cell.nodes), element, &law);
+        add(&cell.nodes, stiffness.ok_or_else(|| InvertedElement::of(mesh, e))?);
+    }
+    for volume in volumes.iter() {
+        add(volume.nodes(), volume.stiffness(mesh.dimension));
     }
     Ok(k)
 }

@@ -46,7 +46,7 @@ pub fn thermal_forces(
         for ((point, _), (gradients, volume)) in rule.iter().zip(&points) {
             let stress = thermal_stress(&material(e), thin, strain(e, at(&shape(cell.kind, *point), &nodes)));
             let dilatation = match element {
-                Element::Bilinear => gradients,
+                Element::Bilinear | Element::NodalVolume => gradients,
                 Element::BBar => &mean,
             };
             let columns = strain_columns(mesh.dimension, gradients, dilatation);

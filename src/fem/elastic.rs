@@ -43,10 +43,28 @@ impl Elasticity {
         0.5 * self.stress(*strain).iter().zip(strain).map(|(s, e)| s * e).sum::<f64>()
     }
 
+    /// What it has against changes of shape alone: `2 μ (ε - ⅓ tr(ε) 1)`.
+    #[must_use]
+    pub fn deviatoric(&self) -> Self {
+        Elasticity { lambda: -2.0 / 3.0 * self.mu, ..*self }
+    }
+
     /// The bulk modulus `λ + 2/3 μ`, Pa.
     pub fn bulk(&self) -> f64 {
         self.lambda + 2.0 / 3.0 * self.mu
     }
+}
+
+/// A number for each law, the same for equal ones.
+pub fn numbered(laws: impl Iterator<Item = Elasticity>) -> Vec<usize> {
+    let mut different: Vec<Elasticity> = Vec::new();
+    let number = |law: Elasticity| {
+        different.iter().position(|other| *other == law).unwrap_or_else(|| {
+            different.push(law);
+            different.len() - 1
+        })
+    };
+    laws.map(number).collect()
 }
 
 fn shear_modulus(young: f64, poisson: f64) -> f64 {

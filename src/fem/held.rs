@@ -1,9 +1,11 @@
 //! What happens where supports hold a body: their forces on it, and what their motion does to the rest.
 
-use super::assembly::{InvertedElement, assemble_watched};
+use super::assembly::assemble_watched;
 use super::dofs::Dofs;
 use super::elastic::Elasticity;
 use super::facet::NodalForces;
+use super::inverted::InvertedElement;
+use super::nodal_volume::NodalVolumes;
 use super::spring::Spring;
 use super::strain::Element;
 use crate::mesh::Mesh;
@@ -19,7 +21,8 @@ pub struct HeldRows {
 }
 
 impl HeldRows {
-    /// `K` as [`super::assemble`] makes it, with `springs`, and the rows at the nodes of which `dofs` holds something.
+    /// `K` as [`super::assemble`] makes it, with `springs`, and the rows at the nodes of which `dofs` holds something; `volumes` are
+    /// those of the mesh.
     ///
     /// # Errors
     /// [`InvertedElement`] for the first element that is not sound.
@@ -27,6 +30,7 @@ impl HeldRows {
         mesh: &Mesh,
         dofs: &Dofs,
         element: Element,
+        volumes: &NodalVolumes,
         material: impl Fn(usize) -> Elasticity,
         springs: &[Spring],
     ) -> Result<(Symmetric, Self), InvertedElement> {
@@ -35,11 +39,11 @@ impl HeldRows {
         let nodes: Vec<usize> = (0..mesh.nodes.len()).filter(holds).collect();
         let place = |node: usize| nodes.binary_search(&node).ok();
         let mut rows = vec![Vec::new(); 3 * nodes.len()];
-        let mut stiffness = assemble_watched(mesh, dofs, element, material, |cell, stiffness| {
-            for (a, &node) in cell.nodes.iter().enumerate().filter(|(_, node)| holds(node)) {
+        let mut stiffness = assemble_watched(mesh, dofs, element, volumes, material, |nodes, stiffness| {
+            for (a, &node) in nodes.iter().enumerate().filter(|(_, node)| holds(node)) {
                 let Some(held) = place(node) else { continue };
                 for (c, values) in stiffness[d * a..d * (a + 1)].iter().enumerate() {
-                    let columns = values.iter().enumerate().map(|(j, value)| (3 * cell.nodes[j / d] + j % d, *value));
+                    let columns = values.iter().enumerate().map(|(j, value)| (3 * nodes[j / d] + j % d, *value));
                     rows[3 * held + c].extend(columns);
                 }
             }

@@ -19,7 +19,7 @@ pub fn element_stiffness(
     let mut k = vec![vec![0.0; unknowns]; unknowns];
     for (gradients, volume) in &points {
         let dilatation = match element {
-            Element::Bilinear => gradients,
+            Element::Bilinear | Element::NodalVolume => gradients,
             Element::BBar => &mean,
         };
         let b = strain_columns(kind.dimension(), gradients, dilatation);

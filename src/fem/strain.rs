@@ -15,6 +15,20 @@ pub enum Element {
     /// (1980) 1413; Simo & Hughes, *Computational Inelasticity*, ch. 4). Meant for plane strain
     /// and three dimensions: in the plane, the correction has a component `ε_zz`.
     BBar,
+    /// The dilatation is the mean over the cells around each node (see [`super::NodalVolumes`]), for linear triangles and tetrahedra in
+    /// plane strain and three dimensions. A cell by itself, and one of another kind, has the strain of its displacements.
+    NodalVolume,
+}
+
+impl Element {
+    /// As scenes write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Element::Bilinear => "bilinear",
+            Element::BBar => "b-bar",
+            Element::NodalVolume => "nodal-volume",
+        }
+    }
 }
 
 /// The strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)`.
@@ -33,6 +47,13 @@ pub(super) fn strain_columns(dimension: usize, gradients: &[[f64; 3]], dilatatio
         columns.extend_from_slice(&corner[..dimension]);
     }
     columns
+}
+
+/// A strain with `dilatation` in place of its own.
+pub fn with_dilatation(strain: Strain, dilatation: f64) -> Strain {
+    let [xx, yy, zz, xy, yz, zx] = strain;
+    let change = (dilatation - (xx + yy + zz)) / 3.0;
+    [xx + change, yy + change, zz + change, xy, yz, zx]
 }
 
 /// The means over the element of the gradients at `points`, each with its volume: `∫ ∂N_a/∂x_c / V`.

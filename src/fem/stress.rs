@@ -31,7 +31,7 @@ pub fn stress_at(
     let points = gradients_at(kind, &quadrature_of(kind, nodes), nodes)?;
     let mean = mean_gradients(&points);
     let dilatation = match element {
-        Element::Bilinear => &here,
+        Element::Bilinear | Element::NodalVolume => &here,
         Element::BBar => &mean,
     };
     Some(material.stress(strain(kind, &here, dilatation, displacements)))
@@ -54,7 +54,7 @@ pub fn strains(
     let mean = mean_gradients(&points);
     let at_point = |(gradients, volume): &(Vec<[f64; 3]>, f64)| {
         let dilatation = match element {
-            Element::Bilinear => gradients,
+            Element::Bilinear | Element::NodalVolume => gradients,
             Element::BBar => &mean,
         };
         (*volume, strain(kind, gradients, dilatation, displacements))

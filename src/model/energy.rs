@@ -1,7 +1,7 @@
 //! The strain energy of a body.
 
 use super::Model;
-use crate::fem::{Spring, free_stretch, strains};
+use crate::fem::{Spring, free_stretch, strains, with_dilatation};
 use crate::problem::State;
 
 impl Model {
@@ -27,7 +27,8 @@ impl Model {
         Some((0..self.mesh.cells.len()).map(of_cell).sum::<f64>() + springs.sum::<f64>())
     }
 
-    /// The strains of cell `e` at its integration points, each with its volume, beyond those that heat alone makes.
+    /// The strains of cell `e` at its integration points, each with its volume, beyond those that heat alone makes; where dilatations are
+    /// averaged at the nodes, those in its nodes.
     pub(crate) fn elastic_strains(
         &self,
         e: usize,
@@ -39,6 +40,15 @@ impl Model {
         // Assembly has refused cells that have none.
         let mut strains =
             strains(cell.kind, &self.mesh.points(&cell.nodes), &moved, self.element()).unwrap_or_default();
+        let volumes = self.volumes.of_cell(e);
+        if !volumes.is_empty() {
+            let in_node = |(volume, strain): (f64, [f64; 6]), a: usize| {
+                let free = 3.0 * self.free_strain_of_volume(a, factors);
+                let dilatation = self.volumes.dilatation(a, displacements) - free;
+                (volume / volumes.len() as f64, with_dilatation(strain, dilatation))
+            };
+            return strains.into_iter().flat_map(|whole| volumes.iter().map(move |&a| in_node(whole, a))).collect();
+        }
         if !factors.is_empty() {
             let free = free_stretch(self.is_thin(), self.free_strain(e, factors));
             for (_, strain) in &mut strains {

@@ -5,8 +5,8 @@ use super::place::{node, of_dimension, suits};
 use crate::description::{Action, Bed, Description, Field, Where};
 use crate::fault::Fault;
 use crate::fem::{
-    Bedding, Elasticity, Element, NodalForces, Spring, area, body_force, thermal_forces, traction as traction_of,
-    uniform_traction,
+    Bedding, Elasticity, Element, NodalForces, NodalVolumes, Spring, area, body_force, thermal_forces,
+    traction as traction_of, uniform_traction,
 };
 use crate::mesh::{Boundary, Mesh};
 use crate::vector::{axis, cross, dot, minus, norm, unit};
@@ -16,6 +16,7 @@ pub(super) struct Body<'a> {
     pub description: &'a Description,
     pub mesh: &'a Mesh,
     pub element: Element,
+    pub volumes: &'a NodalVolumes,
     pub thin: bool,
     pub materials: &'a [Elasticity],
 }
@@ -23,18 +24,27 @@ pub(super) struct Body<'a> {
 /// What a load does at factor 1.
 pub(super) struct LoadOnMesh {
     pub forces: NodalForces,
-    /// The stress-free strain at the centre of each cell, if it is a load by temperature.
-    pub thermal_strain: Option<Vec<f64>>,
+    /// If it is a load by temperature.
+    pub free_strain: Option<FreeStrain>,
+}
+
+/// The strain that heat alone makes, along all axes.
+#[derive(Debug, Clone)]
+pub(super) struct FreeStrain {
+    /// At the centre of each cell.
+    pub of_cells: Vec<f64>,
+    /// The mean of these in each nodal volume.
+    pub of_volumes: Vec<f64>,
 }
 
 impl Body<'_> {
     /// What load `k` does.
     pub(super) fn load(&self, k: usize) -> Result<LoadOnMesh, Fault> {
-        let Body { description, mesh, element, thin, materials } = *self;
+        let Body { description, mesh, element, volumes, thin, materials } = *self;
         let key = format!("load[{k}]");
         let at = |name: &str| format!("{key}.{name}");
         let boundary = |name: &str| find(mesh, name, &key);
-        let mut thermal_strain = None;
+        let mut free_strain = None;
         let forces = match &description.loads[k].action {
             Action::Traction { boundary: name, traction } => {
                 tractions(mesh, boundary(name)?, name, traction, &at("traction"))?
@@ -79,12 +89,19 @@ impl Body<'_> {
             Action::Temperature(temperature) => {
                 let expansion = description.material.expansions(mesh)?;
                 let strain = |e: usize, x: [f64; 3]| expansion[e] * temperature.at(x);
-                thermal_strain = Some((0..mesh.cells.len()).map(|e| strain(e, mesh.centre(e))).collect());
-                let forces = thermal_forces(mesh, element, thin, |e| materials[e], strain);
+                let of_cells: Vec<f64> = (0..mesh.cells.len()).map(|e| strain(e, mesh.centre(e))).collect();
+                let of_volumes = volumes.means(&of_cells);
+                // What is averaged of the displacements has to be averaged of the heat, or the difference would be pressure.
+                let forces = if volumes.is_empty() {
+                    thermal_forces(mesh, element, thin, |e| materials[e], strain)
+                } else {
+                    volumes.forces(&of_volumes.iter().map(|strain| 3.0 * strain).collect::<Vec<_>>())
+                };
+                free_strain = Some(FreeStrain { of_cells, of_volumes });
                 defined(forces, &at("temperature"), "temperature")?
             }
         };
-        Ok(LoadOnMesh { forces, thermal_strain })
+        Ok(LoadOnMesh { forces, free_strain })
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::Model;
 use crate::fem::{cell_volume, stress_at, thermal_stress};
+use crate::mesh::shape;
 use crate::problem::ProblemError;
 use crate::problem::error::expect_length;
 
@@ -53,12 +54,26 @@ impl Model {
 
     /// The stress-free strain of cell `e`, where loads by temperature have these `factors`; none stand for no such loads.
     pub(super) fn free_strain(&self, e: usize, factors: &[f64]) -> f64 {
-        self.thermal.iter().zip(factors).map(|((of_cell, _), f)| f * of_cell[e]).sum()
+        self.thermal.iter().zip(factors).map(|((free, _), f)| f * free.of_cells[e]).sum()
+    }
+
+    /// The same of nodal volume `a`.
+    pub(super) fn free_strain_of_volume(&self, a: usize, factors: &[f64]) -> f64 {
+        self.thermal.iter().zip(factors).map(|((free, _), f)| f * free.of_volumes[a]).sum()
     }
 
     /// The stress (Pa) at the reference point `point` of cell `e`.
     pub(crate) fn stress_in(&self, e: usize, point: [f64; 3], factors: &[f64], displacements: &[[f64; 3]]) -> [f64; 6] {
         let (cell, material) = (&self.mesh.cells[e], &self.materials[e]);
+        if !self.volumes.of_cell(e).is_empty() {
+            // The strains of the nodes, interpolated: what equilibrium knows of the dilatation is its mean in the cell.
+            let mut strain = [0.0; 6];
+            for ((_, at_node), n) in self.elastic_strains(e, factors, displacements).iter().zip(shape(cell.kind, point))
+            {
+                strain.iter_mut().zip(at_node).for_each(|(sum, c)| *sum += n * c);
+            }
+            return material.stress(strain);
+        }
         let corners = self.mesh.points(&cell.nodes);
         let corner_displacements: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
         // Assembly has refused cells that have none.

@@ -111,8 +111,12 @@ impl Warning {
         let kind = model.mesh.cells.first()?.kind;
         let cells = match (kind.is_simplex(), model.mesh.dimension) {
             (false, _) => "use mesh.element = \"b-bar\"",
-            (true, 2) => "use triangles of second order, or quadrilaterals with mesh.element = \"b-bar\"",
-            (true, _) => "use tetrahedra of second order, or hexahedra with mesh.element = \"b-bar\"",
+            (true, 2) => {
+                "use mesh.element = \"nodal-volume\", triangles of second order, or quadrilaterals with mesh.element = \"b-bar\""
+            }
+            (true, _) => {
+                "use mesh.element = \"nodal-volume\", tetrahedra of second order, or hexahedra with mesh.element = \"b-bar\""
+            }
         };
         let about = if share > AT_LEAST { "at least" } else { "about" };
         let [now, halved] = [share, share / HALVED].map(|share| 100.0 * share);

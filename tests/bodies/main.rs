@@ -17,6 +17,7 @@ mod layers;
 mod loads;
 mod locking;
 mod moving_obstacles;
+mod nodal_volume;
 mod obstacles;
 mod outputs;
 mod patch_hex8;

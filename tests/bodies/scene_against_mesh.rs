@@ -61,7 +61,21 @@ const AGAINST_THE_MESH: &[Fault] = &[
         "cells = \"triangle\"\nelement = \"b-bar\"\nelements =",
         "element = \"b-bar\"",
         &["mesh.element is \"b-bar\"", "triangles"],
-        "use quadrilaterals",
+        "\"nodal-volume\"",
+    ),
+    (
+        "elements =",
+        "element = \"nodal-volume\"\nelements =",
+        "element = \"nodal-volume\"",
+        &["mesh.element is \"nodal-volume\"", "a quadrilateral"],
+        "use \"b-bar\"",
+    ),
+    (
+        "elements =",
+        "cells = \"triangle6\"\nelement = \"nodal-volume\"\nelements =",
+        "element = \"nodal-volume\"",
+        &["mesh.element is \"nodal-volume\"", "a triangle of six nodes"],
+        "use \"bilinear\"",
     ),
     (
         "poisson = 0.3\n",
@@ -86,6 +100,13 @@ const IN_SPACE: &[Fault] = &[
     ),
     ("poisson = 0.3", "poisson = 0.3\nplane = \"stress\"", "plane =", &["plane state"], "remove material.plane"),
     ("elements =", "cells = \"triangle\"\nelements =", "cells =", &["2 dimensions", "has 3"], "\"tetrahedron\""),
+    (
+        "elements =",
+        "element = \"nodal-volume\"\nelements =",
+        "element = \"nodal-volume\"",
+        &["mesh.element is \"nodal-volume\"", "a hexahedron"],
+        "use \"b-bar\"",
+    ),
     ("\"bottom\"", "\"botom\"", "\"botom\"", &["no boundary `botom`"], "bottom, top, left, right, front, back"),
     ("gap = 1e-5", "gap = 1e-5, normal = [0, -1]", "obstacle =", &["normal of the obstacle has two"], "[x, y, z]"),
     (

@@ -59,7 +59,13 @@ const KEYS_AND_TYPES: &[Fault] = &[
     ("210e9", "1e999", "young =", &["overflowed"], MEND),
     ("\"block\"", "\"ball\"", "\"ball\"", &["unknown variant `ball`", "`block`"], LISTED),
     ("\"strain\"", "\"strian\"", "\"strian\"", &["unknown variant `strian`", "`strain` or `stress`"], LISTED),
-    ("elements =", "element = \"bbar\"\nelements =", "element =", &["unknown variant `bbar`", "`b-bar`"], LISTED),
+    (
+        "elements =",
+        "element = \"bbar\"\nelements =",
+        "element =",
+        &["unknown variant `bbar`", "`b-bar`", "`nodal-volume`"],
+        LISTED,
+    ),
     (
         "elements =",
         "cells = \"triangle7\"\nelements =",

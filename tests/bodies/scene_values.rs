@@ -117,6 +117,14 @@ const VALUES: &[Fault] = &[
         &["mesh.element is \"b-bar\"", "material.plane is \"stress\""],
         "use \"bilinear\"",
     ),
+    (
+        "elements = [100, 100]\n\n[material]\nyoung = 210e9                   # Pa\npoisson = 0.3\nplane = \"strain\"",
+        "elements = [100, 100]\ncells = \"triangle\"\nelement = \"nodal-volume\"\n[material]\nyoung = 210e9\npoisson = 0.3\n\
+         plane = \"stress\"",
+        "element =",
+        &["mesh.element is \"nodal-volume\"", "material.plane is \"stress\""],
+        "use \"bilinear\"",
+    ),
     ("elements =", "grading = [0, 1]\nelements =", "grading =", &["[0.0, 1.0]", "1e-6 to 1e6"], "size of the last"),
     ("elements =", "grading = [1, -2]\nelements =", "grading =", &["[1.0, -2.0]", "1e-6 to 1e6"], "size of the last"),
     ("elements =", "grading = [1, 1e7]\nelements =", "grading =", &["1e-6 to 1e6"], "size of the last"),

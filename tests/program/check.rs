@@ -31,6 +31,22 @@ fn check_explains_without_solving() {
     assert_eq!(folder.names(""), ["scene.toml"]);
 }
 
+/// Elements by their names, and no locking where nothing locks.
+#[test]
+fn check_names_nodal_volumes() {
+    let text = edit(&small(), "poisson = 0.3", "poisson = 0.4999");
+    let told = |element: &str| {
+        let text = edit(&text, "elements =", &format!("cells = \"triangle\"\nelement = \"{element}\"\nelements ="));
+        let (_folder, scene) = Folder::with_scene(&text);
+        stdout(&stickslip(&["check", &scene])).to_string()
+    };
+    let (plain, averaged) = (told("bilinear"), told("nodal-volume"));
+    assert!(plain.contains("linear triangles, 25 nodes") && plain.contains("too stiff"), "{plain}");
+    assert!(plain.contains("use mesh.element = \"nodal-volume\""), "{plain}");
+    assert!(averaged.contains("linear triangles with nodal volumes, 25 nodes"), "{averaged}");
+    assert!(!averaged.contains("too stiff"), "{averaged}");
+}
+
 /// Several obstacles are told one by one, with how many nodes meet each, and how many are beyond the reach of all.
 #[test]
 fn check_tells_every_obstacle() {
