@@ -10,6 +10,7 @@
 
 mod answers;
 mod cases;
+mod convergence;
 mod errors;
 mod mesh;
 mod pareto;
@@ -20,7 +21,7 @@ use std::fmt;
 
 pub use answers::{Estimate, Lead};
 pub use errors::{End, MeshErrors, TimeErrors};
-pub use mesh::MeshChoice;
+pub use mesh::{ElementChoice, MeshChoice, MeshSize};
 pub use pareto::front;
 pub use picture::charts;
 pub use tractions::{Interior, Tractions};
@@ -29,6 +30,7 @@ use cases::Study;
 use mesh::first_elements;
 
 use crate::history::{LinearAlgebra, Method, Status};
+use crate::report::Estimates;
 use crate::run::RunError;
 use crate::scene::Scene;
 use crate::units::UnitSystem;
@@ -142,6 +144,8 @@ pub struct MeshResult {
     pub end: End,
     /// The distance to the finest mesh; none on that itself, or if either did not converge.
     pub errors: Option<MeshErrors>,
+    /// What the end of the reference tells of the mesh by itself; none if it did not converge.
+    pub estimates: Option<Estimates>,
 }
 
 /// Everything about a comparison.
@@ -166,6 +170,12 @@ pub enum CompareError {
     #[error("the mesh of the scene comes from a file, so it has no numbers of elements to change")]
     #[diagnostic(help("name mesh files (--meshes coarse.msh,fine.msh), or leave the meshes out"))]
     FixedMesh,
+    /// Cells were asked for that the mesh of the scene does not leave open.
+    #[error("the cells of the scene's mesh are what they are")]
+    #[diagnostic(help(
+        "other cells need a scene with mesh.kind = \"block\"; strains alone (--elements bilinear,b-bar) go with every mesh"
+    ))]
+    FixedCells,
     /// Mesh files were named for a scene that makes its mesh itself.
     #[error("the scene makes its mesh itself, so it takes no mesh file")]
     #[diagnostic(help("give numbers of elements (--meshes 20,40), or a scene with mesh.kind = \"gmsh\""))]
@@ -202,8 +212,8 @@ impl Plan {
         };
         Plan {
             paths,
-            meshes: first_elements(&scene.description.mesh).map_or(vec![MeshChoice::Own], |whole| {
-                shares(whole, [8, 4, 2], 2).into_iter().map(MeshChoice::Elements).collect()
+            meshes: first_elements(&scene.description.mesh).map_or(vec![MeshSize::Own.into()], |whole| {
+                shares(whole, [8, 4, 2], 2).into_iter().map(|n| MeshSize::Elements(n).into()).collect()
             }),
             increments: shares(scene.time.increments, [4, 2, 1], 1),
             reference: 8,
@@ -236,7 +246,8 @@ pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> 
         }
         studied.push((study.result(), runs));
     }
-    // Only now it is known how fine those from files are.
+    // Only now it is known how fine those from files are. Of meshes with as many displacements that which is named last counts
+    // as the finer one.
     studied.sort_by_key(|(result, _)| result.displacements);
     let (mut results, runs): (Vec<MeshResult>, Vec<Vec<Trial>>) = studied.into_iter().unzip();
     let runs = runs.concat();
@@ -254,7 +265,7 @@ pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> 
 
 impl Comparison {
     /// The runs on a mesh.
-    pub fn on<'a>(&'a self, mesh: &'a MeshChoice) -> impl Iterator<Item = &'a Trial> {
+    pub fn on<'a>(&'a self, mesh: &'a MeshChoice) -> impl DoubleEndedIterator<Item = &'a Trial> {
         self.runs.iter().filter(move |run| run.mesh == *mesh)
     }
 
@@ -263,6 +274,25 @@ impl Comparison {
         let points = |run| Some((run, Trial::point(run, |errors| errors.forces, self.tolerance)?));
         let (runs, points): (Vec<&Trial>, Vec<[f64; 2]>) = self.on(mesh).filter_map(points).unzip();
         front(&points).into_iter().map(|k| runs[k]).collect()
+    }
+
+    /// The elements that were compared, in order.
+    pub fn elements(&self) -> Vec<Option<ElementChoice>> {
+        let mut elements = Vec::new();
+        for result in &self.meshes {
+            if !elements.contains(&result.mesh.elements) {
+                elements.push(result.mesh.elements);
+            }
+        }
+        elements
+    }
+
+    /// The CPU time (s) of the history with most increments on a mesh, by the first of the ways that got through.
+    pub fn seconds(&self, mesh: &MeshChoice) -> Option<f64> {
+        let solved = self.on(mesh).filter(|run| run.status == Status::Converged);
+        // Of several the last is taken, which is the first of the runs.
+        let most = solved.rev().max_by_key(|run| run.increments)?;
+        Some(most.seconds.cpu)
     }
 
     /// The ways that were compared, in order.

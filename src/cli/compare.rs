@@ -1,21 +1,25 @@
 //! `stickslip compare`.
 
-use std::fmt::Write;
+mod csv;
+mod tables;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 use stickslip::compare::{
-    self, CompareError, Comparison, End, MeshChoice, MeshResult, Phases, Plan, SolverPath, Trial,
+    self, CompareError, Comparison, ElementChoice, End, MeshChoice, MeshResult, MeshSize, Plan, SolverPath,
 };
 use stickslip::history::{LinearAlgebra, Method, Start, Status};
 use stickslip::linear::{self, SparseLu};
-use stickslip::report::{Table, csv_table, write_file};
+use stickslip::report::{Estimates, write_file};
 use stickslip::scene::{Override, Scene};
 use stickslip::units::{Quantity, UnitSystem};
 
 use super::Failure;
+use tables::tables;
+
 use super::progress::bar;
 use super::run::write_failure;
 
@@ -38,7 +42,11 @@ pub(super) struct CompareArgs {
     /// The first number of elements of each mesh, the others in the proportions of the scene, an eighth, a
     /// quarter and half of the scene's unless given; or mesh files, where the scene has one: a.msh,b.msh
     #[arg(long, value_delimiter = ',')]
-    meshes: Vec<MeshChoice>,
+    meshes: Vec<MeshSize>,
+    /// The elements of each mesh: cells as mesh.cells has them, strains as mesh.element has them, or both:
+    /// triangle6,quadrilateral:b-bar
+    #[arg(long, value_delimiter = ',')]
+    elements: Vec<ElementChoice>,
     /// Increments of the whole history; a quarter, half and all of the scene's unless given
     #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     increments: Vec<u32>,
@@ -88,7 +96,7 @@ pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     bar.finish_and_clear();
 
     if args.csv {
-        runs_csv(&comparison).lines().for_each(|line| say!("{line}"));
+        csv::runs(&comparison).lines().for_each(|line| say!("{line}"));
     } else {
         say!("{}\n\n{}", comparison.title, tables(&comparison, &comparison.meshes));
         comparison.answers().iter().for_each(|answer| say!("{answer}"));
@@ -127,7 +135,12 @@ fn plan(args: &CompareArgs, solvers: &[LinearAlgebra], scene: &Scene) -> Plan {
     }
     let mut plan = Plan { reference: args.reference as usize, ..Plan::modest(scene, paths) };
     if !args.meshes.is_empty() {
-        plan.meshes.clone_from(&args.meshes);
+        plan.meshes = args.meshes.iter().cloned().map(MeshChoice::from).collect();
+    }
+    if !args.elements.is_empty() {
+        let with = |mesh: &MeshChoice, elements| MeshChoice { elements: Some(elements), ..mesh.clone() };
+        let each = args.elements.iter().flat_map(|&elements| plan.meshes.iter().map(move |mesh| with(mesh, elements)));
+        plan.meshes = each.collect();
     }
     if !args.increments.is_empty() {
         plan.increments = args.increments.iter().map(|&number| number as usize).collect();
@@ -135,89 +148,39 @@ fn plan(args: &CompareArgs, solvers: &[LinearAlgebra], scene: &Scene) -> Plan {
     plan
 }
 
-/// What a person reads, but for the answers; runs on some of the `meshes` only.
-fn tables(comparison: &Comparison, meshes: &[MeshResult]) -> String {
-    let mut text = String::new();
-    for result in meshes {
-        let MeshResult { mesh, displacements, contacts, increments, status, seconds, .. } = result;
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{mesh}: {displacements} displacements, {contacts} contact nodes; reference: {increments} increments, \
-             {status}, {seconds:.2} s\n{}",
-            runs_table(comparison, mesh)
-        );
-    }
-    text + "* no other run is better in time and in the error of the forces; times but CPU are wall times, s\n\n"
-        + &meshes_table(comparison).to_string()
+/// A mesh as fields of a table: its elements, if they were chosen, and its size, of numbers the number alone.
+fn fields(mesh: &MeshChoice) -> [String; 2] {
+    let elements = mesh.elements.map_or(String::new(), |elements| elements.to_string());
+    let size = match &mesh.size {
+        MeshSize::Elements(n) => n.to_string(),
+        size => MeshChoice::from(size.clone()).to_string(),
+    };
+    [elements, size]
 }
 
-const RUN_HEADS: [&str; 18] = [
-    "path", "inc", "iter", "fact", "CPU, s", "wall", "set-up", "assembly", "factor", "solve", "rest", "entries", "MB",
-    "p_n", "p_t", "forces", "work", "",
-];
-
-fn runs_table(comparison: &Comparison, mesh: &MeshChoice) -> Table {
-    let mut table = Table::new(&RUN_HEADS);
-    let front = comparison.front(mesh);
-    for run in comparison.on(mesh) {
-        let Phases { model, analysis, assembly, factorization, solve, rest, wall, cpu } = run.seconds;
-        let mut row = vec![run.path.to_string(), run.increments.to_string(), run.iterations.to_string()];
-        row.push(run.factorizations.to_string());
-        row.extend([cpu, wall, model + analysis, assembly, factorization, solve, rest].map(|s| format!("{s:.3}")));
-        row.push(run.factor_entries.to_string());
-        let megabytes = run.factor_peak_bytes * 1e-6;
-        row.push(if megabytes > 0.0 { format!("{megabytes:.1}") } else { "-".into() });
-        let errors = run.errors.map(|errors| [errors.p_n, errors.p_t, errors.forces, errors.work]);
-        row.extend(errors.unwrap_or([f64::NAN; 4]).map(|error| shown(error, comparison.tolerance)));
-        row.push(match run.status {
-            Status::Converged if front.contains(&run) => "*".into(),
-            Status::Converged => String::new(),
-            status => format!("{status} in increment {}", run.converged + 1),
-        });
-        table.push(row);
-    }
-    table
+/// What a mesh takes and what it estimates of itself; NaN where that is nothing.
+struct Told {
+    /// CPU time, s.
+    seconds: Option<f64>,
+    /// The nodes across the contact that bears most.
+    across: Option<usize>,
+    /// The error of the peak pressure.
+    peak: f64,
+    /// The error in the energy norm.
+    norm: f64,
+    /// By what share elements that lock are too stiff.
+    locking: f64,
 }
 
-/// An error with two digits; what is below the tolerance is no more than that.
-fn shown(error: f64, tolerance: f64) -> String {
-    match error {
-        _ if error.is_nan() => "-".into(),
-        _ if error < tolerance => format!("<{tolerance:.0e}"),
-        _ => format!("{error:.1e}"),
-    }
-}
-
-fn meshes_table(comparison: &Comparison) -> Table {
-    // In two dimensions there is no p_o.
-    let in_space = comparison.meshes.iter().any(|result| result.end.p_o.iter().any(|p_o| *p_o != 0.0));
-    let sums = ["sum p_n", "sum p_t", "sum p_o"].map(|sum| (sum, Quantity::Force));
-    let energies = ["energy", "friction work"].map(|energy| (energy, Quantity::Energy));
-    let resultants_told = sums.into_iter().take(if in_space { 3 } else { 2 }).chain(energies);
-    let with_units = resultants_told.map(|(head, quantity)| format!("{head}, {}", comparison.units.name(quantity)));
-    let counts = ["mesh", "n_u", "n_c"].map(String::from).into_iter();
-    let errors = ["d sum p_n", "d sum p_t", "d energy", "d tractions"].map(String::from);
-    let heads: Vec<String> = counts.chain(with_units).chain(errors).collect();
-    let mut table = Table::new(&heads.iter().map(String::as_str).collect::<Vec<_>>());
-    for result in &comparison.meshes {
-        let [p_n, p_t, p_o, energy, work] = resultants(result, &comparison.units);
-        let mut row = vec![short(&result.mesh)];
-        row.extend([result.displacements, result.contacts].map(|count| count.to_string()));
-        let numbers = [p_n, p_t].into_iter().chain(in_space.then_some(p_o)).chain([energy, work]);
-        row.extend(numbers.map(|number| format!("{number:.6e}")));
-        let errors = result.errors.map(|errors| [errors.sum_p_n, errors.sum_p_t, errors.energy, errors.tractions]);
-        row.extend(errors.unwrap_or([f64::NAN; 4]).map(|error| shown(error, comparison.tolerance)));
-        table.push(row);
-    }
-    table
-}
-
-/// A mesh as a field of a table: the number of elements alone.
-fn short(mesh: &MeshChoice) -> String {
-    match mesh {
-        MeshChoice::Elements(n) => n.to_string(),
-        MeshChoice::Own | MeshChoice::File(_) => mesh.to_string(),
+fn told(comparison: &Comparison, result: &MeshResult) -> Told {
+    let estimates = result.estimates.as_ref();
+    let share = |of: fn(&Estimates) -> Option<f64>| estimates.and_then(of).unwrap_or(f64::NAN);
+    Told {
+        seconds: comparison.seconds(&result.mesh),
+        across: estimates.and_then(|estimates| estimates.heaviest()?.nodes_across),
+        peak: share(Estimates::peak_error),
+        norm: share(|estimates| estimates.discretisation),
+        locking: share(|estimates| estimates.locking),
     }
 }
 
@@ -230,110 +193,6 @@ fn resultants(result: &MeshResult, units: &UnitSystem) -> [f64; 5] {
     [sum(p_n), sum(p_t), sum(p_o), energy, work]
 }
 
-const RUN_COLUMNS: [&str; 25] = [
-    "method",
-    "setting",
-    "solver",
-    "mesh",
-    "increments",
-    "status",
-    "converged",
-    "iterations",
-    "factorizations",
-    "cpu_seconds",
-    "wall_seconds",
-    "model_seconds",
-    "analysis_seconds",
-    "assembly_seconds",
-    "factor_seconds",
-    "solve_seconds",
-    "rest_seconds",
-    "factor_entries",
-    "factor_peak_bytes",
-    "kkt_error",
-    "error_p_n",
-    "error_p_t",
-    "error_forces",
-    "error_work",
-    "front",
-];
-
-fn runs_csv(comparison: &Comparison) -> String {
-    let row = |run: &Trial| {
-        let mut row = named_path(run);
-        row.extend([run.status.to_string(), run.converged.to_string()]);
-        row.extend([run.iterations, run.factorizations].map(|count| count.to_string()));
-        let Phases { model, analysis, assembly, factorization, solve, rest, wall, cpu } = run.seconds;
-        row.extend([cpu, wall, model, analysis, assembly, factorization, solve, rest].map(|s| format!("{s:.6}")));
-        row.extend([
-            run.factor_entries.to_string(),
-            format!("{:.0}", run.factor_peak_bytes),
-            format!("{:.2e}", run.kkt),
-        ]);
-        let errors = run.errors.map(|errors| [errors.p_n, errors.p_t, errors.forces, errors.work]);
-        row.extend(numbers(errors));
-        row.push(comparison.front(&run.mesh).contains(&run).to_string());
-        row
-    };
-    csv_table(&RUN_COLUMNS, comparison.runs.iter().map(row))
-}
-
-fn named_path(run: &Trial) -> Vec<String> {
-    let SolverPath { method, linear } = run.path;
-    let names = [method.name().to_string(), method.setting().to_string(), linear.to_string()];
-    names.into_iter().chain([short(&run.mesh), run.increments.to_string()]).collect()
-}
-
-/// Empty fields for what is not known.
-fn numbers<const N: usize>(numbers: Option<[f64; N]>) -> [String; N] {
-    numbers.unwrap_or([f64::NAN; N]).map(|number| if number.is_nan() { String::new() } else { format!("{number:.4e}") })
-}
-
-fn iterations_csv(comparison: &Comparison) -> String {
-    let header =
-        ["method", "setting", "solver", "mesh", "increments", "increment", "iteration", "seconds", "theta", "error"];
-    let rows = comparison.runs.iter().flat_map(|run| {
-        run.iterates.iter().map(|iterate| {
-            let mut row = named_path(run);
-            row.extend([iterate.increment, iterate.iteration].map(|number| number.to_string()));
-            row.extend([format!("{:.6}", iterate.seconds), format!("{:.4e}", iterate.theta)]);
-            row.extend(numbers(iterate.error.map(|error| [error])));
-            row
-        })
-    });
-    csv_table(&header, rows)
-}
-
-fn meshes_csv(comparison: &Comparison) -> String {
-    let header = [
-        "mesh",
-        "displacements",
-        "contacts",
-        "increments",
-        "status",
-        "sum_p_n",
-        "sum_p_t",
-        "sum_p_o",
-        "energy",
-        "friction_work",
-        "error_sum_p_n",
-        "error_sum_p_t",
-        "error_energy",
-        "error_tractions",
-    ];
-    let row = |result: &MeshResult| {
-        let counts = [result.displacements, result.contacts, result.increments];
-        let mut row = vec![short(&result.mesh)];
-        row.extend(counts.map(|count| count.to_string()));
-        row.push(result.status.to_string());
-        row.extend(resultants(result, &comparison.units).map(|number| number.to_string()));
-        let errors = result.errors.map(|errors| [errors.sum_p_n, errors.sum_p_t, errors.energy, errors.tractions]);
-        row.extend(numbers(errors));
-        row
-    };
-    csv_table(&header, comparison.meshes.iter().map(row))
-}
-
 /// An argument as a shell takes it: brackets mean something there, too.
 fn quoted(argument: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./,:=+".contains(c);
@@ -343,9 +202,9 @@ fn quoted(argument: &str) -> String {
 fn write(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
     let written = |result: std::io::Result<()>| result.map_err(|error| write_failure(folder, &error));
     written(fs::create_dir_all(folder))?;
-    written(write_file(folder, "compare.csv", &runs_csv(comparison)))?;
-    written(write_file(folder, "iterations.csv", &iterations_csv(comparison)))?;
-    written(write_file(folder, "meshes.csv", &meshes_csv(comparison)))?;
+    written(write_file(folder, "compare.csv", &csv::runs(comparison)))?;
+    written(write_file(folder, "iterations.csv", &csv::iterations(comparison)))?;
+    written(write_file(folder, "meshes.csv", &csv::meshes(comparison)))?;
     let command = std::env::args().skip(1).map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
     let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
     page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));

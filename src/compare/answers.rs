@@ -1,6 +1,6 @@
 //! What a comparison says: the cheapest way to an error, BN beside IP, growth with the mesh.
 
-use super::{Comparison, MeshChoice, MeshResult, SolverPath, Trial};
+use super::{Comparison, MeshChoice, MeshResult, MeshSize, SolverPath, Trial, convergence};
 use crate::history::{LinearAlgebra, Method, Start, Status};
 
 /// The errors in the contact forces that the answers are about.
@@ -99,8 +99,11 @@ impl Comparison {
         Some((seconds(finest)? / seconds(coarsest)?).ln() / size.ln())
     }
 
-    /// The answers in sentences.
+    /// The answers in sentences: of several kinds of elements which mesh is the cheapest, otherwise which way to solve the scene.
     pub fn answers(&self) -> Vec<String> {
+        if self.elements().len() > 1 {
+            return convergence::answers(self);
+        }
         let mut answers = Vec::new();
         for result in &self.meshes {
             answers.extend(TARGETS.iter().map(|&target| self.about_target(&result.mesh, target)));
@@ -182,9 +185,9 @@ impl Lead {
 fn at(meshes: &[&MeshChoice]) -> String {
     let names =
         |name: &dyn Fn(&MeshChoice) -> String| meshes.iter().map(|mesh| name(mesh)).collect::<Vec<_>>().join(", ");
-    let elements = |mesh: &MeshChoice| match mesh {
-        MeshChoice::Elements(n) => Some(n.to_string()),
-        MeshChoice::Own | MeshChoice::File(_) => None,
+    let elements = |mesh: &MeshChoice| match mesh.size {
+        MeshSize::Elements(n) => Some(n.to_string()),
+        MeshSize::Own | MeshSize::File(_) => None,
     };
     if meshes.iter().all(|mesh| elements(mesh).is_some()) {
         return format!("at n = {}", names(&|mesh| elements(mesh).unwrap_or_default()));

@@ -8,7 +8,7 @@ use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
 use crate::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver, Status, Step};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
-use crate::report::cpu_seconds;
+use crate::report::{EstimateWatch, Estimates, cpu_seconds};
 use crate::run::{Run, RunError};
 use crate::scene::{Override, Scene};
 use crate::units::UnitSystem;
@@ -26,6 +26,8 @@ pub(super) struct Study {
     /// Wall and CPU time of the model, s.
     built: [f64; 2],
     reference: Solved,
+    /// What the end of the reference tells of the mesh.
+    estimates: Estimates,
 }
 
 /// A history, solved.
@@ -46,8 +48,11 @@ impl Study {
         let (wall, cpu) = (Instant::now(), cpu_seconds());
         let model = Model::new(&scene)?;
         let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
-        let reference = solve(&scene, &model, built, reference_path(), reference)?;
-        Ok(Study { scene, model, mesh, built, reference })
+        let end = scene.time.all().last().copied();
+        let mut last = LastIncrement { model: &model, end, watch: EstimateWatch::new(&model) };
+        let reference = solve(&scene, &model, built, reference_path(), reference, Some(&mut last))?;
+        let estimates = last.watch.estimates(&model);
+        Ok(Study { scene, model, mesh, built, reference, estimates })
     }
 
     /// The units in which its results are told.
@@ -58,7 +63,7 @@ impl Study {
     /// The history by `path` in so many increments.
     pub(super) fn run(&self, path: SolverPath, increments: usize) -> Result<Trial, RunError> {
         let Solved { outcome, end, seconds, iterates, .. } =
-            solve(&self.scene, &self.model, self.built, path, increments)?;
+            solve(&self.scene, &self.model, self.built, path, increments, None)?;
         let records = &outcome.records;
         let sound = outcome.status == Status::Converged && self.reference.outcome.status == Status::Converged;
         Ok(Trial {
@@ -92,6 +97,7 @@ impl Study {
             seconds: seconds.cpu,
             end,
             errors: None,
+            estimates: (outcome.status == Status::Converged).then_some(self.estimates),
         }
     }
 }
@@ -106,10 +112,11 @@ fn solve(
     built: [f64; 2],
     path: SolverPath,
     increments: usize,
+    last: Option<&mut LastIncrement<'_>>,
 ) -> Result<Solved, RunError> {
     let scene = scene.with(&[increments_of(increments)])?;
     let (wall, cpu) = (Instant::now(), cpu_seconds());
-    let mut recorder = Recorder { last: cpu_seconds(), iterates: Vec::new() };
+    let mut recorder = Recorder { since: cpu_seconds(), iterates: Vec::new(), last };
     let outcome = Run::of(model, scene.time.all(), path.solver(&scene.solver))?.history(&mut recorder)?;
     let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
     let [analysis, factorization, solve] =
@@ -141,16 +148,33 @@ impl SolverPath {
     }
 }
 
-/// Keeps the iterations.
-struct Recorder {
-    /// The CPU time at the end of the last increment, s.
-    last: f64,
-    iterates: Vec<Iterate>,
+/// Watches the end of a history alone: errors are compared there.
+struct LastIncrement<'a> {
+    model: &'a Model,
+    /// The time at which the history ends, s.
+    end: Option<f64>,
+    watch: EstimateWatch,
 }
 
-impl Observer for Recorder {
+impl LastIncrement<'_> {
+    fn see(&mut self, step: &Step<'_>) {
+        if self.end.is_some_and(|end| step.record.time >= end) {
+            self.watch.see(self.model, step);
+        }
+    }
+}
+
+/// Keeps the iterations.
+struct Recorder<'a, 'm> {
+    /// The CPU time at the end of the last increment, s.
+    since: f64,
+    iterates: Vec<Iterate>,
+    last: Option<&'a mut LastIncrement<'m>>,
+}
+
+impl Observer for Recorder<'_, '_> {
     fn ready(&mut self) {
-        self.last = cpu_seconds();
+        self.since = cpu_seconds();
     }
 
     fn iteration(&mut self, increment: usize, record: &IterationRecord) -> Flow {
@@ -160,7 +184,7 @@ impl Observer for Recorder {
             Some(last) if last.increment == increment => last.iteration + 1,
             _ => record.iteration,
         };
-        let seconds = cpu_seconds() - self.last;
+        let seconds = cpu_seconds() - self.since;
         self.iterates.push(Iterate { increment, iteration, seconds, theta: record.theta, error: record.error });
         Flow::Continue
     }
@@ -169,7 +193,10 @@ impl Observer for Recorder {
         if let Some(last) = self.iterates.last_mut().filter(|last| last.increment == step.record.index) {
             last.error = Some(step.record.kkt.worst().1);
         }
-        self.last = cpu_seconds();
+        if let Some(last) = &mut self.last {
+            last.see(step);
+        }
+        self.since = cpu_seconds();
         Flow::Continue
     }
 }
@@ -178,6 +205,7 @@ impl Observer for Recorder {
 mod tests {
     #![allow(clippy::unwrap_used)]
 
+    use super::super::mesh::MeshSize;
     use super::*;
 
     /// However many increments the scene itself has.
@@ -188,7 +216,8 @@ mod tests {
         let moving = "contact.obstacle.motion.translation=[[0,0,0],[1,0.02,0]]";
         let overrides = overrides.into_iter().chain([moving]).map(|text| text.parse().unwrap()).collect::<Vec<_>>();
         let study =
-            Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), MeshChoice::Elements(4), 8).unwrap();
+            Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), MeshSize::Elements(4).into(), 8)
+                .unwrap();
         let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
         assert_eq!(study.model.loading.bends()[0].times(), ends);
     }

@@ -19,6 +19,8 @@ pub struct End {
     pub work: f64,
     /// `½ uᵀ K u` at the end, J, or J per m of depth.
     pub energy: f64,
+    /// The largest contact pressure at the end, Pa.
+    pub peak: f64,
     /// The contact tractions at the end.
     pub tractions: Tractions,
 }
@@ -46,6 +48,8 @@ pub struct MeshErrors {
     pub sum_p_t: f64,
     /// In the strain energy.
     pub energy: f64,
+    /// In the largest contact pressure.
+    pub peak: f64,
     /// In the tractions, L2 norm, without the rim of the contact boundary, see [`Tractions::interior`].
     pub tractions: f64,
 }
@@ -61,6 +65,7 @@ impl End {
             p_o,
             work,
             energy: model.problem.strain_energy(state),
+            peak: model.contact_pressures(state).into_iter().fold(0.0, f64::max),
             tractions: Tractions::new(model, state),
         }
     }
@@ -90,6 +95,12 @@ fn square(p: &[f64], weight: &[f64]) -> f64 {
 }
 
 impl MeshErrors {
+    /// The error in the energy norm, √|ΔU / U|: that of a body that loads or supports alone deform. With an obstacle it is one up to the
+    /// work of contact forces over gaps.
+    pub fn norm(&self) -> f64 {
+        self.energy.sqrt()
+    }
+
     /// The errors of `end` against the `finest` mesh, tractions `within` a part of the contact boundary only.
     pub fn new(end: &End, finest: &End, within: &Interior) -> Self {
         let sum = |forces: &[f64]| forces.iter().sum::<f64>();
@@ -99,6 +110,7 @@ impl MeshErrors {
             sum_p_n: relative(apart(|end| &end.p_n), normal),
             sum_p_t: relative(apart(|end| &end.p_t).hypot(apart(|end| &end.p_o)), normal),
             energy: relative(end.energy - finest.energy, finest.energy),
+            peak: relative(end.peak - finest.peak, finest.peak),
             tractions: end.tractions.distance(&finest.tractions, within),
         }
     }

@@ -3,14 +3,27 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::de::IntoDeserializer;
+use serde::{Deserialize, Serialize};
+
 use super::CompareError;
-use crate::mesh::{HalfPlane, MeshSource, Segment};
+use crate::fem::Element;
+use crate::mesh::{CellKind, HalfPlane, MeshSource, Segment};
 use crate::scene::Override;
 
 /// A mesh of a comparison.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum MeshChoice {
-    /// That of the scene.
+pub struct MeshChoice {
+    /// Where it comes from and how fine it is.
+    pub size: MeshSize,
+    /// Its elements; those of the scene without.
+    pub elements: Option<ElementChoice>,
+}
+
+/// How fine a mesh is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum MeshSize {
+    /// As that of the scene.
     Own,
     /// So many elements in the first direction; the other numbers follow in the proportions of the scene.
     Elements(usize),
@@ -18,26 +31,84 @@ pub enum MeshChoice {
     File(String),
 }
 
+/// The elements of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ElementChoice {
+    /// Their cells; those of the scene without.
+    pub cells: Option<CellKind>,
+    /// Their strains.
+    pub element: Element,
+}
+
+impl From<MeshSize> for MeshChoice {
+    fn from(size: MeshSize) -> Self {
+        MeshChoice { size, elements: None }
+    }
+}
+
 impl fmt::Display for MeshChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            MeshChoice::Own => f.write_str("the scene's mesh"),
-            MeshChoice::Elements(n) => write!(f, "n = {n}"),
-            MeshChoice::File(file) => f.write_str(file),
+        self.elements.map_or(Ok(()), |elements| write!(f, "{elements}, "))?;
+        match &self.size {
+            MeshSize::Own => f.write_str("the scene's mesh"),
+            MeshSize::Elements(n) => write!(f, "n = {n}"),
+            MeshSize::File(file) => f.write_str(file),
         }
     }
 }
 
-impl FromStr for MeshChoice {
+impl FromStr for MeshSize {
     type Err = String;
 
     /// A number of elements, or the name of a file.
     fn from_str(text: &str) -> Result<Self, String> {
         match text.parse() {
             Ok(0) => Err("a mesh has one element at least".to_string()),
-            Ok(n) => Ok(MeshChoice::Elements(n)),
+            Ok(n) => Ok(MeshSize::Elements(n)),
             Err(_) if text.is_empty() => Err("give a number of elements, or a mesh file".to_string()),
-            Err(_) => Ok(MeshChoice::File(text.to_string())),
+            Err(_) => Ok(MeshSize::File(text.to_string())),
+        }
+    }
+}
+
+impl fmt::Display for ElementChoice {
+    /// As it is parsed.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.cells, self.element) {
+            (None, element) => element.serialize(f),
+            (Some(cells), Element::Bilinear) => cells.serialize(f),
+            (Some(cells), element) => {
+                cells.serialize(&mut *f)?;
+                f.write_str(":")?;
+                element.serialize(f)
+            }
+        }
+    }
+}
+
+impl FromStr for ElementChoice {
+    type Err = String;
+
+    /// Cells as `mesh.cells` names them, strains as `mesh.element` does, or both with a colon between: `triangle6`, `b-bar`,
+    /// `quadrilateral:b-bar`. Cells alone have the strains of their displacements.
+    fn from_str(text: &str) -> Result<Self, String> {
+        fn named<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, serde::de::value::Error> {
+            T::deserialize(text.into_deserializer())
+        }
+        let told = |error: serde::de::value::Error| error.to_string();
+        match text.split_once(':') {
+            Some((cells, element)) => {
+                let cells = Some(named(cells).map_err(told)?);
+                Ok(ElementChoice { cells, element: named(element).map_err(told)? })
+            }
+            None => match named(text) {
+                Ok(element) => Ok(ElementChoice { cells: None, element }),
+                Err(_) => {
+                    let cells =
+                        Some(named(text).map_err(|error| format!("{error}, `bilinear`, `b-bar`, `nodal-volume`"))?);
+                    Ok(ElementChoice { cells, element: Element::Bilinear })
+                }
+            },
         }
     }
 }
@@ -45,11 +116,18 @@ impl FromStr for MeshChoice {
 impl MeshChoice {
     /// What puts it in the place of `mesh`.
     pub(super) fn overrides(&self, mesh: &MeshSource) -> Vec<Override> {
-        match self {
-            MeshChoice::Own => Vec::new(),
-            MeshChoice::Elements(n) => refined(mesh, *n),
-            MeshChoice::File(file) => vec![Override::value("mesh.file", file.as_str())],
+        let mut overrides = match &self.size {
+            MeshSize::Own => Vec::new(),
+            MeshSize::Elements(n) => refined(mesh, *n),
+            MeshSize::File(file) => vec![Override::value("mesh.file", file.as_str())],
+        };
+        if let Some(ElementChoice { cells, element }) = self.elements {
+            let cells_alone = |cells| ElementChoice { cells: Some(cells), element: Element::Bilinear }.to_string();
+            overrides.extend(cells.map(|cells| Override::value("mesh.cells", cells_alone(cells))));
+            let element = ElementChoice { cells: None, element }.to_string();
+            overrides.push(Override::value("mesh.element", element));
         }
+        overrides
     }
 }
 
@@ -57,12 +135,16 @@ impl MeshChoice {
 pub(super) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<MeshChoice>, CompareError> {
     let mut each: Vec<MeshChoice> = Vec::new();
     for choice in choices {
-        match (choice, mesh) {
-            (MeshChoice::Elements(_), MeshSource::Gmsh { .. } | MeshSource::Given(_)) => {
+        let cells = choice.elements.is_some_and(|elements| elements.cells.is_some());
+        match (&choice.size, mesh) {
+            (MeshSize::Elements(_), MeshSource::Gmsh { .. } | MeshSource::Given(_)) => {
                 return Err(CompareError::FixedMesh);
             }
-            (MeshChoice::File(_), MeshSource::Block { .. } | MeshSource::HalfPlane(_) | MeshSource::Given(_)) => {
+            (MeshSize::File(_), MeshSource::Block { .. } | MeshSource::HalfPlane(_) | MeshSource::Given(_)) => {
                 return Err(CompareError::NoMeshFile);
+            }
+            (_, MeshSource::Gmsh { .. } | MeshSource::Given(_) | MeshSource::HalfPlane(_)) if cells => {
+                return Err(CompareError::FixedCells);
             }
             _ if each.contains(choice) => {}
             _ => each.push(choice.clone()),
@@ -111,8 +193,11 @@ mod tests {
     #[test]
     fn all_directions_are_refined_in_proportion() {
         let punch = Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &[]).unwrap();
-        let MeshSource::HalfPlane(finer) =
-            punch.with(&MeshChoice::Elements(60).overrides(&punch.description.mesh)).unwrap().description.mesh
+        let MeshSource::HalfPlane(finer) = punch
+            .with(&MeshChoice::from(MeshSize::Elements(60)).overrides(&punch.description.mesh))
+            .unwrap()
+            .description
+            .mesh
         else {
             panic!()
         };
@@ -124,16 +209,43 @@ mod tests {
             axes.concat().iter().map(|segment| segment.elements).collect()
         };
         assert_eq!(
-            elements(block.with(&MeshChoice::Elements(2).overrides(&block.description.mesh)).unwrap().description.mesh),
+            elements(
+                block
+                    .with(&MeshChoice::from(MeshSize::Elements(2)).overrides(&block.description.mesh))
+                    .unwrap()
+                    .description
+                    .mesh
+            ),
             [2, 1]
         );
         let segments = ["mesh.size=[[0.25,0.75],1]", "mesh.elements=[[2,4],4]"].map(|text| text.parse().unwrap());
         let block = block.with(&segments).unwrap();
         assert_eq!(
             elements(
-                block.with(&MeshChoice::Elements(12).overrides(&block.description.mesh)).unwrap().description.mesh
+                block
+                    .with(&MeshChoice::from(MeshSize::Elements(12)).overrides(&block.description.mesh))
+                    .unwrap()
+                    .description
+                    .mesh
             ),
             [4, 8, 8]
         );
+    }
+    #[test]
+    fn elements_are_named_as_in_scenes() {
+        for name in ["triangle6", "quadrilateral:b-bar", "nodal-volume", "bilinear", "tetrahedron:nodal-volume"] {
+            assert_eq!(name.parse::<ElementChoice>().unwrap().to_string(), name);
+        }
+        let plain = ElementChoice { cells: Some(CellKind::Prism), element: Element::Bilinear };
+        assert_eq!("prism:bilinear".parse::<ElementChoice>().unwrap(), plain);
+        for (name, word) in [("triangel", "`triangle6`"), ("", "`b-bar`"), ("triangle:b_bar", "`nodal-volume`")] {
+            assert!(name.parse::<ElementChoice>().unwrap_err().contains(word));
+        }
+        let block = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &[]).unwrap();
+        let elements = Some("triangle6".parse().unwrap());
+        let choice = MeshChoice { size: MeshSize::Elements(4), elements };
+        let mesh = block.with(&choice.overrides(&block.description.mesh)).unwrap().description.mesh;
+        let MeshSource::Block { axes, cells } = mesh else { panic!() };
+        assert_eq!((axes[0][0].elements, cells), (4, CellKind::Triangle6));
     }
 }

@@ -1,6 +1,6 @@
 //! A comparison as charts: error against time, growth with the mesh, the error within an increment.
 
-use super::{Comparison, Iterate, MeshChoice, SolverPath, TimeErrors, Trial, front};
+use super::{Comparison, Iterate, MeshChoice, SolverPath, TimeErrors, Trial, convergence, front};
 use crate::history::LinearAlgebra;
 use crate::history::Status;
 use crate::linear::SparseLu;
@@ -24,6 +24,13 @@ pub fn charts(comparison: &Comparison) -> Vec<(&'static str, &'static str, Chart
     // Without friction there is no work to be wrong.
     if comparison.meshes.iter().all(|result| result.end.work == 0.0) {
         charts.retain(|(stem, ..)| *stem != "work");
+    }
+    if comparison.elements().len() > 1 {
+        // Times of different elements do not grow along one line.
+        charts.retain(|(stem, ..)| *stem != "growth");
+    }
+    if comparison.meshes.len() > 1 {
+        charts.extend(convergence::charts(comparison));
     }
     charts
 }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use crate::contact::ContactNode;
+use crate::estimate::ContactGraph;
 use crate::model::Model;
 use crate::problem::State;
 use crate::vector::{dot, minus, norm};
@@ -22,6 +23,8 @@ pub struct Tractions {
     pub weight: Vec<f64>,
     /// The traction of the body on the obstacle at each contact node (32), in the directions of space, n_c, Pa.
     pub values: Vec<[f64; 3]>,
+    /// Whether the contact boundary ends at a contact node, n_c; where a symmetry plane cuts it, it goes on.
+    pub rim: Vec<bool>,
     /// The facets between contact nodes: segments, triangles, and what else there is cut into these.
     pub pieces: Vec<Vec<usize>>,
 }
@@ -53,6 +56,7 @@ impl Tractions {
             let p = [state.p_n[i], state.p_t[i], state.p_o[i]];
             [0, 1, 2].map(|k| (p[0] * n[k] + p[1] * t[k] + p[2] * o[k]) / contact.weight)
         };
+        let graph = ContactGraph::new(model);
         let by_weights = || model.contacts.iter().enumerate().map(traction).collect();
         let values = model.recovered_tractions(state).unwrap_or_else(by_weights);
         let mut pieces = Vec::new();
@@ -77,6 +81,7 @@ impl Tractions {
         Tractions {
             positions: model.contacts.iter().map(|contact| contact.position).collect(),
             weight: model.contacts.iter().map(|contact| contact.weight).collect(),
+            rim: (0..model.contacts.len()).map(|i| graph.is_at_the_rim(i)).collect(),
             values,
             pieces,
         }
@@ -89,23 +94,7 @@ impl Tractions {
     /// The part of the boundary on which the tractions of finer meshes are compared with those of this one: without
     /// the two outermost elements along its rim. All of it, if that leaves nothing.
     pub fn interior(&self) -> Interior {
-        // A side of one piece only is on the rim.
-        let sides = |piece: &[usize]| {
-            (0..piece.len())
-                .map(|k| {
-                    let mut side = piece.to_vec();
-                    side.remove(k);
-                    side.sort_unstable();
-                    side
-                })
-                .collect::<Vec<_>>()
-        };
-        let mut shared = HashMap::<Vec<usize>, usize>::new();
-        for side in self.pieces.iter().flat_map(|piece| sides(piece)) {
-            *shared.entry(side).or_default() += 1;
-        }
-        let mut outer = vec![false; self.positions.len()];
-        shared.iter().filter(|side| *side.1 == 1).flat_map(|side| side.0).for_each(|&i| outer[i] = true);
+        let mut outer = self.rim.clone();
         for _ in 1..OUTERMOST {
             let reached = outer.clone();
             for piece in self.pieces.iter().filter(|piece| piece.iter().any(|&i| reached[i])) {
@@ -123,17 +112,19 @@ impl Tractions {
     }
 
     /// The distance to the tractions of a `finer` mesh in the L2 norm of the part `within`, relative to the finer; at
-    /// the nodes of this mesh, with the finer ones linear between their nodes. NaN without a finer boundary.
+    /// the nodes of the finer, so that all meshes are asked at the same points, with these linear between their nodes. NaN where
+    /// one of the two has nothing there.
     pub fn distance(&self, finer: &Tractions, within: &Interior) -> f64 {
-        let (mut difference, mut whole) = (0.0, 0.0);
-        for ((x, l), coarse) in self.positions.iter().zip(&self.weight).zip(&self.values) {
+        let (mut difference, mut whole, mut points) = (0.0, 0.0, 0_usize);
+        for ((x, l), fine) in finer.positions.iter().zip(&finer.weight).zip(&finer.values) {
             if within.holds(*x) {
-                let Some(fine) = finer.at(*x) else { return f64::NAN };
-                difference += l * dot(minus(*coarse, fine), minus(*coarse, fine));
-                whole += l * dot(fine, fine);
+                let Some(coarse) = self.at(*x) else { return f64::NAN };
+                difference += l * dot(minus(coarse, *fine), minus(coarse, *fine));
+                whole += l * dot(*fine, *fine);
+                points += 1;
             }
         }
-        relative(difference.sqrt(), whole.sqrt())
+        if points == 0 { f64::NAN } else { relative(difference.sqrt(), whole.sqrt()) }
     }
 
     /// The traction at the point of the boundary nearest to `x`.
@@ -196,7 +187,8 @@ mod tests {
             pieces.push(vec![node(i, j), node(i + 1, j + 1), node(i, j + 1)]);
         }
         let values = positions.iter().map(|[x, y, _]| [1.0 + x, 2.0 * y, x - y]).collect();
-        Tractions { weight: vec![1.0; positions.len()], positions, values, pieces }
+        let rim = positions.iter().map(|[x, y, _]| [x, y].into_iter().any(|x| *x == 0.0 || *x == 1.0)).collect();
+        Tractions { weight: vec![1.0; positions.len()], positions, rim, values, pieces }
     }
 
     #[test]
@@ -215,9 +207,10 @@ mod tests {
         }
         assert!(coarse.distance(&fine, &within) < 1e-14);
         fine.values.iter_mut().for_each(|value| *value = [0.0, 0.0, 2.0]);
-        let inner: Vec<_> = coarse.positions.iter().zip(&coarse.values).filter(|(x, _)| within.holds(**x)).collect();
-        let apart = |value: &[f64; 3]| value[0].powi(2) + value[1].powi(2) + (value[2] - 2.0).powi(2);
-        let expected = (inner.iter().map(|(_, value)| apart(value)).sum::<f64>() / (4.0 * 9.0)).sqrt();
+        let inner: Vec<_> = fine.positions.iter().filter(|x| within.holds(**x)).collect();
+        let apart = |[x, y, _]: [f64; 3]| (1.0 + x).powi(2) + (2.0 * y).powi(2) + (x - y - 2.0).powi(2);
+        assert_eq!(inner.len(), 16);
+        let expected = (inner.iter().map(|x| apart(**x)).sum::<f64>() / (4.0 * 16.0)).sqrt();
         assert!((coarse.distance(&fine, &within) / expected - 1.0).abs() < 1e-14);
     }
 

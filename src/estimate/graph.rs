@@ -113,7 +113,7 @@ impl ContactGraph {
     }
 
     /// Whether the contact surface ends at contact node `i`; at a symmetry plane it goes on.
-    pub(super) fn is_at_the_rim(&self, i: usize) -> bool {
+    pub(crate) fn is_at_the_rim(&self, i: usize) -> bool {
         self.rim[i]
     }
 

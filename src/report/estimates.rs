@@ -93,6 +93,16 @@ impl EstimateWatch {
 }
 
 impl Estimates {
+    /// Of the contact surface that bears most.
+    pub fn heaviest(&self) -> Option<&ContactEstimate> {
+        self.contact.iter().max_by(|a, b| a.force.total_cmp(&b.force))
+    }
+
+    /// The error of its peak pressure, as a share.
+    pub fn peak_error(&self) -> Option<f64> {
+        self.heaviest()?.peak_error
+    }
+
     /// The warnings that follow.
     pub fn warnings(&self, model: &Model) -> Vec<Warning> {
         let units = model.units();

@@ -121,6 +121,8 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
         "compare",
         &[
             "contact",
+            "estimate",
+            "fem",
             "history",
             "linear",
             "mesh",

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use stickslip::compare::{
-    self, Comparison, End, Estimate, MeshChoice, MeshErrors, MeshResult, Phases, Plan, SolverPath, TimeErrors,
-    Tractions, Trial, front,
+    self, Comparison, End, Estimate, MeshChoice, MeshErrors, MeshResult, MeshSize, Phases, Plan, SolverPath,
+    TimeErrors, Tractions, Trial, front,
 };
 use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step, System};
 use stickslip::linear::{SparseCholesky, SparseLu};
@@ -31,8 +31,9 @@ fn end(p_n: &[f64], p_t: &[f64], work: f64) -> End {
     let positions = (0..p_n.len()).map(|i| [i as f64, 0.0, 0.0]).collect();
     let values = p_n.iter().zip(p_t).map(|(n, t)| [*t, -*n, 0.0]).collect();
     let pieces = (1..p_n.len()).map(|i| vec![i - 1, i]).collect();
-    let tractions = Tractions { positions, weight: vec![1.0; p_n.len()], values, pieces };
-    End { p_n: p_n.to_vec(), p_t: p_t.to_vec(), p_o: vec![0.0; p_n.len()], work, energy: 10.0, tractions }
+    let rim = (0..p_n.len()).map(|i| i == 0 || i + 1 == p_n.len()).collect();
+    let tractions = Tractions { positions, weight: vec![1.0; p_n.len()], rim, values, pieces };
+    End { p_n: p_n.to_vec(), p_t: p_t.to_vec(), p_o: vec![0.0; p_n.len()], work, energy: 10.0, peak: 1.0, tractions }
 }
 
 #[test]
@@ -61,12 +62,15 @@ fn errors_of_a_mesh_are_those_computed_by_hand() {
         *x = [0.5 * i as f64, 0.0, 0.0];
         fine.tractions.values[i] = [0.0, -0.25 * i as f64, 0.0];
     }
-    let expected = ((0.25 + 1.0) / (1.0 + 2.25 + 4.0_f64)).sqrt();
+    // In x = 2, 2.5, 3, 3.5 and 4 there are 1, 1.5, 2, 2.5 and 3 for 1, 1.25, 1.5, 1.75 and 2.
+    let [apart, whole] = [[0.0, 0.25, 0.5, 0.75, 1.0], [1.0, 1.25, 1.5, 1.75, 2.0_f64]].map(|all| all.map(|x| x * x));
+    let expected = (apart.iter().sum::<f64>() / whole.iter().sum::<f64>()).sqrt();
     assert!(close(coarse.tractions.distance(&fine.tractions, &within), expected));
-    // The finer mesh may have no node where the coarser one has.
-    fine.tractions.pieces.retain(|piece| !piece.contains(&6));
-    fine.tractions.pieces.push(vec![5, 7]);
-    assert!(close(coarse.tractions.distance(&fine.tractions, &within), expected));
+    // A mesh is linear between its nodes, wherever they are.
+    let mut wider = coarse.clone();
+    wider.tractions.pieces.retain(|piece| !piece.contains(&3));
+    wider.tractions.pieces.push(vec![2, 4]);
+    assert!(close(wider.tractions.distance(&fine.tractions, &within), expected));
 
     fine.p_n = vec![3.0; 13];
     fine.p_t = vec![-1.0; 13];
@@ -88,9 +92,14 @@ fn the_front_holds_what_no_cheaper_run_reaches() {
     assert!(front(&[]).is_empty());
 }
 
+/// A mesh with so many elements in the first direction.
+fn wide(elements: usize) -> MeshChoice {
+    MeshSize::Elements(elements).into()
+}
+
 /// Meshes with so many elements in the first direction.
 fn elements(counts: &[usize]) -> Vec<MeshChoice> {
-    counts.iter().copied().map(MeshChoice::Elements).collect()
+    counts.iter().copied().map(wide).collect()
 }
 
 /// What the external forces do.
@@ -157,14 +166,12 @@ fn time_stepping_is_of_first_order_on_every_path() {
     assert!(comparison.runs.iter().all(|run| run.status == Status::Converged && run.kkt <= 1e-10));
 
     let meshes: Vec<_> = comparison.meshes.iter().map(|result| (result.mesh.clone(), result.increments)).collect();
-    assert_eq!(meshes, [10, 20].map(|n| (MeshChoice::Elements(n), 2560)));
+    assert_eq!(meshes, [10, 20].map(|n| (wide(n), 2560)));
     assert!(comparison.meshes[1].errors.is_none() && comparison.meshes[0].errors.unwrap().tractions > 1e-3);
 
+    let finest = wide(20);
     let errors = |path, increments| {
-        let run = comparison
-            .on(&MeshChoice::Elements(20))
-            .find(|run| run.path == path && run.increments == increments)
-            .unwrap();
+        let run = comparison.on(&finest).find(|run| run.path == path && run.increments == increments).unwrap();
         assert!(run.iterates.iter().all(|iterate| iterate.increment <= increments));
         // The default settings end every increment by the error measure.
         assert!(run.iterates.last().unwrap().error.unwrap() <= 1e-10);
@@ -209,11 +216,8 @@ fn in_three_dimensions_both_tangents_count() {
         }
         assert!(comparison.meshes[0].errors.unwrap().tractions > 1e-3);
         for fine in [4, 16] {
-            let errors: Vec<TimeErrors> = comparison
-                .on(&MeshChoice::Elements(4))
-                .filter(|run| run.increments == fine)
-                .map(|run| run.errors.unwrap())
-                .collect();
+            let errors: Vec<TimeErrors> =
+                comparison.on(&wide(4)).filter(|run| run.increments == fine).map(|run| run.errors.unwrap()).collect();
             assert!(errors[0].p_t > 1e-6 && (errors[0].p_t / errors[1].p_t - 1.0).abs() < 1e-5, "{errors:?}");
         }
     }
@@ -223,7 +227,7 @@ fn in_three_dimensions_both_tangents_count() {
 fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, forces: f64) -> Trial {
     Trial {
         path,
-        mesh: MeshChoice::Elements(mesh),
+        mesh: wide(mesh),
         increments,
         status: Status::Converged,
         converged: increments,
@@ -240,7 +244,7 @@ fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, forces: f
 
 fn by_hand() -> Comparison {
     let mesh = |mesh: usize| MeshResult {
-        mesh: MeshChoice::Elements(mesh),
+        mesh: wide(mesh),
         displacements: mesh * mesh,
         contacts: mesh,
         increments: 1000,
@@ -248,6 +252,7 @@ fn by_hand() -> Comparison {
         seconds: 1.0,
         end: end(&[1.0], &[0.0], 0.0),
         errors: None,
+        estimates: None,
     };
     let runs = vec![
         run(BN, 10, 10, 1.0, 4e-3),
@@ -271,24 +276,23 @@ fn by_hand() -> Comparison {
 #[test]
 fn the_cheapest_run_is_the_cheapest() {
     let comparison = by_hand();
-    assert_eq!(comparison.cheapest(&MeshChoice::Elements(10), 1e-3, |_| true), Some(&comparison.runs[5]));
+    assert_eq!(comparison.cheapest(&wide(10), 1e-3, |_| true), Some(&comparison.runs[5]));
     assert_eq!(
-        comparison
-            .cheapest(&MeshChoice::Elements(10), 1e-2, |path| path.linear == LinearAlgebra::Whole(SparseLu::Umfpack)),
+        comparison.cheapest(&wide(10), 1e-2, |path| path.linear == LinearAlgebra::Whole(SparseLu::Umfpack)),
         Some(&comparison.runs[0])
     );
-    assert_eq!(comparison.cheapest(&MeshChoice::Elements(10), 1e-4, |_| true), None);
-    assert_eq!(comparison.front(&MeshChoice::Elements(10)), [&comparison.runs[4], &comparison.runs[5]]);
+    assert_eq!(comparison.cheapest(&wide(10), 1e-4, |_| true), None);
+    assert_eq!(comparison.front(&wide(10)), [&comparison.runs[4], &comparison.runs[5]]);
 
     // A quarter for twice the increments: order 2, and a hundredth of the error takes ten times as long.
-    let Estimate { path, order, increments, seconds } = comparison.estimate(&MeshChoice::Elements(10), 1e-5).unwrap();
+    let Estimate { path, order, increments, seconds } = comparison.estimate(&wide(10), 1e-5).unwrap();
     assert_eq!(path, CONDENSED);
     assert!(close(order, 2.0) && (increments / 200.0 - 1.0).abs() < 1e-12 && (seconds / 8.0 - 1.0).abs() < 1e-12);
-    assert_eq!(comparison.estimate(&MeshChoice::Elements(100), 1e-12), None);
+    assert_eq!(comparison.estimate(&wide(100), 1e-12), None);
 
     let leads = comparison.leads();
     assert_eq!(leads.len(), 1);
-    assert_eq!(leads[0].ratios, [(10, 3.0), (100, 0.5)].map(|(n, ratio)| (MeshChoice::Elements(n), ratio)));
+    assert_eq!(leads[0].ratios, [(10, 3.0), (100, 0.5)].map(|(n, ratio)| (wide(n), ratio)));
     assert!(close(comparison.growth(BN).unwrap(), 1.5), "{:?}", comparison.growth(BN));
     assert_eq!(comparison.growth(CONDENSED), None);
 }
@@ -315,14 +319,61 @@ fn answers_are_sentences_with_the_numbers() {
 fn charts_have_a_line_for_every_path() {
     let stems = |comparison: &Comparison| compare::charts(comparison).iter().map(|chart| chart.0).collect::<Vec<_>>();
     let mut comparison = by_hand();
-    assert_eq!(stems(&comparison), ["forces", "growth", "increment"]);
+    let of_meshes = ["mesh-size", "mesh-time"];
+    assert_eq!(stems(&comparison), [&["forces", "growth", "increment"][..], &of_meshes].concat());
     comparison.meshes[0].end.work = 1.0;
-    assert_eq!(stems(&comparison), ["forces", "work", "growth", "increment"]);
+    assert_eq!(stems(&comparison), [&["forces", "work", "growth", "increment"][..], &of_meshes].concat());
     let charts = compare::charts(&comparison);
     let svg = charts[0].2.to_svg().unwrap();
     for label in ["bn default, umfpack", "ip default, umfpack", "bn default, condensed", "Pareto front"] {
         assert!(svg.lines().any(|line| line == label), "{label}");
     }
+}
+
+/// A roller pressed into a block whose elements change: the error of each mesh against the finest, beside what it estimates by itself.
+#[test]
+fn elements_are_compared_with_their_estimates() {
+    let text = "mesh = { kind = 'block', size = [[0.3, 0.7], 1], elements = [[6, 4], 8], grading = [[1, 4], 0.1] }
+        material = { young = 1e9, poisson = 0.3 }
+        support = [{ boundary = 'bottom', fix = ['x', 'y'] }, { boundary = 'left', fix = ['x'] }]
+        time = { end = 1, increments = 1 }
+        [[contact]]
+        boundary = 'top'
+        friction = 0
+        obstacle = { kind = 'cylinder', apex = [0, 1], radius = 2, approach = [[0, 0], [1, 0.01]] }";
+    let scene = Scene::parse("roller.toml", text, &[]).unwrap();
+    let kinds = ["triangle", "quadrilateral:b-bar", "triangle6"].map(|name| Some(name.parse().unwrap()));
+    let choice = |elements, n| MeshChoice { size: MeshSize::Elements(n), elements };
+    let meshes = kinds.iter().flat_map(|kind| [10, 20].map(|n| choice(*kind, n))).collect();
+    let plan = Plan { paths: vec![CONDENSED], meshes, increments: vec![1], reference: 2 };
+    let comparison = compare::compute(&scene, &plan, &mut |_| ()).unwrap();
+    assert_eq!(comparison.elements().len(), 3);
+    assert_eq!(comparison.meshes.last().unwrap().mesh, choice(kinds[2], 20));
+    for kind in kinds {
+        let of: Vec<&MeshResult> =
+            comparison.meshes.iter().filter(|result| result.mesh.elements == kind && result.errors.is_some()).collect();
+        let errors: Vec<MeshErrors> = of.iter().map(|result| result.errors.unwrap()).collect();
+        for pair in errors.windows(2) {
+            assert!(pair[1].sum_p_n < pair[0].sum_p_n && pair[1].energy < pair[0].energy, "{kind:?}: {errors:?}");
+        }
+        for (result, errors) in of.iter().zip(&errors) {
+            let estimates = result.estimates.as_ref().unwrap();
+            // A node in the symmetry plane of a half model has one triangle or two, as they happen to be cut.
+            let cut = if kind == kinds[0] { 1.4 } else { 1.0 };
+            let peak = estimates.peak_error().unwrap();
+            assert!(errors.peak < cut * peak, "{:?}: {errors:?}, {peak}", result.mesh);
+            let ratio = estimates.discretisation.unwrap() / errors.norm();
+            assert!((0.4..2.5).contains(&ratio), "{:?}: {ratio}", result.mesh);
+        }
+    }
+    let stems: Vec<&str> = compare::charts(&comparison).iter().map(|chart| chart.0).collect();
+    assert_eq!(stems, ["forces", "increment", "mesh-size", "mesh-time"]);
+    let svg = compare::charts(&comparison)[2].2.to_svg().unwrap();
+    for label in ["triangle", "quadrilateral:b-bar", "triangle6", "energy norm", "peak pressure"] {
+        assert!(svg.lines().any(|line| line == label), "{label}");
+    }
+    let answers = comparison.answers();
+    assert!(answers[0].starts_with("Mesh for an error of 1e-2 in the normal force: the cheapest is "), "{answers:?}");
 }
 
 #[cfg(feature = "cli")]
@@ -341,19 +392,19 @@ fn the_command_writes_tables_charts_and_a_page() {
     assert_eq!(output.status.code(), Some(0));
     let csv = String::from_utf8(output.stdout).unwrap();
     assert_eq!(csv.lines().count(), 1 + 2 * 2 * 2, "{csv}");
-    assert!(csv.lines().skip(1).all(|line| line.split(',').nth(5) == Some("converged")), "{csv}");
+    assert!(csv.lines().skip(1).all(|line| line.split(',').nth(6) == Some("converged")), "{csv}");
     let mut names: Vec<String> =
         std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     let tables = ["compare.csv", "compare.md", "iterations.csv", "meshes.csv"];
-    let charts = ["forces.svg", "growth.svg", "increment.svg", "work.svg"];
+    let charts = ["forces.svg", "growth.svg", "increment.svg", "mesh-size.svg", "mesh-time.svg", "work.svg"];
     assert!(names.iter().map(String::as_str).filter(|name| !charts.contains(name)).eq(tables), "{names:?}");
     assert_eq!(names.len(), tables.len() + charts.len());
     let page = std::fs::read_to_string(folder.join("compare.md")).unwrap();
     assert!(page.contains("On umfpack, setting default, IP takes") && page.contains("](forces.svg)"), "{page}");
     std::fs::remove_dir_all(&folder).unwrap();
 
-    for bad in [&["--solvers", "mumps"], &["--meshes", "0"]] {
+    for bad in [&["--solvers", "mumps"], &["--meshes", "0"], &["--elements", "quad"]] {
         let output = stickslip(bad);
         assert_eq!(output.status.code(), Some(2));
     }

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 
-use stickslip::compare::{self, CompareError, MeshChoice, Plan, SolverPath};
+use stickslip::compare::{self, CompareError, MeshChoice, MeshSize, Plan, SolverPath};
 use stickslip::history::{LinearAlgebra, Method};
 use stickslip::scene::Scene;
 
@@ -63,11 +63,11 @@ fn meshes_from_files_go_by_their_names() {
     let scene = Scene::read(file.as_ref(), &[]).unwrap();
     let path = SolverPath { method: Method::BN, linear: LinearAlgebra::default() };
     let own = Plan { increments: vec![1, 2], ..Plan::modest(&scene, vec![path]) };
-    assert_eq!((&own.meshes[..], own.histories()), (&[MeshChoice::Own][..], 3));
+    assert_eq!((&own.meshes[..], own.histories()), (&[MeshSize::Own.into()][..], 3));
     let comparison = compare::compute(&scene, &own, &mut |_| {}).unwrap();
     assert!(comparison.answers()[0].contains("to 1e-3, the scene's mesh:"), "{:?}", comparison.answers());
 
-    let files = ["16.msh", "4.msh", "8.msh", "4.msh"].map(|name| MeshChoice::File(name.to_string()));
+    let files = ["16.msh", "4.msh", "8.msh", "4.msh"].map(|name| MeshSize::File(name.to_string()).into());
     let plan = Plan { meshes: files.to_vec(), ..own.clone() };
     let comparison = compare::compute(&scene, &plan, &mut |_| {}).unwrap();
     let sizes: Vec<(String, usize)> =
@@ -81,8 +81,11 @@ fn meshes_from_files_go_by_their_names() {
 
     let none = Plan { meshes: Vec::new(), ..own.clone() };
     assert!(matches!(compare::compute(&scene, &none, &mut |_| {}), Err(CompareError::NoMesh)));
-    let numbers = Plan { meshes: vec![MeshChoice::Elements(4)], ..own };
+    let numbers = Plan { meshes: vec![MeshSize::Elements(4).into()], ..own };
     assert!(matches!(compare::compute(&scene, &numbers, &mut |_| {}), Err(CompareError::FixedMesh)));
+    let cells = MeshChoice { size: MeshSize::Own, elements: Some("triangle".parse().unwrap()) };
+    let cells = Plan { meshes: vec![cells], ..numbers.clone() };
+    assert!(matches!(compare::compute(&scene, &cells, &mut |_| {}), Err(CompareError::FixedCells)));
     let made = Scene::parse("scene.toml", &small(), &[]).unwrap();
     let named = Plan { meshes: files.to_vec(), ..numbers };
     assert!(matches!(compare::compute(&made, &named, &mut |_| {}), Err(CompareError::NoMeshFile)));
@@ -91,7 +94,7 @@ fn meshes_from_files_go_by_their_names() {
     let output =
         stickslip(&["compare", &file, "--meshes", "8.msh,4.msh", "--increments", "1,2", "--csv", "--out", &out]);
     assert_exit(&output, 0);
-    let meshes: BTreeSet<&str> = stdout(&output).lines().skip(1).map(|line| line.split(',').nth(3).unwrap()).collect();
+    let meshes: BTreeSet<&str> = stdout(&output).lines().skip(1).map(|line| line.split(',').nth(4).unwrap()).collect();
     assert_eq!(meshes, BTreeSet::from(["4.msh", "8.msh"]));
     let page = fs::read_to_string(folder.join("out/compare.md")).unwrap();
     assert!(page.contains("on 4.msh, 8.msh: ") && page.contains("\n8.msh: ") && !page.contains("n = "), "{page}");
