@@ -110,23 +110,22 @@ fn body(scene: &Scene, model: &Model) {
     let mut cells: Vec<CellKind> = model.mesh.cells.iter().map(|cell| cell.kind).collect();
     cells.dedup();
     let cells = match (&cells[..], model.element()) {
-        ([CellKind::Triangle], Element::NodalVolume) => "linear triangles with nodal volumes",
-        ([CellKind::Tetrahedron], Element::NodalVolume) => "linear tetrahedra with nodal volumes",
         ([CellKind::Triangle], _) => "linear triangles",
         ([CellKind::Tetrahedron], _) => "linear tetrahedra",
         ([CellKind::Triangle6], _) => "quadratic triangles",
         ([CellKind::Tetrahedron10], _) => "quadratic tetrahedra",
-        ([CellKind::Quadrilateral], Element::Bilinear) => "bilinear quadrilaterals",
         ([CellKind::Quadrilateral], Element::BBar) => "B-bar quadrilaterals",
-        ([CellKind::Hexahedron], Element::Bilinear) => "trilinear hexahedra",
+        ([CellKind::Quadrilateral], _) => "bilinear quadrilaterals",
         ([CellKind::Hexahedron], Element::BBar) => "B-bar hexahedra",
-        ([CellKind::Prism], Element::Bilinear) => "prisms",
+        ([CellKind::Hexahedron], _) => "trilinear hexahedra",
         ([CellKind::Prism], Element::BBar) => "B-bar prisms",
-        (_, Element::Bilinear | Element::NodalVolume) => "elements of several kinds",
+        ([CellKind::Prism], _) => "prisms",
         (_, Element::BBar) => "B-bar elements of several kinds",
+        _ => "elements of several kinds",
     };
+    let averaged = if model.element() == Element::NodalVolume { " with nodal volumes" } else { "" };
     say!(
-        "mesh         {kind} {cells}, {} nodes, boundaries {}",
+        "mesh         {kind} {cells}{averaged}, {} nodes, boundaries {}",
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
     );

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::fem::{Element, numbered};
+use crate::fem::numbered;
 use crate::model::Model;
 
 /// The elastic strains of a body, and where its nodes have values of their own: one for each law of the cells around, for at a
@@ -25,11 +25,7 @@ impl Strains {
     pub(super) fn new(model: &Model, factors: &[f64], displacements: &[[f64; 3]]) -> Self {
         let (mut points, mut begins) = (Vec::new(), vec![0]);
         for e in 0..model.mesh.cells.len() {
-            let strains = model.elastic_strains(e, factors, displacements);
-            match model.element() {
-                Element::NodalVolume => points.push(mean(&strains)),
-                Element::Bilinear | Element::BBar => points.extend(strains),
-            }
+            points.extend(model.elastic_strains(e, factors, displacements));
             begins.push(points.len());
         }
         let laws = numbered(model.materials().iter().copied());
@@ -79,11 +75,4 @@ impl Strains {
         }
         sums.into_iter().map(|(sum, weight)| sum.map(|x| x / weight)).collect()
     }
-}
-
-/// The volume and the mean strain of a cell, whose strains at its nodes differ in dilatation alone.
-fn mean(strains: &[(f64, [f64; 6])]) -> (f64, [f64; 6]) {
-    let volume: f64 = strains.iter().map(|(volume, _)| volume).sum();
-    let component = |c: usize| strains.iter().map(|(v, strain)| v / volume * strain[c]).sum();
-    (volume, std::array::from_fn(component))
 }

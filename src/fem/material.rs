@@ -72,7 +72,7 @@ const YOUNG: Limit = |name, value| positive(name, value, "give Young's modulus i
 
 const POISSON: Limit = |name, value| {
     let help = "thermodynamics sets the lower limit; an incompressible material is beyond displacements alone, \
-                use e.g. 0.49, or 0.4999 with mesh.element = \"b-bar\"";
+                use e.g. 0.49, or 0.4999 with mesh.element = \"b-bar\" or \"nodal-volume\"";
     finite(name, value)?;
     demand(value > -1.0 && value < 0.5, name, &value, "above -1 and below 0.5", help)
 };

@@ -1,15 +1,16 @@
-//! Dilatations averaged at the nodes of linear triangles and tetrahedra (Bonet & Burton, Commun. Numer. Meth. Engng 14 (1998) 437,
-//! for small strains).
+//! Dilatations averaged at the corners of triangles, tetrahedra and prisms (Bonet & Burton, Commun. Numer. Meth. Engng 14 (1998)
+//! 437, for small strains).
 //!
-//! A node has a share of each cell around it, and of these the mean dilatation, material by material:
+//! With the shape functions L_a of the corners alone a corner has a share of each cell around it, and of these the mean dilatation,
+//! material by material:
 //!
 //! ```text
-//! V_a = Σ_e V_e / (d + 1),   G_a = Σ_e V_e / (d + 1) tr B_e,   θ_a = G_a u / V_a,
+//! V_a = Σ_e ∫_e L_a dV,   G_a = Σ_e ∫_e L_a tr B dV,   θ_a = G_a u / V_a,
 //! K = Σ_e ∫ Bᵀ D_dev B dV + Σ_a κ / V_a G_aᵀ G_a,   D_dev = 2 μ (1 - ⅓ 1 1ᵀ).
 //! ```
 //!
-//! There are fewer volumes to be held than displacements, so that nothing locks, and displacements are the only unknowns; in
-//! exchange all nodes of the cells around a node are coupled.
+//! The volume stress is so `κ Σ L_a θ_a` within a cell. There are fewer volumes to be held than displacements, so that nothing locks, and
+//! displacements are the only unknowns; in exchange all nodes of the cells around a corner are coupled.
 
 use std::collections::HashMap;
 
@@ -18,17 +19,18 @@ use super::facet::NodalForces;
 use super::inverted::InvertedElement;
 use super::shape::gradients_at;
 use super::strain::Element;
-use crate::mesh::{CellKind, Mesh, quadrature_of};
+use crate::mesh::{CellKind, Mesh, corner_shape, quadrature_of, shape};
 use crate::vector::dot;
 
-/// The nodal volumes of a mesh: one for each node and each law of the cells around it.
+/// The nodal volumes of a mesh: one for each corner and each law of the cells around it.
 #[derive(Debug, Clone, Default)]
 pub struct NodalVolumes {
     volumes: Vec<NodalVolume>,
-    cells: Vec<Shared>,
+    /// For each cell the volumes at its corners; none of a cell that keeps its own dilatation.
+    cells: Vec<Vec<usize>>,
 }
 
-/// What the cells of one law around a node leave to it.
+/// What the cells of one law around a corner leave to it.
 #[derive(Debug, Clone)]
 pub(super) struct NodalVolume {
     /// `V_a`, m³; in two dimensions m².
@@ -41,19 +43,10 @@ pub(super) struct NodalVolume {
     gradients: Vec<[f64; 3]>,
 }
 
-/// A cell that is shared between its nodes.
-#[derive(Debug, Clone, Default)]
-struct Shared {
-    /// Its volume by the number of its nodes.
-    share: f64,
-    /// The volumes of its nodes; none of a cell that keeps its own dilatation.
-    volumes: Vec<usize>,
-}
-
 impl NodalVolumes {
-    /// Whether cells of this kind share their volume between their nodes; others keep their own dilatation.
+    /// Whether cells of this kind share their volume between their corners; others, which have B-bar, keep their own dilatation.
     pub fn take(kind: CellKind) -> bool {
-        matches!(kind, CellKind::Triangle | CellKind::Tetrahedron)
+        kind.is_simplex() || kind == CellKind::Prism
     }
 
     /// Those of `mesh`, where `material` is that of each cell; none unless every element is an [`Element::NodalVolume`].
@@ -68,23 +61,23 @@ impl NodalVolumes {
         let laws = numbered((0..mesh.cells.len()).map(&material));
         let mut known = HashMap::new();
         for (e, (cell, law)) in mesh.cells.iter().zip(laws).enumerate() {
-            let mut shared = Shared::default();
-            if Self::take(cell.kind) {
-                let corners = mesh.points(&cell.nodes);
-                let points = gradients_at(cell.kind, &quadrature_of(cell.kind, &corners), &corners);
-                let points = points.ok_or_else(|| InvertedElement::of(mesh, e))?;
-                let volume: f64 = points.iter().map(|(_, volume)| volume).sum();
-                shared.share = volume / cell.nodes.len() as f64;
-                for &node in &cell.nodes {
-                    let place = *known.entry((node, law)).or_insert_with(|| {
-                        all.volumes.push(NodalVolume::without_cells(material(e).bulk()));
-                        all.volumes.len() - 1
-                    });
-                    all.volumes[place].add(shared.share, &cell.nodes, &points[0].0);
-                    shared.volumes.push(place);
+            let corners = if Self::take(cell.kind) { &cell.nodes[..cell.kind.corners()] } else { &[] };
+            let mut place = |corner: &usize| {
+                *known.entry((*corner, law)).or_insert_with(|| {
+                    all.volumes.push(NodalVolume::without_cells(material(e).bulk()));
+                    all.volumes.len() - 1
+                })
+            };
+            let at_corners: Vec<usize> = corners.iter().map(&mut place).collect();
+            let nodes = mesh.points(&cell.nodes);
+            let rule = quadrature_of(cell.kind, &nodes);
+            let points = gradients_at(cell.kind, &rule, &nodes).ok_or_else(|| InvertedElement::of(mesh, e))?;
+            for ((point, _), (gradients, volume)) in rule.iter().zip(&points) {
+                for (&a, share) in at_corners.iter().zip(corner_shape(cell.kind, *point)) {
+                    all.volumes[a].add(share * volume, &cell.nodes, gradients);
                 }
             }
-            all.cells.push(shared);
+            all.cells.push(at_corners);
         }
         for NodalVolume { volume, gradients, .. } in &mut all.volumes {
             gradients.iter_mut().flatten().for_each(|g| *g /= *volume);
@@ -97,9 +90,9 @@ impl NodalVolumes {
         self.volumes.is_empty()
     }
 
-    /// The numbers of the volumes at the nodes of cell `e`; none where the cell keeps its own dilatation.
+    /// The numbers of the volumes at the corners of cell `e`; none where the cell keeps its own dilatation.
     pub fn of_cell(&self, e: usize) -> &[usize] {
-        self.cells.get(e).map_or(&[], |cell| &cell.volumes)
+        self.cells.get(e).map_or(&[], |cell| cell)
     }
 
     /// The dilatation `θ_a` of volume `a` for `displacements` of all nodes, m.
@@ -108,12 +101,21 @@ impl NodalVolumes {
         nodes.iter().zip(gradients).map(|(&node, g)| dot(*g, displacements[node])).sum()
     }
 
-    /// The mean in each volume of what every cell has.
-    pub fn means(&self, of_cells: &[f64]) -> Vec<f64> {
+    /// The mean `Σ_e ∫ L_a f dV / V_a` in each volume of what is `value` in a cell at a position (m), by the points that the
+    /// dilatation is averaged at.
+    pub fn means(&self, mesh: &Mesh, value: impl Fn(usize, [f64; 3]) -> f64) -> Vec<f64> {
         let mut means = vec![0.0; self.volumes.len()];
-        for (cell, value) in self.cells.iter().zip(of_cells) {
-            for &a in &cell.volumes {
-                means[a] += cell.share / self.volumes[a].volume * value;
+        for (e, cell) in mesh.cells.iter().enumerate().filter(|(e, _)| !self.of_cell(*e).is_empty()) {
+            let nodes = mesh.points(&cell.nodes);
+            let rule = quadrature_of(cell.kind, &nodes);
+            // The volumes are those of sound cells.
+            let Some(points) = gradients_at(cell.kind, &rule, &nodes) else { continue };
+            for ((point, _), (_, volume)) in rule.iter().zip(&points) {
+                let n = shape(cell.kind, *point);
+                let value = value(e, [0, 1, 2].map(|c| n.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum()));
+                for (&a, share) in self.of_cell(e).iter().zip(corner_shape(cell.kind, *point)) {
+                    means[a] += share * volume / self.volumes[a].volume * value;
+                }
             }
         }
         means
@@ -131,6 +133,12 @@ impl NodalVolumes {
         self.volumes.iter().zip(dilatation).flat_map(of_volume).collect()
     }
 
+    /// The energy `½ Σ_a κ V_a θ_a²` (J; in two dimensions per unit depth) of the elastic `dilatation` of each volume.
+    pub fn energy(&self, dilatation: impl Fn(usize) -> f64) -> f64 {
+        let of = |(a, volume): (usize, &NodalVolume)| 0.5 * volume.bulk * volume.volume * dilatation(a).powi(2);
+        self.volumes.iter().enumerate().map(of).sum()
+    }
+
     pub(super) fn iter(&self) -> impl Iterator<Item = &NodalVolume> {
         self.volumes.iter()
     }
@@ -141,7 +149,7 @@ impl NodalVolume {
         NodalVolume { volume: 0.0, bulk, nodes: Vec::new(), gradients: Vec::new() }
     }
 
-    /// Adds a `share` of a cell whose shape functions have these gradients. The sum is `G_a` until it is divided.
+    /// Adds a `share` of a cell whose shape functions have these gradients there. The sum is `G_a` until it is divided.
     fn add(&mut self, share: f64, nodes: &[usize], of_cell: &[[f64; 3]]) {
         self.volume += share;
         for (node, gradient) in nodes.iter().zip(of_cell) {

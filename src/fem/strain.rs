@@ -15,8 +15,8 @@ pub enum Element {
     /// (1980) 1413; Simo & Hughes, *Computational Inelasticity*, ch. 4). Meant for plane strain
     /// and three dimensions: in the plane, the correction has a component `ε_zz`.
     BBar,
-    /// The dilatation is the mean over the cells around each node (see [`super::NodalVolumes`]), for linear triangles and tetrahedra in
-    /// plane strain and three dimensions. A cell by itself, and one of another kind, has the strain of its displacements.
+    /// The dilatation is the mean over the cells around each corner (see [`super::NodalVolumes`]), for triangles in plane strain,
+    /// tetrahedra and prisms. A cell by itself, and one of another kind, has the strain of its displacements.
     NodalVolume,
 }
 

@@ -27,6 +27,17 @@ pub fn stress_at(
     element: Element,
     material: &Elasticity,
 ) -> Option<[f64; 6]> {
+    Some(material.stress(strain_at(kind, point, nodes, displacements, element)?))
+}
+
+/// The strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` there.
+pub fn strain_at(
+    kind: CellKind,
+    point: [f64; 3],
+    nodes: &[[f64; 3]],
+    displacements: &[[f64; 3]],
+    element: Element,
+) -> Option<[f64; 6]> {
     let (here, _) = gradients(kind, point, nodes)?;
     let points = gradients_at(kind, &quadrature_of(kind, nodes), nodes)?;
     let mean = mean_gradients(&points);
@@ -34,7 +45,7 @@ pub fn stress_at(
         Element::Bilinear | Element::NodalVolume => &here,
         Element::BBar => &mean,
     };
-    Some(material.stress(strain(kind, &here, dilatation, displacements)))
+    Some(strain(kind, &here, dilatation, displacements))
 }
 
 /// The volume (m³; in two dimensions the area, m²) of a cell as above.

@@ -35,6 +35,11 @@ pub fn shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
     }
 }
 
+/// The shape functions of the corners alone, as if there were no other nodes.
+pub fn corner_shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
+    if kind.is_quadratic() { barycentric(kind, point) } else { shape(kind, point) }
+}
+
 /// `L_a` of the triangle across a prism.
 fn across([xi, eta, _]: [f64; 3]) -> [f64; 3] {
     [1.0 - xi - eta, xi, eta]

@@ -5,26 +5,24 @@ use crate::fault::Fault;
 use crate::fem::{Element, NodalVolumes};
 use crate::mesh::{CellKind, Mesh};
 
-/// How strains follow from displacements: B-bar needs cells that have a dilatation to average, nodal volumes cells that have none.
+/// How strains follow from displacements: B-bar is for quadrilaterals, hexahedra and prisms, nodal volumes for triangles,
+/// tetrahedra and prisms.
 pub(super) fn element(description: &Description, mesh: &Mesh) -> Result<Element, Fault> {
     let element = description.element;
     let kinds = || mesh.cells.iter().map(|cell| cell.kind);
     match element {
         Element::BBar if kinds().any(CellKind::is_simplex) => {
             let message = "mesh.element is \"b-bar\", but the mesh has triangles or tetrahedra";
-            let help = "use quadrilaterals or hexahedra, or triangles of six and tetrahedra of ten nodes without b-bar: those of the \
-                        first order have a uniform dilatation already, so that they lock; for them there is \"nodal-volume\"";
+            let help = "use \"nodal-volume\", quadrilaterals or hexahedra, or triangles of six and tetrahedra of ten nodes without b-bar, which need no \
+                        remedy up to nu = 0.499";
             Err(Fault::new("mesh.element", message, help))
         }
         Element::NodalVolume => match kinds().find(|kind| !NodalVolumes::take(*kind)) {
             None => Ok(element),
             Some(kind) => {
                 let message = format!("mesh.element is \"nodal-volume\", but the mesh has a {}", kind.name());
-                let help = if kind.is_quadratic() {
-                    "use \"bilinear\": triangles of six and tetrahedra of ten nodes need no remedy up to nu = 0.499"
-                } else {
-                    "nodal volumes are for linear triangles and tetrahedra: use \"b-bar\", or a mesh of these alone"
-                };
+                let help =
+                    "nodal volumes are for triangles, tetrahedra and prisms: use \"b-bar\", or a mesh of these alone";
                 Err(Fault::new("mesh.element", message, help))
             }
         },

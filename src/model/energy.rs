@@ -2,7 +2,9 @@
 
 use super::Model;
 use crate::fem::{Spring, free_stretch, strains, with_dilatation};
+use crate::mesh::{corner_shape, quadrature_of};
 use crate::problem::State;
+use crate::vector::dot;
 
 impl Model {
     /// The strain energy of the body and its springs at time `t` (s), J, in two dimensions per m of depth:
@@ -20,15 +22,17 @@ impl Model {
         let displacements = self.displaced(t, &state.u);
         let factors = self.thermal_factors(t);
         let of_cell = |e: usize| {
+            let (whole, shares) = (self.materials[e], !self.volumes.of_cell(e).is_empty());
+            let law = if shares { whole.deviatoric() } else { whole };
             let strains = self.elastic_strains(e, &factors, &displacements);
-            strains.iter().map(|(volume, strain)| volume * self.materials[e].energy_density(strain)).sum::<f64>()
+            strains.iter().map(|(volume, strain)| volume * law.energy_density(strain)).sum::<f64>()
         };
         let springs = self.statics.springs().map(|spring: &Spring| spring.energy(&displacements));
-        Some((0..self.mesh.cells.len()).map(of_cell).sum::<f64>() + springs.sum::<f64>())
+        let of_volumes = self.volumes.energy(|a| self.elastic_dilatation(a, &factors, &displacements));
+        Some((0..self.mesh.cells.len()).map(of_cell).sum::<f64>() + of_volumes + springs.sum::<f64>())
     }
 
-    /// The strains of cell `e` at its integration points, each with its volume, beyond those that heat alone makes; where dilatations are
-    /// averaged at the nodes, those in its nodes.
+    /// The strains of cell `e` at its integration points, each with its volume, beyond those that heat alone makes.
     pub(crate) fn elastic_strains(
         &self,
         e: usize,
@@ -36,20 +40,15 @@ impl Model {
         displacements: &[[f64; 3]],
     ) -> Vec<(f64, [f64; 6])> {
         let cell = &self.mesh.cells[e];
+        let nodes = self.mesh.points(&cell.nodes);
         let moved: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
         // Assembly has refused cells that have none.
-        let mut strains =
-            strains(cell.kind, &self.mesh.points(&cell.nodes), &moved, self.element()).unwrap_or_default();
-        let volumes = self.volumes.of_cell(e);
-        if !volumes.is_empty() {
-            let in_node = |(volume, strain): (f64, [f64; 6]), a: usize| {
-                let free = 3.0 * self.free_strain_of_volume(a, factors);
-                let dilatation = self.volumes.dilatation(a, displacements) - free;
-                (volume / volumes.len() as f64, with_dilatation(strain, dilatation))
-            };
-            return strains.into_iter().flat_map(|whole| volumes.iter().map(move |&a| in_node(whole, a))).collect();
-        }
-        if !factors.is_empty() {
+        let mut strains = strains(cell.kind, &nodes, &moved, self.element()).unwrap_or_default();
+        if let Some(at_corners) = self.corner_dilatations(e, factors, displacements) {
+            for ((_, strain), (point, _)) in strains.iter_mut().zip(quadrature_of(cell.kind, &nodes)) {
+                *strain = with_dilatation(*strain, dot(&at_corners, corner_shape(cell.kind, point)));
+            }
+        } else if !factors.is_empty() {
             let free = free_stretch(self.is_thin(), self.free_strain(e, factors));
             for (_, strain) in &mut strains {
                 strain.iter_mut().zip(free).for_each(|(strain, free)| *strain -= free);

@@ -33,7 +33,7 @@ pub(super) struct LoadOnMesh {
 pub(super) struct FreeStrain {
     /// At the centre of each cell.
     pub of_cells: Vec<f64>,
-    /// The mean of these in each nodal volume.
+    /// The mean in each nodal volume.
     pub of_volumes: Vec<f64>,
 }
 
@@ -90,7 +90,7 @@ impl Body<'_> {
                 let expansion = description.material.expansions(mesh)?;
                 let strain = |e: usize, x: [f64; 3]| expansion[e] * temperature.at(x);
                 let of_cells: Vec<f64> = (0..mesh.cells.len()).map(|e| strain(e, mesh.centre(e))).collect();
-                let of_volumes = volumes.means(&of_cells);
+                let of_volumes = volumes.means(mesh, strain);
                 // What is averaged of the displacements has to be averaged of the heat, or the difference would be pressure.
                 let forces = if volumes.is_empty() {
                     thermal_forces(mesh, element, thin, |e| materials[e], strain)

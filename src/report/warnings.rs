@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::description::Action;
 use crate::estimate::expected_locking;
+use crate::fem::Element;
 use crate::model::Model;
 use crate::units::Quantity;
 
@@ -108,8 +109,8 @@ impl Warning {
     /// That elements lock, if it makes the body too stiff by a `share` that counts.
     pub(super) fn of_locking(model: &Model, share: f64) -> Option<Self> {
         let poisson = largest_poisson(model);
-        let kind = model.mesh.cells.first()?.kind;
-        let cells = match (kind.is_simplex(), model.mesh.dimension) {
+        let simplices = model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
+        let cells = match (simplices, model.mesh.dimension) {
             (false, _) => "use mesh.element = \"b-bar\"",
             (true, 2) => {
                 "use mesh.element = \"nodal-volume\", triangles of second order, or quadrilaterals with mesh.element = \"b-bar\""
@@ -135,9 +136,10 @@ fn expected(model: &Model) -> Option<Warning> {
     }
     let poisson = largest_poisson(model);
     let quadratic = model.mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
-    let locks = quadratic && !model.is_thin() && poisson > QUADRATIC_LOCKING + ROUNDING;
+    let plain = model.element() == Element::Bilinear && !model.is_thin();
+    let locks = quadratic && plain && poisson > QUADRATIC_LOCKING + ROUNDING;
     let message = format!(
-        "nu is {poisson:.6}: elements of second order, too, may be too stiff; use mesh.element = \"b-bar\" on quadrilaterals or hexahedra"
+        "nu is {poisson:.6}: elements of second order, too, may be too stiff; use mesh.element = \"nodal-volume\""
     );
     locks.then_some(Warning { kind: WarningKind::Locking, message })
 }

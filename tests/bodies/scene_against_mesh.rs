@@ -71,13 +71,6 @@ const AGAINST_THE_MESH: &[Fault] = &[
         "use \"b-bar\"",
     ),
     (
-        "elements =",
-        "cells = \"triangle6\"\nelement = \"nodal-volume\"\nelements =",
-        "element = \"nodal-volume\"",
-        &["mesh.element is \"nodal-volume\"", "a triangle of six nodes"],
-        "use \"bilinear\"",
-    ),
-    (
         "poisson = 0.3\n",
         "poisson = 0.3\ngroup = [{ name = \"core\", young = 1e9, poisson = 0.3 }]\n",
         "group =",

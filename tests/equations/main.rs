@@ -24,5 +24,6 @@ mod neutral;
 mod own_method;
 mod robust;
 mod uniqueness;
+mod uniqueness_of_rows;
 mod units;
 mod verdicts;

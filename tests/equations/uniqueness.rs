@@ -217,7 +217,13 @@ fn the_signs_of_all_solutions_add_up_to_one() {
 
 /// The block with no gap, and a state in which node `i` does what `wanted[i]` says, sliding in the
 /// direction of `s[i]`: not a solution, but only its statuses and signs matter.
-fn posed(cells: &str, n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> (Model, Vec<f64>, State, Vec<f64>) {
+pub(crate) fn posed(
+    cells: &str,
+    n: usize,
+    mu: f64,
+    wanted: &[ContactStatus],
+    s: &[f64],
+) -> (Model, Vec<f64>, State, Vec<f64>) {
     // Half as many elements have a node between corners each.
     let along = if cells == "triangle6" { n / 2 } else { n };
     let elements = format!("mesh.elements=[{along},{along}]");
@@ -240,7 +246,7 @@ fn posed(cells: &str, n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) ->
     (model, gap, state, w_t_last)
 }
 
-fn posed_critical(cells: &str, n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64 {
+pub(crate) fn posed_critical(cells: &str, n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64 {
     let (model, gap, state, w_t_last) = posed(cells, n, mu, wanted, s);
     let force = vec![0.0; model.problem.displacements()];
     let increment = Increment {

@@ -35,15 +35,21 @@ fn check_explains_without_solving() {
 #[test]
 fn check_names_nodal_volumes() {
     let text = edit(&small(), "poisson = 0.3", "poisson = 0.4999");
-    let told = |element: &str| {
-        let text = edit(&text, "elements =", &format!("cells = \"triangle\"\nelement = \"{element}\"\nelements ="));
+    let told = |cells: &str, element: &str| {
+        let text = edit(&text, "elements =", &format!("cells = \"{cells}\"\nelement = \"{element}\"\nelements ="));
         let (_folder, scene) = Folder::with_scene(&text);
         stdout(&stickslip(&["check", &scene])).to_string()
     };
-    let (plain, averaged) = (told("bilinear"), told("nodal-volume"));
+    let (plain, averaged) = (told("triangle", "bilinear"), told("triangle", "nodal-volume"));
     assert!(plain.contains("linear triangles, 25 nodes") && plain.contains("too stiff"), "{plain}");
     assert!(plain.contains("use mesh.element = \"nodal-volume\""), "{plain}");
     assert!(averaged.contains("linear triangles with nodal volumes, 25 nodes"), "{averaged}");
+    assert!(!averaged.contains("too stiff"), "{averaged}");
+    // Above 0.499 cells of second order, too.
+    let (plain, averaged) = (told("triangle6", "bilinear"), told("triangle6", "nodal-volume"));
+    assert!(plain.contains("quadratic triangles, 81 nodes") && plain.contains("may be too stiff"), "{plain}");
+    assert!(plain.contains("use mesh.element = \"nodal-volume\""), "{plain}");
+    assert!(averaged.contains("quadratic triangles with nodal volumes, 81 nodes"), "{averaged}");
     assert!(!averaged.contains("too stiff"), "{averaged}");
 }
 

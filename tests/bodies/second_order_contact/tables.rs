@@ -1,0 +1,53 @@
+//! What tables and reports tell of boundaries of second order.
+
+use super::{Lines, pressed, pushed, solve};
+use stickslip::history::{Observer, Solver, Step};
+use stickslip::model::Model;
+use stickslip::nonlinear::Flow;
+use stickslip::report::ContactLine;
+use stickslip::run::Run;
+use stickslip::vector::dot;
+
+/// Looks at tables.
+struct Tables<'a>(&'a Model);
+impl Observer for Tables<'_> {
+    fn increment(&mut self, step: &Step<'_>) -> Flow {
+        let u = self.0.displacements(step.record.time, &step.state.u).unwrap();
+        let lines = ContactLine::all(self.0, step);
+        for point in &lines[0].points {
+            let [_, t, _] = point.frame;
+            assert!((point.w_n - dot(u[point.node], point.frame[0])).abs() < 1e-14);
+            assert!((point.w_t - dot(u[point.node], t)).abs() < 1e-14);
+            assert!((point.slip_t - point.w_t).abs() < 1e-14);
+            let gap = 0.02 * (point.x - 0.4).powi(2);
+            assert!((point.gap - (gap - point.w_n)).abs() < 1e-14, "{point:?}");
+            assert!(point.gap > -1e-12);
+        }
+        // In a row: from end to end, the middles between.
+        assert!(lines[0].points.windows(2).all(|pair| (pair[0].x - pair[1].x).abs() < 0.1));
+        Flow::Continue
+    }
+}
+
+/// Displacements, gaps and slips of tables are those of the nodes, not of the rows.
+#[test]
+fn tables_tell_of_nodes() {
+    let (_, model, times) = pushed("triangle6", "[6, 3]");
+    solve(&model, &times, Solver::default(), &mut Tables(&model));
+}
+
+/// The largest pressure of a run, and the peak that its estimate is about, are those of the tables.
+#[test]
+fn one_peak_in_all_reports() {
+    let scene = pressed("triangle6", "[8, 8]", 0.0, "0.1 * (x - 0.5)^2 - 0.01", "");
+    let model = Model::new(&scene).unwrap();
+    let mut lines = Lines(&model, Vec::new());
+    solve(&model, &[1.0], scene.solver, &mut lines);
+    let peak = lines.1[0].points.iter().map(|point| point.sigma_n).fold(0.0, f64::max);
+    let mean = lines.1[0].points.iter().zip(&model.contacts).map(|(point, contact)| point.p_n / contact.weight);
+    assert!(peak > 1.01 * mean.fold(0.0, f64::max));
+    let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
+    let near = |pressure: f64| (pressure / peak - 1.0).abs() < 1e-9;
+    assert!(near(report.largest_pressure.unwrap().pressure));
+    assert!(near(report.estimates.contact[0].peak_pressure));
+}
