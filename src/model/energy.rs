@@ -50,11 +50,16 @@ impl Model {
             return strains.into_iter().flat_map(|whole| volumes.iter().map(move |&a| in_node(whole, a))).collect();
         }
         if !factors.is_empty() {
-            let free = free_stretch(self.is_thin(), self.free_strain(e, factors));
+            let free = self.free_stretch(e, factors);
             for (_, strain) in &mut strains {
                 strain.iter_mut().zip(free).for_each(|(strain, free)| *strain -= free);
             }
         }
         strains
+    }
+
+    /// The strain that heat alone makes of cell `e`.
+    pub(crate) fn free_stretch(&self, e: usize, factors: &[f64]) -> [f64; 6] {
+        free_stretch(self.is_thin(), self.free_strain(e, factors))
     }
 }
