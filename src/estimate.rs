@@ -7,11 +7,15 @@ mod discretisation;
 mod graph;
 mod hertz;
 mod locking;
+mod places;
 mod recovery;
 mod strains;
 mod zone;
 
 use crate::model::Model;
+use crate::problem::ProblemError;
+use crate::problem::error::expect_length;
+use places::Places;
 use strains::Strains;
 
 pub use discretisation::DiscretisationError;
@@ -31,12 +35,23 @@ pub struct ElementEstimate {
 }
 
 impl ElementEstimate {
-    /// Of a body with these `displacements` of all nodes (m) and the `factors` of [`Model::thermal_factors`].
+    /// Of a body with these `displacements` of all nodes (m) at time `t` (s), which count from where nothing is strained but by
+    /// the loads by temperature of that time.
+    ///
+    /// # Errors
+    /// When there is not one displacement for each node of the mesh.
+    pub fn of(model: &Model, t: f64, displacements: &[[f64; 3]]) -> Result<Self, ProblemError> {
+        expect_length("displacements", model.mesh.nodes.len(), displacements.len(), "one for each node of the mesh")?;
+        Ok(Self::new(model, &model.thermal_factors(t), displacements))
+    }
+
+    /// The same of displacements that fit, with the `factors` of [`Model::thermal_factors`].
     pub(crate) fn new(model: &Model, factors: &[f64], displacements: &[[f64; 3]]) -> Self {
+        let places = Places::new(model);
         let strains = Strains::new(model, factors, displacements);
         ElementEstimate {
-            locking: locking::locking(model, &strains),
-            discretisation: DiscretisationError::new(model, &strains),
+            locking: locking::locking(model, &places, &strains),
+            discretisation: DiscretisationError::new(model, &places, &strains),
         }
     }
 }

@@ -10,6 +10,7 @@ mod interpolation;
 mod kind;
 mod midsides;
 mod quadrature;
+mod reference;
 mod rules;
 mod sides;
 mod simplices;
@@ -23,6 +24,7 @@ pub(crate) use interpolation::{Jacobian, local_gradients};
 pub use interpolation::{corner_shape, shape};
 pub use kind::CellKind;
 pub use quadrature::{fine_quadrature, quadrature, quadrature_of};
+pub(crate) use reference::{MOST_NODES, ReferenceCell, ReferenceCells, ReferencePoint};
 pub use source::{HalfPlane, MeshError, MeshSource, Segment};
 
 use crate::vector::{cross, minus};

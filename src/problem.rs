@@ -98,7 +98,7 @@ pub struct Increment<'a> {
 }
 
 /// A state of the body, in SI units.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct State {
     /// `u`, free displacements, n_u, m.
     pub u: Vec<f64>,

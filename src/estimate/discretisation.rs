@@ -9,9 +9,10 @@
 //!
 //! relative to `√(uᵀ K u + η²)`.
 
+use super::places::Places;
 use super::recovery::recovered;
 use super::strains::Strains;
-use crate::mesh::{quadrature_of, shape};
+use crate::mesh::MOST_NODES;
 use crate::model::Model;
 
 /// The error of a mesh.
@@ -25,24 +26,26 @@ pub struct DiscretisationError {
 
 impl DiscretisationError {
     /// That of a state with these strains; none where nothing is strained, or too few cells of second order hang together.
-    pub(super) fn new(model: &Model, strains: &Strains) -> Option<Self> {
-        let mesh = &model.mesh;
-        let in_nodes = recovered(model, strains)?;
-        let (mut squares, mut energy) = (Vec::with_capacity(mesh.cells.len()), 0.0);
-        for (e, (cell, law)) in mesh.cells.iter().zip(model.materials()).enumerate() {
-            let rule = quadrature_of(cell.kind, &mesh.points(&cell.nodes));
+    pub(super) fn new(model: &Model, places: &Places, strains: &Strains) -> Option<Self> {
+        let in_nodes = recovered(model, places, strains)?;
+        let (mut squares, mut samples) = (Vec::with_capacity(model.mesh.cells.len()), Vec::new());
+        for (e, law) in model.materials().iter().enumerate() {
+            let mut at_nodes = [[0.0; 6]; MOST_NODES];
+            let places = places.of_cell(e);
+            at_nodes.iter_mut().zip(places).for_each(|(own, &place)| *own = in_nodes[place]);
             let mut square = 0.0;
-            for ((volume, strain), (point, _)) in strains.of_cell(e).iter().zip(rule) {
+            // The difference is of the degree of the shape functions, and its square of twice that.
+            let points = strains.at_fine_points(e, &mut samples);
+            for (point, (volume, strain)) in points.iter().zip(&samples) {
                 let mut off = strain.map(|strain| -strain);
-                for (k, n) in shape(cell.kind, point).into_iter().enumerate() {
-                    off.iter_mut().zip(in_nodes[strains.place(e, k)]).for_each(|(off, x)| *off += n * x);
+                for (n, at_node) in point.shape.iter().zip(&at_nodes[..places.len()]) {
+                    off.iter_mut().zip(at_node).for_each(|(off, x)| *off += n * x);
                 }
                 square += 2.0 * volume * law.energy_density(&off);
-                energy += 2.0 * volume * law.energy_density(strain);
             }
             squares.push(square);
         }
-        let all = energy + squares.iter().sum::<f64>();
+        let all = 2.0 * strains.energies().iter().sum::<f64>() + squares.iter().sum::<f64>();
         let share = |square: f64| (square / all).sqrt();
         (all > 0.0).then(|| DiscretisationError {
             whole: share(squares.iter().sum()),

@@ -24,7 +24,7 @@ pub struct ContactGraph {
 
 /// Boundaries with contact that share nodes.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct ContactPatch {
+pub(crate) struct ContactPatch {
     /// Their names, with commas.
     pub name: String,
     /// Their contact nodes, ascending.
@@ -103,7 +103,7 @@ impl ContactGraph {
     }
 
     /// Boundaries that share nodes, together.
-    pub(super) fn surfaces(&self) -> &[ContactPatch] {
+    pub(crate) fn surfaces(&self) -> &[ContactPatch] {
         &self.surfaces
     }
 

@@ -10,7 +10,8 @@
 //! tells how much: with θ_m the mean over a quadrilateral or hexahedron, and over the corners of a triangle or tetrahedron, where
 //! θ is the mean of the cells around. A body is too stiff by about `c s / (1 - s)`.
 
-use super::strains::Strains;
+use super::places::Places;
+use super::strains::{Strains, dilatation};
 use crate::fem::{Elasticity, Element, cell_volume};
 use crate::mesh::CellKind;
 use crate::model::Model;
@@ -39,43 +40,34 @@ fn can_lock(model: &Model) -> bool {
 
 /// By what share the body is too stiff, about: within a factor of two where it is below 1. The largest of the laws that hold a
 /// tenth of the energy; none where no cell can lock.
-pub(super) fn locking(model: &Model, strains: &Strains) -> Option<f64> {
+pub(super) fn locking(model: &Model, places: &Places, strains: &Strains) -> Option<f64> {
     let kinds = || model.mesh.cells.iter().map(|cell| measured(cell.kind));
     if !can_lock(model) || kinds().any(|measured| measured.is_none()) {
         return None;
     }
-    let dilatation = |strain: &[f64; 6]| strain[0] + strain[1] + strain[2];
-    let mean = |e: usize| {
-        let sum: f64 = strains.of_cell(e).iter().map(|(v, strain)| v * dilatation(strain)).sum();
-        sum / strains.volume(e)
-    };
-    let around = strains.means(model, |e, _| [mean(e)]);
-    // By law: energy, and what of it locks, times c.
-    let mut laws: Vec<(Elasticity, f64, f64, f64)> = Vec::new();
+    let simplices = model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
+    let around = simplices.then(|| places.means(strains.volumes(), |e, _| [strains.mean_dilatation(e)]));
+    // By law: energy, what of it locks, and that times c.
+    let mut laws: Vec<[f64; 3]> = Vec::new();
     for (e, (cell, law)) in model.mesh.cells.iter().zip(model.materials()).enumerate() {
-        let points = strains.of_cell(e);
-        let mean = if cell.kind.is_simplex() {
-            let corners = cell.nodes.len();
-            (0..corners).map(|k| around[strains.place(e, k)][0]).sum::<f64>() / corners as f64
-        } else {
-            mean(e)
+        let mean = match &around {
+            Some(around) if cell.kind.is_simplex() => {
+                let corners = places.of_cell(e);
+                corners.iter().map(|&place| around[place][0]).sum::<f64>() / corners.len() as f64
+            }
+            _ => strains.mean_dilatation(e),
         };
-        let varies: f64 = points.iter().map(|(v, strain)| v * (dilatation(strain) - mean).powi(2)).sum();
-        let energy: f64 = points.iter().map(|(v, strain)| v * law.energy_density(strain)).sum();
+        let varies: f64 = strains.of_cell(e).iter().map(|(v, strain)| v * (dilatation(strain) - mean).powi(2)).sum();
         let [c, _] = measured(cell.kind)?;
         let locked = 0.5 * law.bulk() * varies;
-        match laws.iter_mut().find(|(other, ..)| other == law) {
-            Some((_, all, of_it, weighted)) => {
-                *all += energy;
-                *of_it += locked;
-                *weighted += c * locked;
-            }
-            None => laws.push((*law, energy, locked, c * locked)),
-        }
+        let number = places.laws()[e];
+        laws.resize(laws.len().max(number + 1), [0.0; 3]);
+        let add = [strains.energies()[e], locked, c * locked];
+        laws[number].iter_mut().zip(add).for_each(|(sum, x)| *sum += x);
     }
-    let all: f64 = laws.iter().map(|(_, energy, ..)| energy).sum();
-    let count = laws.into_iter().filter(|(_, energy, ..)| *energy > COUNTS * all);
-    count.map(|(_, energy, locked, weighted)| weighted / (energy - locked)).reduce(f64::max)
+    let all: f64 = laws.iter().map(|[energy, ..]| energy).sum();
+    let count = laws.into_iter().filter(|[energy, ..]| *energy > COUNTS * all);
+    count.map(|[energy, locked, weighted]| weighted / (energy - locked)).reduce(f64::max)
 }
 
 /// What [`locking`] is expected to be before a run: `c m^-1.4 (1 - 2ν)^-0.75` with m elements across the smaller side of the body;

@@ -2,10 +2,10 @@
 //!
 //! On linear cells they are means of what the cells of one law around a node have there, each with the weight of its volume. On
 //! cells of second order means are not good enough: each corner has a quadratic polynomial, fitted to the strains of the cells
-//! around (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331), and a node between two corners the mean of both.
+//! around (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331), and a node between two corners the mean of the
+//! polynomials of all corners of the cells that have it.
 
-use std::collections::{BTreeSet, HashMap};
-
+use super::places::Places;
 use super::strains::Strains;
 use crate::mesh::{CellKind, quadrature, quadrature_of, shape};
 use crate::model::Model;
@@ -20,19 +20,21 @@ const LAYERS: usize = 4;
 /// A pivot that is smaller, of a matrix whose columns are as large as one, is what rounding leaves.
 const SINGULAR: f64 = 1e-10;
 
-/// The strains at the places of [`Strains::place`]; none where too few cells of second order hang together.
-pub(super) fn recovered(model: &Model, strains: &Strains) -> Option<Vec<[f64; 6]>> {
-    if model.mesh.cells.iter().any(|cell| cell.kind.is_quadratic()) {
-        return fitted(model, strains);
+/// The strains at the `places`; none where too few cells of second order hang together.
+pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
+    let cells = &model.mesh.cells;
+    if cells.iter().any(|cell| cell.kind.is_quadratic()) {
+        return fitted(model, places, strains);
     }
-    let mut known: HashMap<CellKind, Vec<Vec<f64>>> = HashMap::new();
-    for cell in &model.mesh.cells {
-        known.entry(cell.kind).or_insert_with(|| continuation(cell.kind));
+    let mut known: [Option<Vec<[f64; COLUMNS]>>; CellKind::ALL.len()] = Default::default();
+    for cell in cells {
+        known[cell.kind as usize].get_or_insert_with(|| continuation(cell.kind));
     }
-    Some(strains.means(model, |e, k| {
-        let weights = &known[&model.mesh.cells[e].kind][k];
+    Some(places.means(strains.volumes(), |e, k| {
+        let points = strains.of_cell(e);
+        let weights = known[cells[e].kind as usize].as_ref().map_or([0.0; COLUMNS], |known| known[k]);
         let mut sum = [0.0; 6];
-        for (weight, (_, strain)) in weights.iter().zip(strains.of_cell(e)) {
+        for (weight, (_, strain)) in weights.iter().zip(points) {
             sum.iter_mut().zip(strain).for_each(|(sum, x)| *sum += weight * x);
         }
         sum
@@ -40,21 +42,34 @@ pub(super) fn recovered(model: &Model, strains: &Strains) -> Option<Vec<[f64; 6]
 }
 
 /// For each node of a linear cell the weights with which values at its integration points continue to there.
-fn continuation(kind: CellKind) -> Vec<Vec<f64>> {
-    let between: Vec<Vec<f64>> = quadrature(kind).iter().map(|(point, _)| shape(kind, *point)).collect();
-    let points = between.len();
-    if points == 1 {
-        return vec![vec![1.0]; kind.nodes()];
+fn continuation(kind: CellKind) -> Vec<[f64; COLUMNS]> {
+    let mut rows: Vec<[f64; COLUMNS]> = (quadrature(kind).into_iter().enumerate())
+        .map(|(k, (point, _))| {
+            let mut row = [0.0; COLUMNS];
+            row.iter_mut().zip(shape(kind, point)).for_each(|(row, n)| *row = n);
+            row[kind.nodes() + k] = 1.0;
+            row
+        })
+        .collect();
+    let mut weights = [0.0; COLUMNS];
+    if let [_] = rows[..] {
+        weights[0] = 1.0;
+        return vec![weights; kind.nodes()];
     }
-    // As many points as nodes: the values in the nodes that have these between them.
-    let unit = |k: usize| (0..points).map(move |j| f64::from(u8::from(j == k)));
-    let rows = between.into_iter().enumerate().map(|(k, row)| row.into_iter().chain(unit(k)).collect());
-    // The shape functions are independent at the points.
-    solved(rows.collect()).unwrap_or_else(|| vec![vec![f64::NAN; points]; points])
+    // As many points as nodes: the values in the nodes that have these between them. The shape functions are independent there.
+    let sound = solve(&mut rows).is_some();
+    let of_node = |row: &[f64; COLUMNS]| {
+        weights[..kind.nodes()].copy_from_slice(&row[kind.nodes()..2 * kind.nodes()]);
+        if sound { weights } else { [f64::NAN; COLUMNS] }
+    };
+    rows.iter().map(of_node).collect()
 }
 
-/// By Gauss and Jordan, `A⁻¹ B` of rows that hold those of A, and behind them those of B; none where A is singular.
-fn solved(mut rows: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
+/// The monomials of a quadratic polynomial in space, and as many strains: no system here has longer rows.
+const COLUMNS: usize = MONOMIALS + 6;
+
+/// By Gauss and Jordan, `A⁻¹ B` in the place of B of rows that hold those of A, and behind them those of B; none where A is singular.
+fn solve(rows: &mut [[f64; COLUMNS]]) -> Option<()> {
     let n = rows.len();
     for k in 0..n {
         let largest = (k..n).max_by(|&i, &j| rows[i][k].abs().total_cmp(&rows[j][k].abs()))?;
@@ -64,13 +79,13 @@ fn solved(mut rows: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
             return None;
         }
         rows[k].iter_mut().for_each(|x| *x /= pivot);
-        let scaled = rows[k].clone();
+        let scaled = rows[k];
         for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != k) {
             let factor = row[k];
-            row.iter_mut().zip(&scaled).for_each(|(x, y)| *x -= factor * y);
+            row[k..].iter_mut().zip(&scaled[k..]).for_each(|(x, y)| *x -= factor * y);
         }
     }
-    Some(rows.into_iter().map(|row| row[n..].to_vec()).collect())
+    Some(())
 }
 
 /// A polynomial of second degree for each strain, about a point.
@@ -78,91 +93,104 @@ struct Polynomial {
     about: [f64; 3],
     /// The size of the patch, m: coordinates are measured by it.
     size: f64,
+    dimension: usize,
     /// Of each monomial.
-    coefficients: Vec<Vec<f64>>,
+    coefficients: Vec<[f64; 6]>,
 }
 
-/// The monomials up to the second degree at `x`.
-fn monomials([x, y, z]: [f64; 3], dimension: usize) -> Vec<f64> {
+/// Those up to the second degree in space.
+const MONOMIALS: usize = 10;
+
+/// The monomials up to the second degree at `x`; in the plane 0 beyond the first six.
+fn monomials([x, y, z]: [f64; 3], dimension: usize) -> [f64; MONOMIALS] {
     match dimension {
-        2 => vec![1.0, x, y, x * x, x * y, y * y],
-        _ => vec![1.0, x, y, z, x * x, x * y, y * y, x * z, y * z, z * z],
+        2 => [1.0, x, y, x * x, x * y, y * y, 0.0, 0.0, 0.0, 0.0],
+        _ => [1.0, x, y, z, x * x, x * y, y * y, x * z, y * z, z * z],
     }
 }
 
 impl Polynomial {
     /// The nearest, in the mean square, to these strains; none where they do not determine one.
     fn new(about: [f64; 3], samples: &[([f64; 3], [f64; 6])], dimension: usize) -> Option<Self> {
-        let count = monomials(about, dimension).len();
+        let count = if dimension == 2 { 6 } else { MONOMIALS };
         if samples.len() < count + SPARE {
             return None;
         }
         let size = samples.iter().map(|(x, _)| norm(minus(*x, about))).fold(0.0, f64::max);
-        let mut rows = vec![vec![0.0; count + 6]; count];
+        let mut rows = [[0.0; COLUMNS]; MONOMIALS];
+        let rows = &mut rows[..count];
         for (x, strain) in samples {
             let q = monomials(minus(*x, about).map(|c| c / size), dimension);
             for (row, a) in rows.iter_mut().zip(&q) {
-                row.iter_mut().zip(q.iter().chain(strain)).for_each(|(sum, b)| *sum += a * b / samples.len() as f64);
+                let a = a / samples.len() as f64;
+                row.iter_mut().zip(q[..count].iter().chain(strain)).for_each(|(sum, b)| *sum += a * b);
             }
         }
-        Some(Polynomial { about, size, coefficients: solved(rows)? })
+        solve(rows)?;
+        let coefficients = rows.iter().map(|row| std::array::from_fn(|c| row[count + c])).collect();
+        Some(Polynomial { about, size, dimension, coefficients })
     }
 
-    fn at(&self, x: [f64; 3], dimension: usize) -> [f64; 6] {
-        let q = monomials(minus(x, self.about).map(|c| c / self.size), dimension);
-        std::array::from_fn(|c| q.iter().zip(&self.coefficients).map(|(q, of)| q * of[c]).sum())
+    fn at(&self, x: [f64; 3]) -> [f64; 6] {
+        let q = monomials(minus(x, self.about).map(|c| c / self.size), self.dimension);
+        let mut strain = [0.0; 6];
+        for (q, of) in q.iter().zip(&self.coefficients) {
+            strain.iter_mut().zip(of).for_each(|(strain, of)| *strain += q * of);
+        }
+        strain
     }
 }
 
 /// The strains in the nodes by a polynomial for each corner.
-fn fitted(model: &Model, strains: &Strains) -> Option<Vec<[f64; 6]>> {
+fn fitted(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
     let (mesh, d) = (&model.mesh, model.mesh.dimension);
-    let samples_of = |e: usize| {
-        let cell = &mesh.cells[e];
-        let nodes = mesh.points(&cell.nodes);
-        let at = |point| {
-            let n = shape(cell.kind, point);
-            [0, 1, 2].map(|c| n.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum::<f64>())
-        };
-        let points = quadrature_of(cell.kind, &nodes).into_iter().map(|(point, _)| at(point)).collect::<Vec<_>>();
-        points.into_iter().zip(strains.of_cell(e).iter().map(|(_, strain)| *strain)).collect::<Vec<_>>()
-    };
-    let samples: Vec<_> = (0..mesh.cells.len()).map(samples_of).collect();
-    let corners = |e: usize| (0..mesh.cells[e].kind.corners()).map(move |k| strains.place(e, k));
-    let mut around: HashMap<usize, Vec<usize>> = HashMap::new();
-    for e in 0..mesh.cells.len() {
-        corners(e).for_each(|place| around.entry(place).or_default().push(e));
-    }
-    let mut polynomials: HashMap<usize, Polynomial> = HashMap::new();
+    let mut samples: Vec<([f64; 3], [f64; 6])> = Vec::new();
+    let mut begins = vec![0];
     for (e, cell) in mesh.cells.iter().enumerate() {
-        for (k, place) in corners(e).enumerate() {
-            if polynomials.contains_key(&place) {
-                continue;
+        let nodes = mesh.points(&cell.nodes);
+        for ((point, _), (_, strain)) in quadrature_of(cell.kind, &nodes).into_iter().zip(strains.of_cell(e)) {
+            let n = shape(cell.kind, point);
+            let at = [0, 1, 2].map(|c| n.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum::<f64>());
+            samples.push((at, *strain));
+        }
+        begins.push(samples.len());
+    }
+    let corners = |e: usize| &places.of_cell(e)[..mesh.cells[e].kind.corners()];
+    let mut around = vec![Vec::new(); places.count()];
+    let mut nodes = vec![0; places.count()];
+    for (e, cell) in mesh.cells.iter().enumerate() {
+        for &place in corners(e) {
+            around[place].push(e);
+        }
+        places.of_cell(e).iter().zip(&cell.nodes).for_each(|(&place, &node)| nodes[place] = node);
+    }
+    let mut sums = vec![([0.0; 6], 0.0); places.count()];
+    // The corner that a place was last told of.
+    let mut last = vec![usize::MAX; places.count()];
+    for (corner, own) in around.iter().enumerate().filter(|(_, own)| !own.is_empty()) {
+        let mut patch = own.clone();
+        let fit = (0..LAYERS).find_map(|_| {
+            let of_patch: Vec<_> = patch.iter().flat_map(|&e| &samples[begins[e]..begins[e + 1]]).copied().collect();
+            let fit = Polynomial::new(mesh.nodes[nodes[corner]], &of_patch, d);
+            if fit.is_none() {
+                patch = patch.iter().flat_map(|&e| corners(e)).flat_map(|&place| &around[place]).copied().collect();
+                patch.sort_unstable();
+                patch.dedup();
             }
-            let mut patch: BTreeSet<usize> = around[&place].iter().copied().collect();
-            let fit = (0..LAYERS).find_map(|_| {
-                let of_patch: Vec<_> = patch.iter().flat_map(|&e| samples[e].iter().copied()).collect();
-                let fit = Polynomial::new(mesh.nodes[cell.nodes[k]], &of_patch, d);
-                if fit.is_none() {
-                    let next: Vec<usize> = patch.iter().flat_map(|&e| corners(e)).collect();
-                    patch.extend(next.iter().flat_map(|place| &around[place]));
+            fit
+        })?;
+        for &e in own {
+            for (k, &place) in places.of_cell(e).iter().enumerate() {
+                let takes = place == corner || k >= corners(e).len();
+                if takes && std::mem::replace(&mut last[place], corner) != corner {
+                    let (sum, count) = &mut sums[place];
+                    sum.iter_mut().zip(fit.at(mesh.nodes[nodes[place]])).for_each(|(sum, x)| *sum += x);
+                    *count += 1.0;
                 }
-                fit
-            });
-            polynomials.insert(place, fit?);
+            }
         }
     }
-    Some(strains.means(model, |e, k| {
-        let cell = &mesh.cells[e];
-        let at = mesh.nodes[cell.nodes[k]];
-        match cell.kind.ends(k) {
-            None => polynomials[&strains.place(e, k)].at(at, d),
-            Some(ends) => {
-                let [a, b] = ends.map(|end| polynomials[&strains.place(e, end)].at(at, d));
-                std::array::from_fn(|c| 0.5 * (a[c] + b[c]))
-            }
-        }
-    }))
+    Some(sums.into_iter().map(|(sum, count)| sum.map(|x| x / count)).collect())
 }
 
 #[cfg(test)]
@@ -174,12 +202,12 @@ mod tests {
     fn values_in_nodes_are_met() {
         for kind in CellKind::ALL.into_iter().filter(|kind| !kind.is_quadratic()) {
             let value = |k: usize| if kind.is_simplex() { 3.0 } else { (k * k) as f64 };
-            let times =
-                |row: &[f64], x: &dyn Fn(usize) -> f64| row.iter().enumerate().map(|(k, a)| a * x(k)).sum::<f64>();
-            let points: Vec<f64> =
-                quadrature(kind).into_iter().map(|(point, _)| times(&shape(kind, point), &value)).collect();
+            let points: Vec<f64> = (quadrature(kind).into_iter())
+                .map(|(point, _)| shape(kind, point).iter().enumerate().map(|(k, n)| n * value(k)).sum())
+                .collect();
             for (k, row) in continuation(kind).iter().enumerate() {
-                assert!((times(row, &|j| points[j]) - value(k)).abs() < 1e-12, "{kind:?}");
+                let continued: f64 = row.iter().zip(&points).map(|(weight, x)| weight * x).sum();
+                assert!((continued - value(k)).abs() < 1e-12, "{kind:?}");
             }
         }
     }
@@ -196,7 +224,7 @@ mod tests {
             };
             let samples: Vec<_> = (0..20).map(place).map(|x| (x, strain(x))).collect();
             let fit = Polynomial::new(place(20), &samples, d).unwrap();
-            let (found, exact) = (fit.at(place(21), d), strain(place(21)));
+            let (found, exact) = (fit.at(place(21)), strain(place(21)));
             assert!(found.iter().zip(exact).all(|(a, b)| (a - b).abs() < 1e-10), "{found:?} {exact:?}");
             assert!(Polynomial::new(place(20), &samples[..6], d).is_none());
             assert!(Polynomial::new(place(20), &[samples[0]; 20], d).is_none());

@@ -49,11 +49,16 @@ impl Model {
                 *strain = with_dilatation(*strain, dot(&at_corners, corner_shape(cell.kind, point)));
             }
         } else if !factors.is_empty() {
-            let free = free_stretch(self.is_thin(), self.free_strain(e, factors));
+            let free = self.free_stretch(e, factors);
             for (_, strain) in &mut strains {
                 strain.iter_mut().zip(free).for_each(|(strain, free)| *strain -= free);
             }
         }
         strains
+    }
+
+    /// The strain that heat alone makes of cell `e`.
+    pub(crate) fn free_stretch(&self, e: usize, factors: &[f64]) -> [f64; 6] {
+        free_stretch(self.is_thin(), self.free_strain(e, factors))
     }
 }

@@ -65,7 +65,7 @@ impl Model {
     }
 
     /// The same at the corners of cell `e`, which is linear between them; none where the cell keeps its own dilatation.
-    pub(super) fn corner_dilatations(&self, e: usize, factors: &[f64], displacements: &[[f64; 3]]) -> Option<Vec<f64>> {
+    pub(crate) fn corner_dilatations(&self, e: usize, factors: &[f64], displacements: &[[f64; 3]]) -> Option<Vec<f64>> {
         let volumes = self.volumes.of_cell(e);
         let at_corners = volumes.iter().map(|&a| self.elastic_dilatation(a, factors, displacements)).collect();
         (!volumes.is_empty()).then_some(at_corners)

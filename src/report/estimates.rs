@@ -3,9 +3,11 @@
 use serde::Serialize;
 
 use super::warnings::{Warning, WarningKind};
+use crate::contact::ContactStatus;
 use crate::estimate::{ContactEstimate, ContactGraph, ElementEstimate, HertzContact, peak_error};
 use crate::history::{Status, Step};
 use crate::model::Model;
+use crate::problem::State;
 use crate::units::{Quantity, UnitSystem};
 
 /// Estimates of what the mesh leaves open.
@@ -25,9 +27,20 @@ pub struct Estimates {
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimateWatch {
     graph: ContactGraph,
-    contact: Vec<Option<ContactEstimate>>,
+    /// Of each contact surface the state with the largest force.
+    heaviest: Vec<Heaviest>,
     /// The state with the largest strain energy (J): that, its time and its displacements.
     strained: Option<(f64, f64, Vec<f64>)>,
+}
+
+/// The largest force on a contact surface so far, N, and what makes it up; 0 before anything touches.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Heaviest {
+    force: f64,
+    time: f64,
+    /// The contact forces; displacements are left out.
+    state: State,
+    statuses: Vec<ContactStatus>,
 }
 
 /// Zones with fewer nodes across have a peak that may be a tenth off.
@@ -52,19 +65,23 @@ impl EstimateWatch {
     /// Before the first increment of `model`.
     pub fn new(model: &Model) -> Self {
         let graph = ContactGraph::new(model);
-        let contact = graph.forces(&vec![0.0; model.contacts.len()]).map(|_| None).collect();
-        EstimateWatch { graph, contact, strained: None }
+        let heaviest = vec![Heaviest::default(); graph.surfaces().len()];
+        EstimateWatch { graph, heaviest, strained: None }
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
-    pub fn see(&mut self, model: &Model, step: &Step<'_>) {
+    pub fn see(&mut self, step: &Step<'_>) {
         if step.record.status != Status::Converged {
             return;
         }
-        for (k, force) in self.graph.forces(&step.state.p_n).enumerate() {
-            if force > self.contact[k].as_ref().map_or(0.0, |heaviest| heaviest.force) {
-                let time = step.record.time;
-                self.contact[k] = ContactEstimate::new(model, &self.graph, k, time, step.state, step.statuses);
+        for (heaviest, force) in self.heaviest.iter_mut().zip(self.graph.forces(&step.state.p_n)) {
+            if force > heaviest.force {
+                (heaviest.force, heaviest.time) = (force, step.record.time);
+                heaviest.state.p_n.clone_from(&step.state.p_n);
+                heaviest.state.p_t.clone_from(&step.state.p_t);
+                heaviest.state.p_o.clone_from(&step.state.p_o);
+                heaviest.statuses.clear();
+                heaviest.statuses.extend_from_slice(step.statuses);
             }
         }
         let (energy, time) = (step.record.strain_energy, step.record.time);
@@ -84,8 +101,12 @@ impl EstimateWatch {
             .strained
             .as_ref()
             .map(|(_, time, u)| ElementEstimate::new(model, &model.thermal_factors(*time), &model.displaced(*time, u)));
+        let contact = |(k, heaviest): (usize, &Heaviest)| {
+            let Heaviest { force, time, state, statuses } = heaviest;
+            (*force > 0.0).then(|| ContactEstimate::new(model, &self.graph, k, *time, state, statuses)).flatten()
+        };
         Estimates {
-            contact: self.contact.iter().flatten().cloned().collect(),
+            contact: self.heaviest.iter().enumerate().filter_map(contact).collect(),
             locking: elements.as_ref().and_then(|elements| elements.locking),
             discretisation: elements.and_then(|elements| elements.discretisation).map(|error| error.whole),
         }

@@ -16,6 +16,7 @@ mod gmsh;
 mod layers;
 mod loads;
 mod locking;
+mod mesh_error;
 mod moving_obstacles;
 mod nodal_volume;
 mod nodal_volume_scenes;
