@@ -4,6 +4,7 @@ mod arrays;
 mod block;
 mod boundaries;
 mod check;
+mod geometry;
 mod gmsh;
 mod half_plane;
 mod interpolation;
@@ -17,6 +18,7 @@ mod source;
 
 pub use block::block;
 pub use check::MeshFault;
+pub use geometry::Geometry;
 pub(crate) use gmsh::faces;
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
 pub use interpolation::shape;
@@ -32,6 +34,8 @@ use crate::vector::{cross, minus};
 pub struct Mesh {
     /// 2 or 3.
     pub dimension: usize,
+    /// What the coordinates are.
+    pub geometry: Geometry,
     /// Node coordinates, m; z = 0 in two dimensions.
     pub nodes: Vec<[f64; 3]>,
     /// The cells, each of the mesh's dimension.

@@ -30,7 +30,7 @@ impl DiscretisationError {
         let in_nodes = recovered(model, strains)?;
         let (mut squares, mut energy) = (Vec::with_capacity(mesh.cells.len()), 0.0);
         for (e, (cell, law)) in mesh.cells.iter().zip(model.materials()).enumerate() {
-            let rule = quadrature_of(cell.kind, &mesh.points(&cell.nodes));
+            let rule = quadrature_of(cell.kind, mesh.geometry, &mesh.points(&cell.nodes));
             let mut square = 0.0;
             for ((volume, strain), (point, _)) in strains.of_cell(e).iter().zip(rule) {
                 let mut off = strain.map(|strain| -strain);

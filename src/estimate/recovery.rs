@@ -7,7 +7,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use super::strains::Strains;
-use crate::mesh::{CellKind, quadrature, quadrature_of, shape};
+use crate::mesh::{CellKind, Geometry, quadrature_of, shape};
 use crate::model::Model;
 use crate::vector::{minus, norm};
 
@@ -27,7 +27,7 @@ pub(super) fn recovered(model: &Model, strains: &Strains) -> Option<Vec<[f64; 6]
     }
     let mut known: HashMap<CellKind, Vec<Vec<f64>>> = HashMap::new();
     for cell in &model.mesh.cells {
-        known.entry(cell.kind).or_insert_with(|| continuation(cell.kind));
+        known.entry(cell.kind).or_insert_with(|| continuation(cell.kind, model.mesh.geometry));
     }
     Some(strains.means(model, |e, k| {
         let weights = &known[&model.mesh.cells[e].kind][k];
@@ -40,8 +40,8 @@ pub(super) fn recovered(model: &Model, strains: &Strains) -> Option<Vec<[f64; 6]
 }
 
 /// For each node of a linear cell the weights with which values at its integration points continue to there.
-fn continuation(kind: CellKind) -> Vec<Vec<f64>> {
-    let between: Vec<Vec<f64>> = quadrature(kind).iter().map(|(point, _)| shape(kind, *point)).collect();
+fn continuation(kind: CellKind, geometry: Geometry) -> Vec<Vec<f64>> {
+    let between: Vec<Vec<f64>> = rule(kind, geometry).iter().map(|(point, _)| shape(kind, *point)).collect();
     let points = between.len();
     if points == 1 {
         return vec![vec![1.0]; kind.nodes()];
@@ -51,6 +51,12 @@ fn continuation(kind: CellKind) -> Vec<Vec<f64>> {
     let rows = between.into_iter().enumerate().map(|(k, row)| row.into_iter().chain(unit(k)).collect());
     // The shape functions are independent at the points.
     solved(rows.collect()).unwrap_or_else(|| vec![vec![f64::NAN; points]; points])
+}
+
+/// The integration points of a linear cell, the same for all of a kind.
+fn rule(kind: CellKind, geometry: Geometry) -> Vec<([f64; 3], f64)> {
+    let nodes: Vec<[f64; 3]> = (0..kind.nodes()).map(|k| kind.reference_node(k)).collect();
+    quadrature_of(kind, geometry, &nodes)
 }
 
 /// By Gauss and Jordan, `A⁻¹ B` of rows that hold those of A, and behind them those of B; none where A is singular.
@@ -124,7 +130,8 @@ fn fitted(model: &Model, strains: &Strains) -> Option<Vec<[f64; 6]>> {
             let n = shape(cell.kind, point);
             [0, 1, 2].map(|c| n.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum::<f64>())
         };
-        let points = quadrature_of(cell.kind, &nodes).into_iter().map(|(point, _)| at(point)).collect::<Vec<_>>();
+        let points =
+            quadrature_of(cell.kind, mesh.geometry, &nodes).into_iter().map(|(point, _)| at(point)).collect::<Vec<_>>();
         points.into_iter().zip(strains.of_cell(e).iter().map(|(_, strain)| *strain)).collect::<Vec<_>>()
     };
     let samples: Vec<_> = (0..mesh.cells.len()).map(samples_of).collect();
@@ -173,13 +180,15 @@ mod tests {
     #[test]
     fn values_in_nodes_are_met() {
         for kind in CellKind::ALL.into_iter().filter(|kind| !kind.is_quadratic()) {
-            let value = |k: usize| if kind.is_simplex() { 3.0 } else { (k * k) as f64 };
-            let times =
-                |row: &[f64], x: &dyn Fn(usize) -> f64| row.iter().enumerate().map(|(k, a)| a * x(k)).sum::<f64>();
-            let points: Vec<f64> =
-                quadrature(kind).into_iter().map(|(point, _)| times(&shape(kind, point), &value)).collect();
-            for (k, row) in continuation(kind).iter().enumerate() {
-                assert!((times(row, &|j| points[j]) - value(k)).abs() < 1e-12, "{kind:?}");
+            for geometry in [Geometry::Cartesian, Geometry::Axisymmetric] {
+                let rule = super::rule(kind, geometry);
+                let value = |k: usize| if rule.len() == 1 { 3.0 } else { (k * k) as f64 };
+                let times =
+                    |row: &[f64], x: &dyn Fn(usize) -> f64| row.iter().enumerate().map(|(k, a)| a * x(k)).sum::<f64>();
+                let points: Vec<f64> = rule.iter().map(|(point, _)| times(&shape(kind, *point), &value)).collect();
+                for (k, row) in continuation(kind, geometry).iter().enumerate() {
+                    assert!((times(row, &|j| points[j]) - value(k)).abs() < 1e-12, "{kind:?}");
+                }
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::model::Model;
 /// The elastic strains of a body, and where its nodes have values of their own: one for each law of the cells around, for at a
 /// border between materials strains jump.
 pub(super) struct Strains {
-    /// Volumes (m³; in two dimensions areas, m²) and strains of all integration points, cell by cell.
+    /// Volumes (m³; in two dimensions areas, m²; in a body of revolution all around) and strains of all integration points, cell by cell.
     points: Vec<(f64, [f64; 6])>,
     /// Where those of each cell begin, and the end.
     begins: Vec<usize>,
@@ -27,7 +27,7 @@ impl Strains {
         for e in 0..model.mesh.cells.len() {
             let strains = model.elastic_strains(e, factors, displacements);
             match model.element() {
-                Element::NodalVolume => points.push(mean(&strains)),
+                Element::NodalVolume => points.extend(strains.chunks(model.mesh.cells[e].nodes.len()).map(mean)),
                 Element::Bilinear | Element::BBar => points.extend(strains),
             }
             begins.push(points.len());
@@ -81,7 +81,7 @@ impl Strains {
     }
 }
 
-/// The volume and the mean strain of a cell, whose strains at its nodes differ in dilatation alone.
+/// The volume and the mean strain of a point, whose strains by its nodes differ in dilatation alone.
 fn mean(strains: &[(f64, [f64; 6])]) -> (f64, [f64; 6]) {
     let volume: f64 = strains.iter().map(|(volume, _)| volume).sum();
     let component = |c: usize| strains.iter().map(|(v, strain)| v / volume * strain[c]).sum();

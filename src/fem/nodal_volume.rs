@@ -8,6 +8,9 @@
 //! K = Σ_e ∫ Bᵀ D_dev B dV + Σ_a κ / V_a G_aᵀ G_a,   D_dev = 2 μ (1 - ⅓ 1 1ᵀ).
 //! ```
 //!
+//! In a body of revolution, where strains and volumes are not uniform in a cell, the shares are `V_a = Σ_e ∫ N_a dV` and
+//! `G_a = Σ_e ∫ N_a tr B dV`.
+//!
 //! There are fewer volumes to be held than displacements, so that nothing locks, and displacements are the only unknowns; in
 //! exchange all nodes of the cells around a node are coupled.
 
@@ -16,9 +19,9 @@ use std::collections::HashMap;
 use super::elastic::{Elasticity, numbered};
 use super::facet::NodalForces;
 use super::inverted::InvertedElement;
-use super::shape::gradients_at;
+use super::shape::CellPoint;
 use super::strain::Element;
-use crate::mesh::{CellKind, Mesh, quadrature_of};
+use crate::mesh::{CellKind, Mesh, quadrature_of, shape};
 use crate::vector::dot;
 
 /// The nodal volumes of a mesh: one for each node and each law of the cells around it.
@@ -31,7 +34,7 @@ pub struct NodalVolumes {
 /// What the cells of one law around a node leave to it.
 #[derive(Debug, Clone)]
 pub(super) struct NodalVolume {
-    /// `V_a`, m³; in two dimensions m².
+    /// `V_a`, m³; in two dimensions m², in a body of revolution all around.
     volume: f64,
     /// `κ`, Pa.
     bulk: f64,
@@ -44,8 +47,8 @@ pub(super) struct NodalVolume {
 /// A cell that is shared between its nodes.
 #[derive(Debug, Clone, Default)]
 struct Shared {
-    /// Its volume by the number of its nodes.
-    share: f64,
+    /// Of the volume that each of its integration points stands for, that of each of its nodes.
+    shares: Vec<Vec<f64>>,
     /// The volumes of its nodes; none of a cell that keeps its own dilatation.
     volumes: Vec<usize>,
 }
@@ -71,16 +74,18 @@ impl NodalVolumes {
             let mut shared = Shared::default();
             if Self::take(cell.kind) {
                 let corners = mesh.points(&cell.nodes);
-                let points = gradients_at(cell.kind, &quadrature_of(cell.kind, &corners), &corners);
+                let rule = quadrature_of(cell.kind, mesh.geometry, &corners);
+                let points = CellPoint::all(cell.kind, mesh.geometry, &corners, &rule);
                 let points = points.ok_or_else(|| InvertedElement::of(mesh, e))?;
-                let volume: f64 = points.iter().map(|(_, volume)| volume).sum();
-                shared.share = volume / cell.nodes.len() as f64;
-                for &node in &cell.nodes {
+                shared.shares = shares(cell.kind, &rule, &points);
+                for (k, &node) in cell.nodes.iter().enumerate() {
                     let place = *known.entry((node, law)).or_insert_with(|| {
                         all.volumes.push(NodalVolume::without_cells(material(e).bulk()));
                         all.volumes.len() - 1
                     });
-                    all.volumes[place].add(shared.share, &cell.nodes, &points[0].0);
+                    for (point, shares) in points.iter().zip(&shared.shares) {
+                        all.volumes[place].add(shares[k], &cell.nodes, point);
+                    }
                     shared.volumes.push(place);
                 }
             }
@@ -102,6 +107,12 @@ impl NodalVolumes {
         self.cells.get(e).map_or(&[], |cell| &cell.volumes)
     }
 
+    /// Of the volume that each integration point of cell `e` stands for (m³; in two dimensions m², in a body of revolution all around),
+    /// what its nodes have of it; none where the cell keeps its own dilatation.
+    pub fn shares(&self, e: usize) -> &[Vec<f64>] {
+        self.cells.get(e).map_or(&[], |cell| &cell.shares)
+    }
+
     /// The dilatation `θ_a` of volume `a` for `displacements` of all nodes, m.
     pub fn dilatation(&self, a: usize, displacements: &[[f64; 3]]) -> f64 {
         let NodalVolume { nodes, gradients, .. } = &self.volumes[a];
@@ -112,14 +123,14 @@ impl NodalVolumes {
     pub fn means(&self, of_cells: &[f64]) -> Vec<f64> {
         let mut means = vec![0.0; self.volumes.len()];
         for (cell, value) in self.cells.iter().zip(of_cells) {
-            for &a in &cell.volumes {
-                means[a] += cell.share / self.volumes[a].volume * value;
+            for (&a, share) in cell.shares.iter().flat_map(|shares| cell.volumes.iter().zip(shares)) {
+                means[a] += share / self.volumes[a].volume * value;
             }
         }
         means
     }
 
-    /// The forces `Σ_a κ θ_a G_aᵀ` (N; in two dimensions per unit depth) that a stress-free `dilatation` of each volume exerts while
+    /// The forces `Σ_a κ θ_a G_aᵀ` (N; in two dimensions per unit depth, of a body of revolution all around) that a stress-free `dilatation` of each volume exerts while
     /// the nodes are held.
     pub fn forces(&self, dilatation: &[f64]) -> NodalForces {
         let of_volume = |(of, dilatation): (&NodalVolume, &f64)| {
@@ -136,21 +147,32 @@ impl NodalVolumes {
     }
 }
 
+/// What each node of a cell has of the volume that each point of a rule stands for.
+fn shares(kind: CellKind, rule: &[([f64; 3], f64)], points: &[CellPoint]) -> Vec<Vec<f64>> {
+    let nodes = kind.nodes();
+    let of_point = |((place, _), point): (&([f64; 3], f64), &CellPoint)| match points {
+        // The centre, without rounding.
+        [_] => vec![point.volume / nodes as f64; nodes],
+        _ => shape(kind, *place).into_iter().map(|n| n * point.volume).collect(),
+    };
+    rule.iter().zip(points).map(of_point).collect()
+}
+
 impl NodalVolume {
     fn without_cells(bulk: f64) -> Self {
         NodalVolume { volume: 0.0, bulk, nodes: Vec::new(), gradients: Vec::new() }
     }
 
-    /// Adds a `share` of a cell whose shape functions have these gradients. The sum is `G_a` until it is divided.
-    fn add(&mut self, share: f64, nodes: &[usize], of_cell: &[[f64; 3]]) {
+    /// Adds a `share` of a point of a cell with these nodes. The sum is `G_a` until it is divided.
+    fn add(&mut self, share: f64, nodes: &[usize], point: &CellPoint) {
         self.volume += share;
-        for (node, gradient) in nodes.iter().zip(of_cell) {
+        for (k, node) in nodes.iter().enumerate() {
             let place = self.nodes.iter().position(|other| other == node).unwrap_or_else(|| {
                 self.nodes.push(*node);
                 self.gradients.push([0.0; 3]);
                 self.nodes.len() - 1
             });
-            self.gradients[place].iter_mut().zip(gradient).for_each(|(sum, g)| *sum += share * g);
+            self.gradients[place].iter_mut().zip(point.dilatation(k)).for_each(|(sum, g)| *sum += share * g);
         }
     }
 

@@ -5,7 +5,7 @@ use crate::fem::{Spring, free_stretch, strains, with_dilatation};
 use crate::problem::State;
 
 impl Model {
-    /// The strain energy of the body and its springs at time `t` (s), J, in two dimensions per m of depth:
+    /// The strain energy of the body and its springs at time `t` (s), J, in two dimensions per m of depth, of a body of revolution all around:
     ///
     /// ```text
     /// ½ ∫ (ε - ε₀) D (ε - ε₀) dV + ½ uᵀ K_s u
@@ -28,26 +28,27 @@ impl Model {
     }
 
     /// The strains of cell `e` at its integration points, each with its volume, beyond those that heat alone makes; where dilatations are
-    /// averaged at the nodes, those in its nodes.
+    /// averaged at the nodes, those of its nodes at each point, with their shares of its volume.
     pub(crate) fn elastic_strains(
         &self,
         e: usize,
         factors: &[f64],
         displacements: &[[f64; 3]],
     ) -> Vec<(f64, [f64; 6])> {
-        let cell = &self.mesh.cells[e];
+        let (cell, mesh) = (&self.mesh.cells[e], &self.mesh);
+        let corners = mesh.points(&cell.nodes);
         let moved: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
         // Assembly has refused cells that have none.
-        let mut strains =
-            strains(cell.kind, &self.mesh.points(&cell.nodes), &moved, self.element()).unwrap_or_default();
+        let mut strains = strains(cell.kind, mesh.geometry, &corners, &moved, self.element()).unwrap_or_default();
         let volumes = self.volumes.of_cell(e);
         if !volumes.is_empty() {
-            let in_node = |(volume, strain): (f64, [f64; 6]), a: usize| {
-                let free = 3.0 * self.free_strain_of_volume(a, factors);
-                let dilatation = self.volumes.dilatation(a, displacements) - free;
-                (volume / volumes.len() as f64, with_dilatation(strain, dilatation))
+            let dilatations: Vec<f64> =
+                volumes.iter().map(|&a| self.elastic_dilatation(a, factors, displacements)).collect();
+            let of_point = |(shares, (_, strain)): (&Vec<f64>, (f64, [f64; 6]))| {
+                let in_node = |(share, dilatation): (&f64, &f64)| (*share, with_dilatation(strain, *dilatation));
+                shares.iter().zip(&dilatations).map(in_node).collect::<Vec<_>>()
             };
-            return strains.into_iter().flat_map(|whole| volumes.iter().map(move |&a| in_node(whole, a))).collect();
+            return self.volumes.shares(e).iter().zip(strains).flat_map(of_point).collect();
         }
         if !factors.is_empty() {
             let free = free_stretch(self.is_thin(), self.free_strain(e, factors));

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 use super::Model;
-use crate::fem::{cell_volume, stress_at, thermal_stress};
+use crate::fem::{cell_volume, strain_at, thermal_stress, with_dilatation};
 use crate::mesh::shape;
 use crate::problem::ProblemError;
 use crate::problem::error::expect_length;
 
 impl Model {
     /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of every cell, for the displacements
-    /// of all nodes (m) at time `t` (s); with `σ_zz` of plane strain, and 0 in plane stress. What heat alone makes of the strain
+    /// of all nodes (m) at time `t` (s); with `σ_zz` of plane strain, 0 in plane stress, and the hoop stress in a body of revolution. What heat alone makes of the strain
     /// is taken off.
     ///
     /// # Errors
@@ -31,7 +31,7 @@ impl Model {
     pub(crate) fn nodal_stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
         let mut sums: BTreeMap<usize, (usize, f64, [f64; 6])> = BTreeMap::new();
         for (e, cell) in self.mesh.cells.iter().enumerate() {
-            let volume = cell_volume(cell.kind, &self.mesh.points(&cell.nodes)).unwrap_or(f64::NAN);
+            let volume = cell_volume(cell.kind, self.mesh.geometry, &self.mesh.points(&cell.nodes)).unwrap_or(f64::NAN);
             let alike =
                 |first: usize| self.materials[first] == self.materials[e] && self.mesh.cells[first].group == cell.group;
             for (k, &node) in cell.nodes.iter().enumerate() {
@@ -57,28 +57,31 @@ impl Model {
         self.thermal.iter().zip(factors).map(|((free, _), f)| f * free.of_cells[e]).sum()
     }
 
-    /// The same of nodal volume `a`.
-    pub(super) fn free_strain_of_volume(&self, a: usize, factors: &[f64]) -> f64 {
-        self.thermal.iter().zip(factors).map(|((free, _), f)| f * free.of_volumes[a]).sum()
+    /// The dilatation of nodal volume `a` beyond that of heat alone.
+    pub(super) fn elastic_dilatation(&self, a: usize, factors: &[f64], displacements: &[[f64; 3]]) -> f64 {
+        let free: f64 = self.thermal.iter().zip(factors).map(|((free, _), f)| f * free.of_volumes[a]).sum();
+        self.volumes.dilatation(a, displacements) - 3.0 * free
     }
 
     /// The stress (Pa) at the reference point `point` of cell `e`.
     pub(crate) fn stress_in(&self, e: usize, point: [f64; 3], factors: &[f64], displacements: &[[f64; 3]]) -> [f64; 6] {
         let (cell, material) = (&self.mesh.cells[e], &self.materials[e]);
-        if !self.volumes.of_cell(e).is_empty() {
-            // The strains of the nodes, interpolated: what equilibrium knows of the dilatation is its mean in the cell.
-            let mut strain = [0.0; 6];
-            for ((_, at_node), n) in self.elastic_strains(e, factors, displacements).iter().zip(shape(cell.kind, point))
-            {
-                strain.iter_mut().zip(at_node).for_each(|(sum, c)| *sum += n * c);
-            }
-            return material.stress(strain);
-        }
         let corners = self.mesh.points(&cell.nodes);
-        let corner_displacements: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
+        let moved: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
+        let strain = strain_at(cell.kind, self.mesh.geometry, point, &corners, &moved, self.element());
         // Assembly has refused cells that have none.
-        let stress = stress_at(cell.kind, point, &corners, &corner_displacements, self.element(), material);
-        let mut stress = stress.unwrap_or([f64::NAN; 6]);
+        let strain = strain.unwrap_or([f64::NAN; 6]);
+        let volumes = self.volumes.of_cell(e);
+        if !volumes.is_empty() {
+            // The dilatations of the nodes, interpolated: what equilibrium knows of the dilatation is its mean in the cell.
+            let mut sum = [0.0; 6];
+            for (&a, n) in volumes.iter().zip(shape(cell.kind, point)) {
+                let at_node = with_dilatation(strain, self.elastic_dilatation(a, factors, displacements));
+                sum.iter_mut().zip(at_node).for_each(|(sum, c)| *sum += n * c);
+            }
+            return material.stress(sum);
+        }
+        let mut stress = material.stress(strain);
         if !factors.is_empty() {
             let free = thermal_stress(material, self.is_thin(), self.free_strain(e, factors));
             stress.iter_mut().zip(free).for_each(|(s, free)| *s -= free);
