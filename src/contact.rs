@@ -24,6 +24,7 @@ pub use kinematics::{ContactBoundary, ContactNode, End, Row, Term, contact_nodes
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
 pub(crate) use kkt::{judge, rounding_level, statuses_of};
 pub use motion::{ObstacleMotion, Rates};
+pub(crate) use obstacle::Round;
 pub use obstacle::{Facing, ObstacleError, PlacedObstacle};
 pub use range::{DeformedNode, RangeLeft, TOLERATED_SHARE, range_left};
 pub use triangles::SurfaceError;

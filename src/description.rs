@@ -176,7 +176,8 @@ impl Description {
 
     /// The units in which results of a body of so many dimensions are told.
     pub fn system(&self, dimension: usize) -> UnitSystem {
-        UnitSystem { units: self.units, dimension }
+        let per_depth = dimension == 2 && !self.material.is_axisymmetric();
+        UnitSystem { units: self.units, dimension, per_depth }
     }
 
     /// The end of the history, s; 0 without increments.

@@ -4,6 +4,7 @@ mod arrays;
 mod block;
 mod boundaries;
 mod check;
+mod geometry;
 mod gmsh;
 mod half_plane;
 mod interpolation;
@@ -18,11 +19,13 @@ mod source;
 
 pub use block::block;
 pub use check::MeshFault;
+pub use geometry::Geometry;
 pub(crate) use gmsh::faces;
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
 pub(crate) use interpolation::{Jacobian, local_gradients};
 pub use interpolation::{corner_shape, shape};
 pub use kind::CellKind;
+pub(crate) use quadrature::stiffness_rule;
 pub use quadrature::{fine_quadrature, quadrature, quadrature_of};
 pub(crate) use reference::{MOST_NODES, ReferenceCell, ReferenceCells, ReferencePoint};
 pub use source::{HalfPlane, MeshError, MeshSource, Segment};
@@ -34,6 +37,8 @@ use crate::vector::{cross, minus};
 pub struct Mesh {
     /// 2 or 3.
     pub dimension: usize,
+    /// What the coordinates are.
+    pub geometry: Geometry,
     /// Node coordinates, m; z = 0 in two dimensions.
     pub nodes: Vec<[f64; 3]>,
     /// The cells, each of the mesh's dimension.

@@ -5,6 +5,7 @@ mod contact;
 mod element;
 mod energy;
 mod load;
+mod meridian;
 mod place;
 mod range;
 mod recovery;
@@ -121,7 +122,7 @@ impl Model {
     /// nothing, contact where supports hold the body inside the obstacle, nothing free; the message names the key.
     pub fn build(description: &Description) -> Result<Self, ModelError> {
         description.check()?;
-        let mesh = description.mesh.made()?;
+        let mesh = meridian::meridian(description, description.mesh.made()?)?;
         description.formulas_suit(mesh.dimension)?;
         let holdings = support::holdings(description, &mesh)?;
         let dofs = support::dofs(&mesh, &holdings)?;

@@ -133,6 +133,7 @@ fn body(scene: &Scene, model: &Model) {
     let state = match (model.mesh.dimension, plane.unwrap_or_default()) {
         (2, Plane::Strain) => "plane strain, unit thickness",
         (2, Plane::Stress) => "plane stress, unit thickness",
+        (2, Plane::Axisymmetric) => "axisymmetric about x = 0, forces all around",
         _ => "three dimensions",
     };
     let modulus = |young: f64| told(&units, Quantity::Stress, young);

@@ -45,8 +45,8 @@ pub struct ContactNode {
     pub facing: Facing,
     /// The obstacle's own tangents, along which results are told: they are the same for all nodes in front of a plane.
     pub frame: [[f64; 3]; 2],
-    /// The share of the node in the contact boundaries, `∫ N dA`: m in two dimensions (the trapezoidal rule), m² in three; on
-    /// boundaries of second order `∫ Ñ dA`.
+    /// The share of the node in the contact boundaries, `∫ N dA`: m in two dimensions (the trapezoidal rule), m² in three, and of a
+    /// body of revolution all around; on boundaries of second order `∫ Ñ dA`.
     pub weight: f64,
 }
 

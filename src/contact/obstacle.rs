@@ -7,8 +7,8 @@ use super::description::{GapDirection, Obstacle, Place, Rotation, SKEW, Shape};
 use super::gap_table::{GapTable, TableError};
 use super::surface::Surface;
 use super::triangles::{SurfaceError, Triangles};
-use crate::mesh::{Boundary, Mesh};
-use crate::vector::{Vector, across, axis_across, cross, dot, minus, norm, unit};
+use crate::mesh::{Boundary, Geometry, Mesh};
+use crate::vector::{Vector, across, axis_across, cross, dot, minus, norm, plus, unit};
 
 /// An obstacle in front of a part of the boundary. Small displacements: gaps are measured once, in
 /// the undeformed state.
@@ -70,6 +70,15 @@ pub enum ObstacleError {
     /// A cone that opens towards the body.
     #[error("the axis of the cone points into the body, or along its surface")]
     ConeTowardsBody,
+    /// A sphere, socket or cone in front of a body of revolution that is none about the same axis.
+    #[error("the obstacle is a {0} that is not about the axis x = 0 of the body")]
+    OffAxis(&'static str),
+    /// An obstacle in front of a body of revolution that would not stay one, or rub across the section.
+    #[error("the obstacle turns, but the body is axisymmetric")]
+    TurnsRound,
+    /// An obstacle of revolution whose radius would change.
+    #[error("the obstacle moves away from the axis of the body, or towards it, by its {0}")]
+    MovesAside(&'static str),
     /// A table that cannot be used.
     #[error(transparent)]
     Table(#[from] TableError),
@@ -91,6 +100,18 @@ impl ObstacleError {
             ObstacleError::NoAxis => "give an axis, such as [0, 1, 0]",
             ObstacleError::SkewAxis => "turn the axis, or give the obstacle a normal at right angles to it",
             ObstacleError::ConeTowardsBody => "let the axis point from the tip into the cone, out of the body",
+            ObstacleError::OffAxis(_) => {
+                "give a point of the axis, [0, y], for its `center` or `apex`, and a cone the axis [0, 1] or [0, -1]; a cylinder, \
+                 bore or wedge may be anywhere, and is a ring"
+            }
+            ObstacleError::TurnsRound => {
+                "remove motion.rotation: what turns about the axis rubs across the section, which is not computed, and what turns \
+                 about anything else is no obstacle of revolution"
+            }
+            ObstacleError::MovesAside(_) => {
+                "let it move along y: by motion.translation, or by approach with the normal [0, 1] or [0, -1]; an interference of \
+                 radii is a negative gap"
+            }
             ObstacleError::Table(_) => {
                 "give a CSV file with the header x,gap or x,y,gap and numbers in m or as [units] says"
             }
@@ -101,11 +122,23 @@ impl ObstacleError {
     }
 }
 
+/// A round obstacle that the body is outside of.
+pub(crate) struct Round {
+    /// m.
+    pub radius: f64,
+    /// The centre, or a point of the axis, m.
+    pub centre: [f64; 3],
+    /// The axis of a cylinder.
+    pub axis: Option<[f64; 3]>,
+}
+
 impl PlacedObstacle {
-    /// The radius (m) of a cylinder or a sphere, and the axis of a cylinder.
-    pub(crate) fn roundness(&self) -> Option<(f64, Option<[f64; 3]>)> {
+    /// A cylinder or a sphere.
+    pub(crate) fn roundness(&self) -> Option<Round> {
         match self.surface {
-            Surface::Round { radius, axis, .. } if radius > 0.0 => Some((radius, axis)),
+            Surface::Round { radius, apex, axis } if radius > 0.0 => {
+                Some(Round { radius, centre: plus(apex, radius, self.normal), axis })
+            }
             _ => None,
         }
     }
@@ -137,6 +170,10 @@ impl PlacedObstacle {
         };
         let round = |radius: f64, place: Place, axis| Surface::Round { radius, apex: place.apex(radius, normal), axis };
         let flat = mesh.dimension == 2;
+        let round_about = mesh.geometry == Geometry::Axisymmetric;
+        if round_about {
+            moves_along_axis(given, normal)?;
+        }
         let surface = match &given.shape {
             Shape::Plane { gap } => {
                 let along = boundary.nodes().into_iter().map(|node| dot(normal, mesh.nodes[node]));
@@ -145,9 +182,22 @@ impl PlacedObstacle {
             Shape::PlaneThrough { through } => Surface::Plane { level: dot(normal, through.components()), gap: 0.0 },
             Shape::Cylinder { radius, place, axis: given } => round(*radius, *place, Some(axis(*given)?)),
             Shape::Bore { radius, place, axis: given } => round(-radius, *place, Some(axis(*given)?)),
+            Shape::Sphere { place, radius } if round_about && centred(place.apex(*radius, normal), *radius, normal) => {
+                round(*radius, *place, None)
+            }
+            Shape::Socket { place, radius } if round_about && centred(place.apex(-radius, normal), -radius, normal) => {
+                round(-radius, *place, None)
+            }
+            Shape::Sphere { .. } if round_about => return Err(ObstacleError::OffAxis("sphere")),
+            Shape::Socket { .. } if round_about => return Err(ObstacleError::OffAxis("socket")),
             Shape::Sphere { .. } if flat => return Err(ObstacleError::OnlyInSpace("sphere")),
             Shape::Socket { .. } if flat => return Err(ObstacleError::OnlyInSpace("socket")),
-            Shape::Cone { .. } if flat => return Err(ObstacleError::OnlyInSpace("cone")),
+            Shape::Cone { apex, axis: given, .. }
+                if round_about && !is_about_axis(*apex, along(*given).unwrap_or(normal)) =>
+            {
+                return Err(ObstacleError::OffAxis("cone"));
+            }
+            Shape::Cone { .. } if flat && !round_about => return Err(ObstacleError::OnlyInSpace("cone")),
             Shape::Surface { .. } if flat => return Err(ObstacleError::OnlyInSpace("surface")),
             Shape::Sphere { radius, place } => round(*radius, *place, None),
             Shape::Socket { radius, place } => round(-radius, *place, None),
@@ -313,6 +363,28 @@ impl PlacedObstacle {
             _ => None,
         }
     }
+}
+
+/// Whether an obstacle of revolution stays one as it moves, and keeps its radius; `normal` is its own.
+fn moves_along_axis(given: &Obstacle, normal: [f64; 3]) -> Result<(), ObstacleError> {
+    if given.rotation.is_some() {
+        return Err(ObstacleError::TurnsRound);
+    }
+    if given.translation.iter().flatten().any(|(_, to)| to.components()[0] != 0.0) {
+        return Err(ObstacleError::MovesAside("translation"));
+    }
+    let moves = given.approach.iter().flatten().any(|point| point[1] != 0.0);
+    if moves && normal[0].abs() > SKEW { Err(ObstacleError::MovesAside("approach")) } else { Ok(()) }
+}
+
+/// Whether a sphere or socket is about the axis x = 0.
+fn centred(apex: [f64; 3], radius: f64, normal: [f64; 3]) -> bool {
+    plus(apex, radius, normal)[0].abs() <= SKEW * radius.abs()
+}
+
+/// Whether a cone is.
+fn is_about_axis(apex: Vector, axis: [f64; 3]) -> bool {
+    apex.components()[0] == 0.0 && axis[0].abs() <= SKEW
 }
 
 /// Refuses vectors of an obstacle of a plane body that leave its plane.

@@ -30,7 +30,7 @@ impl Description {
             return Description { units, ..self };
         }
         let Description { mesh, element, material, supports, contacts, springs, loads, times, units: _ } = self;
-        let si = Si(units);
+        let si = Si { units, axisymmetric: material.is_axisymmetric() };
         Description {
             mesh: si.mesh(mesh),
             element,
@@ -52,7 +52,7 @@ impl Probe {
     /// The probe whose coordinates are in `units`, in SI units.
     #[must_use]
     pub fn given_in(self, units: Units) -> Self {
-        let si = Si(units);
+        let si = Si { units, axisymmetric: false };
         let Probe { name, place } = self;
         let place = match place {
             ProbePlace::Point(point) => ProbePlace::Point(si.point(point)),
@@ -64,7 +64,10 @@ impl Probe {
 
 /// Converts to SI from these units. Whatever is taken apart here is so without `..`: a new part has to say what it is.
 #[derive(Clone, Copy)]
-struct Si(Units);
+struct Si {
+    units: Units,
+    axisymmetric: bool,
+}
 
 impl Si {
     /// Of a quantity whose unit is the same in two dimensions and in three.
@@ -73,7 +76,8 @@ impl Si {
     }
 
     fn in_dimension(self, dimension: usize, quantity: Quantity, x: f64) -> f64 {
-        UnitSystem { units: self.0, dimension }.to_si(quantity, x)
+        let per_depth = dimension == 2 && !self.axisymmetric;
+        UnitSystem { units: self.units, dimension, per_depth }.to_si(quantity, x)
     }
 
     fn length(self, x: f64) -> f64 {

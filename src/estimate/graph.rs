@@ -17,7 +17,7 @@ pub struct ContactGraph {
     neighbours: Vec<Vec<usize>>,
     /// Whether a contact node is at the rim of the contact surface, and not because a symmetry plane cuts it there.
     rim: Vec<bool>,
-    /// Whether a symmetry plane cuts the surface there: a support holds the node along it.
+    /// Whether a symmetry plane or an axis cuts the surface there: a support or the axis holds the node along it.
     mirrored: Vec<bool>,
     surfaces: Vec<ContactPatch>,
 }

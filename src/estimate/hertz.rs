@@ -4,7 +4,9 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
+use crate::contact::Round;
 use crate::fem::Elasticity;
+use crate::mesh::Geometry;
 use crate::model::Model;
 use crate::vector::{cross, dot, norm};
 
@@ -18,7 +20,7 @@ pub struct HertzContact {
     pub peak_pressure: f64,
 }
 
-/// Two held directions whose sine is smaller are one symmetry plane.
+/// Two held directions whose sine is smaller are one symmetry plane, and a centre that is as near to an axis, by the radius, is on it.
 const SAME: f64 = 1e-3;
 
 impl HertzContact {
@@ -38,10 +40,17 @@ impl HertzContact {
     /// that is a cylinder or a sphere and the body is flat.
     pub(super) fn under(model: &Model, p_n: &[f64], closed: &[usize], peak: usize) -> Option<Self> {
         let obstacle = model.contacts[peak].obstacle;
-        let (radius, axis) = model.obstacles[obstacle].0.roundness()?;
+        let Round { radius, centre, axis } = model.obstacles[obstacle].0.roundness()?;
         let nodes: Vec<usize> = closed.iter().copied().filter(|&i| model.contacts[i].obstacle == obstacle).collect();
-        let force: f64 = nodes.iter().map(|&i| p_n[i]).sum::<f64>() * f64::from(mirrors(model, &nodes, axis));
+        let force: f64 = nodes.iter().map(|&i| p_n[i]).sum();
         let modulus = modulus(model, model.contacts[peak].node)?;
+        if model.mesh.geometry == Geometry::Axisymmetric {
+            // The force is that all around; a ring of contact is none of Hertz'.
+            let on_axis =
+                centre[0].abs() <= SAME * radius && nodes.iter().any(|&i| model.contacts[i].position[0] == 0.0);
+            return on_axis.then(|| Self::of_point(force, radius, modulus));
+        }
+        let force = force * f64::from(mirrors(model, &nodes, axis));
         match axis {
             None => Some(Self::of_point(force, radius, modulus)),
             Some(_) if model.mesh.dimension == 2 => Some(Self::of_line(force, radius, modulus)),

@@ -13,7 +13,7 @@
 use super::places::Places;
 use super::strains::{Strains, dilatation};
 use crate::fem::{Elasticity, Element, cell_volume};
-use crate::mesh::CellKind;
+use crate::mesh::{CellKind, Geometry};
 use crate::model::Model;
 
 /// A share of the strain energy that is smaller says nothing of the body.
@@ -84,7 +84,9 @@ pub(crate) fn expected_locking(model: &Model) -> Option<f64> {
     let d = mesh.dimension;
     let extent = &mesh.extent()[..d];
     let smaller = extent.iter().copied().fold(f64::INFINITY, f64::min);
-    let cells = mesh.cells.iter().filter_map(|cell| cell_volume(cell.kind, &mesh.points(&cell.nodes)));
+    let cells = mesh.cells.iter();
+    // Of a body of revolution the section counts.
+    let cells = cells.filter_map(|cell| cell_volume(cell.kind, Geometry::Cartesian, &mesh.points(&cell.nodes)));
     // Two triangles make up a square, two prisms or six tetrahedra a cube.
     let together = match kind {
         CellKind::Triangle | CellKind::Prism => 2.0,

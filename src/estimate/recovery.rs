@@ -7,7 +7,7 @@
 
 use super::places::Places;
 use super::strains::Strains;
-use crate::mesh::{CellKind, quadrature, quadrature_of, shape};
+use crate::mesh::{CellKind, Geometry, quadrature_of, shape, stiffness_rule};
 use crate::model::Model;
 use crate::vector::{minus, norm};
 
@@ -28,7 +28,7 @@ pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Op
     }
     let mut known: [Option<Vec<[f64; COLUMNS]>>; CellKind::ALL.len()] = Default::default();
     for cell in cells {
-        known[cell.kind as usize].get_or_insert_with(|| continuation(cell.kind));
+        known[cell.kind as usize].get_or_insert_with(|| continuation(cell.kind, model.mesh.geometry));
     }
     Some(places.means(strains.volumes(), |e, k| {
         let points = strains.of_cell(e);
@@ -42,8 +42,8 @@ pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Op
 }
 
 /// For each node of a linear cell the weights with which values at its integration points continue to there.
-fn continuation(kind: CellKind) -> Vec<[f64; COLUMNS]> {
-    let mut rows: Vec<[f64; COLUMNS]> = (quadrature(kind).into_iter().enumerate())
+fn continuation(kind: CellKind, geometry: Geometry) -> Vec<[f64; COLUMNS]> {
+    let mut rows: Vec<[f64; COLUMNS]> = (stiffness_rule(kind, geometry, false).into_iter().enumerate())
         .map(|(k, (point, _))| {
             let mut row = [0.0; COLUMNS];
             row.iter_mut().zip(shape(kind, point)).for_each(|(row, n)| *row = n);
@@ -148,7 +148,9 @@ fn fitted(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64;
     let mut begins = vec![0];
     for (e, cell) in mesh.cells.iter().enumerate() {
         let nodes = mesh.points(&cell.nodes);
-        for ((point, _), (_, strain)) in quadrature_of(cell.kind, &nodes).into_iter().zip(strains.of_cell(e)) {
+        for ((point, _), (_, strain)) in
+            quadrature_of(cell.kind, mesh.geometry, &nodes).into_iter().zip(strains.of_cell(e))
+        {
             let n = shape(cell.kind, point);
             let at = [0, 1, 2].map(|c| n.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum::<f64>());
             samples.push((at, *strain));
@@ -201,13 +203,16 @@ mod tests {
     #[test]
     fn values_in_nodes_are_met() {
         for kind in CellKind::ALL.into_iter().filter(|kind| !kind.is_quadratic()) {
-            let value = |k: usize| if kind.is_simplex() { 3.0 } else { (k * k) as f64 };
-            let points: Vec<f64> = (quadrature(kind).into_iter())
-                .map(|(point, _)| shape(kind, point).iter().enumerate().map(|(k, n)| n * value(k)).sum())
-                .collect();
-            for (k, row) in continuation(kind).iter().enumerate() {
-                let continued: f64 = row.iter().zip(&points).map(|(weight, x)| weight * x).sum();
-                assert!((continued - value(k)).abs() < 1e-12, "{kind:?}");
+            for geometry in [Geometry::Cartesian, Geometry::Axisymmetric] {
+                let rule = stiffness_rule(kind, geometry, false);
+                let value = |k: usize| if rule.len() == 1 { 3.0 } else { (k * k) as f64 };
+                let points: Vec<f64> = (rule.iter())
+                    .map(|(point, _)| shape(kind, *point).iter().enumerate().map(|(k, n)| n * value(k)).sum())
+                    .collect();
+                for (k, row) in continuation(kind, geometry).iter().enumerate() {
+                    let continued: f64 = row.iter().zip(&points).map(|(weight, x)| weight * x).sum();
+                    assert!((continued - value(k)).abs() < 1e-12, "{kind:?}");
+                }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The strains of a body at the points of rules.
 
 use crate::fem::{Element, with_dilatation};
-use crate::mesh::{CellKind, MOST_NODES, ReferenceCell, ReferenceCells, ReferencePoint};
+use crate::mesh::{CellKind, Geometry, MOST_NODES, Mesh, ReferenceCell, ReferenceCells, ReferencePoint};
 use crate::model::Model;
 use crate::vector::cross;
 
@@ -109,7 +109,7 @@ impl Body<'_> {
         let at_corners = self.model.corner_dilatations(e, self.factors, self.displacements);
         let free = (!self.factors.is_empty()).then(|| self.model.free_stretch(e, self.factors));
         for point in rule(reference, cell.kind, nodes) {
-            let (volume, mut strain) = strain_at(point, mesh.dimension, nodes, moved);
+            let (volume, mut strain) = strain_at(point, mesh, nodes, moved);
             if let Some(at_corners) = &at_corners {
                 let dilatation = at_corners.iter().zip(point.corners).map(|(at_corner, n)| at_corner * n).sum();
                 strain = with_dilatation(strain, dilatation);
@@ -122,7 +122,7 @@ impl Body<'_> {
 }
 
 /// The volume that a point of a cell with these `nodes` (m) stands for, and its strain where they are `moved` (m).
-fn strain_at(point: &ReferencePoint, dimension: usize, nodes: &[[f64; 3]], moved: &[[f64; 3]]) -> Sample {
+fn strain_at(point: &ReferencePoint, mesh: &Mesh, nodes: &[[f64; 3]], moved: &[[f64; 3]]) -> Sample {
     // ∂x/∂ξ and ∂u/∂ξ.
     let (mut j, mut h) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
     for ((slope, x), u) in point.slopes.iter().zip(nodes).zip(moved) {
@@ -133,7 +133,7 @@ fn strain_at(point: &ReferencePoint, dimension: usize, nodes: &[[f64; 3]], moved
             }
         }
     }
-    if dimension == 2 {
+    if mesh.dimension == 2 {
         // A slice of space.
         j[2] = [0.0, 0.0, 1.0];
     }
@@ -142,8 +142,16 @@ fn strain_at(point: &ReferencePoint, dimension: usize, nodes: &[[f64; 3]], moved
     let determinant = times(j[0], cofactors[0]);
     // ∂u_c/∂x_k.
     let d = |c: usize, k: usize| times(cofactors.map(|row| row[k]), h.map(|row| row[c])) / determinant;
-    let strain = [d(0, 0), d(1, 1), d(2, 2), d(0, 1) + d(1, 0), d(1, 2) + d(2, 1), d(2, 0) + d(0, 2)];
-    (determinant * point.weight, strain)
+    let mut strain = [d(0, 0), d(1, 1), d(2, 2), d(0, 1) + d(1, 0), d(1, 2) + d(2, 1), d(2, 0) + d(0, 2)];
+    let area = determinant * point.weight;
+    if mesh.geometry == Geometry::Cartesian {
+        return (area, strain);
+    }
+    let aside = |of: &[[f64; 3]]| point.shape.iter().zip(of).map(|(n, x)| n * x[0]).sum::<f64>();
+    let r = aside(nodes);
+    // No point of a rule is on the axis.
+    strain[2] = aside(moved) / r;
+    (area * mesh.geometry.depth([r, 0.0, 0.0]), strain)
 }
 
 /// `tr ε`.

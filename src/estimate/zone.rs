@@ -17,7 +17,7 @@ pub struct ContactEstimate {
     pub boundary: String,
     /// The time, s.
     pub time: f64,
-    /// The sum of the normal forces, N, in two dimensions per m of depth.
+    /// The sum of the normal forces, N, in two dimensions per m of depth, of a body of revolution all around.
     pub force: f64,
     /// The closed nodes.
     pub closed: usize,
@@ -152,7 +152,7 @@ impl ContactEstimate {
     }
 }
 
-/// The nodes across a zone: in the plane those along it, those behind a symmetry plane included, in space twice the depth less
+/// The nodes across a zone: in the plane those along it, those behind a symmetry plane or an axis included, in space twice the depth less
 /// one. None where nothing next to it is open.
 fn nodes_across(
     graph: &ContactGraph,
@@ -205,6 +205,8 @@ fn stick_zone(model: &Model, zone: &[usize], statuses: &[ContactStatus], n: usiz
     };
     let (stick, slip) = (area(ContactStatus::Stick), area(ContactStatus::Slip));
     let share = stick / (stick + slip);
-    let ratio = if model.mesh.dimension == 3 { share.sqrt() } else { share };
+    // Around an axis, as in space, areas grow with the square of the width.
+    let disc = model.mesh.dimension == 3 || zone.iter().any(|&i| model.mesh.is_on_axis(model.contacts[i].node));
+    let ratio = if disc { share.sqrt() } else { share };
     (stick > 0.0 && slip > 0.0).then_some(StickZone { ratio, uncertainty: 2.0 / n as f64 })
 }

@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 use crate::sparse::Symmetric;
 
 /// `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m, in two dimensions per unit
-/// depth; every element is an `element`, and `material` is that of each.
+/// depth, of a body of revolution all around; every element is an `element`, and `material` is that of each.
 ///
 /// # Errors
 /// [`InvertedElement`] for the first element that is not sound.
@@ -60,7 +60,7 @@ pub(super) fn assemble_watched(
     for (e, cell) in mesh.cells.iter().enumerate() {
         let whole = material(e);
         let law = if volumes.of_cell(e).is_empty() { whole } else { whole.deviatoric() };
-        let stiffness = element_stiffness(cell.kind, &mesh.points(&cell.nodes), element, &law);
+        let stiffness = element_stiffness(cell.kind, mesh.geometry, &mesh.points(&cell.nodes), element, &law);
         add(&cell.nodes, stiffness.ok_or_else(|| InvertedElement::of(mesh, e))?);
     }
     for volume in volumes.iter() {

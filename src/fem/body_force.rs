@@ -2,15 +2,15 @@
 
 use super::elastic::Elasticity;
 use super::facet::NodalForces;
-use super::shape::{gradients, gradients_at};
-use super::strain::{Element, mean_gradients, strain_columns};
+use super::shape::{CellPoint, gradients};
+use super::strain::{Element, strain_columns};
 use crate::mesh::{Mesh, fine_quadrature, shape};
 
-/// The forces `∫ N_a b dV` (N; in two dimensions per unit depth) of the body force `force` (N/m³) of each cell and
+/// The forces `∫ N_a b dV` (N; in two dimensions per unit depth, of a body of revolution all around) of the body force `force` (N/m³) of each cell and
 /// position (m).
 ///
 /// Exact for a force that is linear in the position on simplices of the first order, quadratic on undistorted quadrilaterals and
-/// hexahedra and on straight simplices of the second order.
+/// hexahedra and on straight simplices of the second order; of one degree less in a body of revolution.
 pub fn body_force(mesh: &Mesh, force: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> NodalForces {
     let mut forces = Vec::new();
     for (e, cell) in mesh.cells.iter().enumerate() {
@@ -19,14 +19,16 @@ pub fn body_force(mesh: &Mesh, force: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> N
             // Assembly has refused cells that have none.
             let Some((_, det)) = gradients(cell.kind, point, &nodes) else { continue };
             let shape = shape(cell.kind, point);
-            let force = force(e, at(&shape, &nodes));
-            forces.extend(cell.nodes.iter().zip(&shape).map(|(&node, n)| (node, force.map(|f| n * weight * det * f))));
+            let x = at(&shape, &nodes);
+            let (force, depth) = (force(e, x), mesh.geometry.depth(x));
+            let share = |n: &f64| force.map(|f| n * weight * det * depth * f);
+            forces.extend(cell.nodes.iter().zip(&shape).map(|(&node, n)| (node, share(n))));
         }
     }
     forces
 }
 
-/// The forces `∫ Bᵀ D ε dV` (N; in two dimensions per unit depth) that a stress-free `strain` (without shear, equal along all axes,
+/// The forces `∫ Bᵀ D ε dV` (N; in two dimensions per unit depth, of a body of revolution all around) that a stress-free `strain` (without shear, equal along all axes,
 /// as heat makes it) of each cell and position exerts while the nodes are held. In plane stress (`thin`) the body expands across
 /// its plane as it likes.
 pub fn thermal_forces(
@@ -40,19 +42,15 @@ pub fn thermal_forces(
     for (e, cell) in mesh.cells.iter().enumerate() {
         let nodes = mesh.points(&cell.nodes);
         let rule = fine_quadrature(cell.kind);
-        let Some(points) = gradients_at(cell.kind, &rule, &nodes) else { continue };
-        let mean = mean_gradients(&points);
+        let Some(points) = CellPoint::all(cell.kind, mesh.geometry, &nodes, &rule) else { continue };
+        let mean = element.mean_dilatation(&points);
         let mut of_cell = vec![[0.0; 3]; cell.nodes.len()];
-        for ((point, _), (gradients, volume)) in rule.iter().zip(&points) {
-            let stress = thermal_stress(&material(e), thin, strain(e, at(&shape(cell.kind, *point), &nodes)));
-            let dilatation = match element {
-                Element::Bilinear | Element::NodalVolume => gradients,
-                Element::BBar => &mean,
-            };
-            let columns = strain_columns(mesh.dimension, gradients, dilatation);
+        for ((place, _), point) in rule.iter().zip(&points) {
+            let stress = thermal_stress(&material(e), thin, strain(e, at(&shape(cell.kind, *place), &nodes)));
+            let columns = strain_columns(mesh.dimension, point, mean.as_deref());
             for (k, column) in columns.iter().enumerate() {
                 let work: f64 = stress.iter().zip(column).map(|(s, e)| s * e).sum();
-                of_cell[k / mesh.dimension][k % mesh.dimension] += volume * work;
+                of_cell[k / mesh.dimension][k % mesh.dimension] += point.volume * work;
             }
         }
         forces.extend(cell.nodes.iter().copied().zip(of_cell));

@@ -37,12 +37,16 @@ impl Dofs {
     }
 
     /// Numbers what is left of each node when it is held along the directions that `held` names: unit vectors, in two
-    /// dimensions of the plane. Directions that follow from others add nothing.
+    /// dimensions of the plane. Directions that follow from others add nothing. The axis of a body of revolution holds its nodes along x.
     pub fn holding(mesh: &Mesh, mut held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
         let dimension = mesh.dimension;
         let mut dofs = Dofs { dimension, numbers: Vec::new(), frames: BTreeMap::new(), free: 0 };
         for node in 0..mesh.nodes.len() {
-            let held = independent(held(node), dimension);
+            let mut held = held(node);
+            if mesh.is_on_axis(node) {
+                held.push(axis(0));
+            }
+            let held = independent(held, dimension);
             let along_axis = |n: &[f64; 3]| n.iter().filter(|c| **c != 0.0).count() == 1;
             let fixed = if held.len() == dimension || held.iter().all(along_axis) {
                 [0, 1, 2].map(|c| held.len() == dimension || held.iter().any(|n| n[c] != 0.0))
@@ -97,7 +101,7 @@ impl Dofs {
         self.node(node).iter().zip(components).filter_map(|(dof, component)| Some(((*dof)?, component)))
     }
 
-    /// The directions along which supports hold `node`; in two dimensions z, which nothing moves along, too.
+    /// The directions along which supports, or the axis of a body of revolution, hold `node`; in two dimensions z, which nothing moves along, too.
     pub fn held(&self, node: usize) -> impl Iterator<Item = [f64; 3]> + '_ {
         let frame = self.frame(node).copied().unwrap_or([0, 1, 2].map(axis));
         let numbers = self.node(node);

@@ -1,10 +1,10 @@
 //! Integrals over the facets of the boundary: shares of its nodes, consistent nodal forces.
 
 use super::dofs::Dofs;
-use crate::mesh::{Boundary, CellKind, Mesh, fine_quadrature, local_gradients, quadrature, shape};
+use crate::mesh::{Boundary, CellKind, Geometry, Mesh, fine_quadrature, local_gradients, quadrature, shape};
 use crate::vector::{cross, norm, unit};
 
-/// Forces on nodes (N; in two dimensions per unit depth), each with the number of its node; those on one node add up.
+/// Forces on nodes (N; in two dimensions per unit depth, of a body of revolution all around), each with the number of its node; those on one node add up.
 pub type NodalForces = Vec<(usize, [f64; 3])>;
 
 /// A point of a facet at which something is integrated.
@@ -13,7 +13,7 @@ pub(super) struct FacetPoint {
     pub shape: Vec<f64>,
     /// The position, m.
     pub position: [f64; 3],
-    /// The outward normal times the weight of the point: length (m) or area (m²).
+    /// The outward normal times the weight of the point: length (m) or area (m²); of a body of revolution the area all around.
     pub area: [f64; 3],
 }
 
@@ -22,10 +22,10 @@ pub(super) struct FacetPoint {
 pub(super) fn facet_points(mesh: &Mesh, facet: &[usize]) -> Vec<FacetPoint> {
     let nodes = mesh.points(facet);
     let position = |shape: &[f64]| [0, 1, 2].map(|c| shape.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum());
-    let flat = |shape: Vec<f64>, weight: f64| FacetPoint {
-        position: position(&shape),
-        shape,
-        area: mesh.area_vector(facet).map(|a| weight * a),
+    let flat = |shape: Vec<f64>, weight: f64| {
+        let position = position(&shape);
+        let depth = mesh.geometry.depth(position);
+        FacetPoint { position, shape, area: mesh.area_vector(facet).map(|a| weight * a * depth) }
     };
     match (mesh.dimension, facet.len()) {
         (2, 2) => {
@@ -50,6 +50,7 @@ struct Point {
     shape: Vec<f64>,
     /// `∂x/∂ξ` and `∂x/∂η`, which is across the plane in two dimensions.
     along: [[f64; 3]; 2],
+    /// With the depth of the body there.
     weight: f64,
 }
 
@@ -78,7 +79,7 @@ fn point(mesh: &Mesh, facet: &[usize], at: [f64; 3], weight: f64) -> Point {
         let [s, ..] = at;
         let shape = vec![(1.0 - s) * (1.0 - 2.0 * s), 4.0 * s * (1.0 - s), s * (2.0 * s - 1.0)];
         let along = [sum(&[4.0 * s - 3.0, 4.0 - 8.0 * s, 4.0 * s - 1.0]), [0.0, 0.0, 1.0]];
-        return Point { shape, along, weight };
+        return Point { along, weight: weight * mesh.geometry.depth(sum(&shape)), shape };
     }
     let kind = if facet.len() == 6 { CellKind::Triangle6 } else { CellKind::Quadrilateral };
     let all = |value: &dyn Fn(usize) -> f64| (0..facet.len()).map(|k| value(place(kind, k))).collect::<Vec<f64>>();
@@ -91,19 +92,21 @@ fn place(kind: CellKind, k: usize) -> usize {
     if kind.is_quadratic() { k / 2 + 3 * (k % 2) } else { k }
 }
 
-/// `∫ N_a dA` for each node of a facet: its share of the length (m, half of an edge) or of the area (m²).
-/// Exact for edges, triangles and flat quadrilaterals; of second order where they are straight. The corners of a flat triangle of
+/// `∫ N_a dA` for each node of a facet: its share of the length (m, half of an edge) or of the area (m²), in a body of revolution
+/// all around. Exact for edges, triangles and flat quadrilaterals; of second order where they are straight. The corners of a flat triangle of
 /// six nodes have 0.
 pub fn facet_weights(mesh: &Mesh, facet: &[usize]) -> Vec<f64> {
     let nodes = facet.len();
-    if nodes <= mesh.dimension {
+    if nodes <= mesh.dimension && mesh.geometry == Geometry::Cartesian {
         return vec![norm(mesh.area_vector(facet)) / nodes as f64; nodes];
     }
     let mut weights = vec![0.0; nodes];
-    for Point { shape, along: [along, across], weight } in curved_points(mesh, facet) {
-        let area = weight * norm(cross(along, across));
-        for (sum, n) in weights.iter_mut().zip(shape) {
-            *sum += n * area;
+    let mut add = |shape: Vec<f64>, area: f64| weights.iter_mut().zip(shape).for_each(|(sum, n)| *sum += n * area);
+    if nodes <= mesh.dimension {
+        facet_points(mesh, facet).into_iter().for_each(|point| add(point.shape, norm(point.area)));
+    } else {
+        for Point { shape, along: [along, across], weight } in curved_points(mesh, facet) {
+            add(shape, weight * norm(cross(along, across)));
         }
     }
     weights
@@ -159,7 +162,7 @@ pub fn facet_normals(mesh: &Mesh, facet: &[usize]) -> Vec<[f64; 3]> {
     (0..facet.len()).map(normal).collect()
 }
 
-/// The length (m) or area (m²) of `boundary`.
+/// The length (m) or area (m²) of `boundary`, in a body of revolution all around.
 pub fn area(mesh: &Mesh, boundary: &Boundary) -> f64 {
     boundary.facets.iter().flat_map(|facet| facet_weights(mesh, facet)).sum()
 }
@@ -186,7 +189,7 @@ pub fn traction(mesh: &Mesh, boundary: &Boundary, force: impl Fn([f64; 3], [f64;
     forces
 }
 
-/// The nodal forces (length n_u; N, in two dimensions per unit depth) of a uniform `traction` (N/m²) on
+/// The nodal forces (length n_u; N, in two dimensions per unit depth, of a body of revolution all around) of a uniform `traction` (N/m²) on
 /// `boundary`: `∫ N_a t dA`.
 pub fn facet_load(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, traction: [f64; 3]) -> Vec<f64> {
     dofs.forces(uniform_traction(mesh, boundary, traction))

@@ -6,14 +6,14 @@ use super::elastic::Elasticity;
 use crate::fault::{Fault, demand, finite, positive};
 use crate::mesh::Mesh;
 
-/// The isotropic linear elastic materials of a body; in two dimensions it is of unit thickness.
+/// The isotropic linear elastic materials of a body; in two dimensions it is of unit thickness, or axisymmetric.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Material {
     /// Young's modulus, Pa.
     pub young: f64,
     /// Poisson's ratio, in (-1, 0.5).
     pub poisson: f64,
-    /// The plane state in two dimensions, plane strain if it is left out; in three there is none.
+    /// What the body is in two dimensions, in plane strain if it is left out; in three there is nothing to say.
     pub plane: Option<Plane>,
     /// Mass density, kg/m³, for loads that act on the mass.
     pub density: Option<f64>,
@@ -52,7 +52,7 @@ pub struct Layer {
     pub poisson: f64,
 }
 
-/// The plane state of a body in two dimensions.
+/// What a body in two dimensions is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Plane {
@@ -61,6 +61,8 @@ pub enum Plane {
     Strain,
     /// `σ_zz = 0`: a thin plate.
     Stress,
+    /// No plane state but half the section of a body of revolution about the y axis, with `ε_zz = u_x / x`.
+    Axisymmetric,
 }
 
 /// What a constant of a material called by a name must be.
@@ -91,6 +93,11 @@ impl Material {
     #[must_use]
     pub fn in_plane(self, plane: Plane) -> Self {
         Material { plane: Some(plane), ..self }
+    }
+
+    /// Whether the body is one of revolution.
+    pub fn is_axisymmetric(&self) -> bool {
+        self.plane == Some(Plane::Axisymmetric)
     }
 
     /// Whether all constants are possible, and layers and groups do not contradict each other.
@@ -159,8 +166,8 @@ impl Material {
             return Err(Fault::new("material.plane", message, "remove material.plane"));
         }
         let law = |young, poisson| match (mesh.dimension, self.plane.unwrap_or_default()) {
-            (2, Plane::Strain) => Elasticity::plane_strain(young, poisson),
             (2, Plane::Stress) => Elasticity::plane_stress(young, poisson),
+            // Plane strain and axisymmetry are states in space.
             _ => Elasticity::isotropic(young, poisson),
         };
         let base = law(self.young, self.poisson);

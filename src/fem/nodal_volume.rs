@@ -17,7 +17,7 @@ use std::collections::HashMap;
 use super::elastic::{Elasticity, numbered};
 use super::facet::NodalForces;
 use super::inverted::InvertedElement;
-use super::shape::gradients_at;
+use super::shape::CellPoint;
 use super::strain::Element;
 use crate::mesh::{CellKind, Mesh, corner_shape, quadrature_of, shape};
 use crate::vector::dot;
@@ -33,7 +33,7 @@ pub struct NodalVolumes {
 /// What the cells of one law around a corner leave to it.
 #[derive(Debug, Clone)]
 pub(super) struct NodalVolume {
-    /// `V_a`, m³; in two dimensions m².
+    /// `V_a`, m³; in two dimensions m², in a body of revolution all around.
     volume: f64,
     /// `κ`, Pa.
     bulk: f64,
@@ -70,11 +70,12 @@ impl NodalVolumes {
             };
             let at_corners: Vec<usize> = corners.iter().map(&mut place).collect();
             let nodes = mesh.points(&cell.nodes);
-            let rule = quadrature_of(cell.kind, &nodes);
-            let points = gradients_at(cell.kind, &rule, &nodes).ok_or_else(|| InvertedElement::of(mesh, e))?;
-            for ((point, _), (gradients, volume)) in rule.iter().zip(&points) {
-                for (&a, share) in at_corners.iter().zip(corner_shape(cell.kind, *point)) {
-                    all.volumes[a].add(share * volume, &cell.nodes, gradients);
+            let rule = quadrature_of(cell.kind, mesh.geometry, &nodes);
+            let points = CellPoint::all(cell.kind, mesh.geometry, &nodes, &rule);
+            let points = points.ok_or_else(|| InvertedElement::of(mesh, e))?;
+            for ((place, _), point) in rule.iter().zip(&points) {
+                for (&a, share) in at_corners.iter().zip(corner_shape(cell.kind, *place)) {
+                    all.volumes[a].add(share * point.volume, &cell.nodes, point);
                 }
             }
             all.cells.push(at_corners);
@@ -107,10 +108,10 @@ impl NodalVolumes {
         let mut means = vec![0.0; self.volumes.len()];
         for (e, cell) in mesh.cells.iter().enumerate().filter(|(e, _)| !self.of_cell(*e).is_empty()) {
             let nodes = mesh.points(&cell.nodes);
-            let rule = quadrature_of(cell.kind, &nodes);
+            let rule = quadrature_of(cell.kind, mesh.geometry, &nodes);
             // The volumes are those of sound cells.
-            let Some(points) = gradients_at(cell.kind, &rule, &nodes) else { continue };
-            for ((point, _), (_, volume)) in rule.iter().zip(&points) {
+            let Some(points) = CellPoint::all(cell.kind, mesh.geometry, &nodes, &rule) else { continue };
+            for ((point, _), CellPoint { volume, .. }) in rule.iter().zip(&points) {
                 let n = shape(cell.kind, *point);
                 let value = value(e, [0, 1, 2].map(|c| n.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum()));
                 for (&a, share) in self.of_cell(e).iter().zip(corner_shape(cell.kind, *point)) {
@@ -121,7 +122,7 @@ impl NodalVolumes {
         means
     }
 
-    /// The forces `Σ_a κ θ_a G_aᵀ` (N; in two dimensions per unit depth) that a stress-free `dilatation` of each volume exerts while
+    /// The forces `Σ_a κ θ_a G_aᵀ` (N; in two dimensions per unit depth, of a body of revolution all around) that a stress-free `dilatation` of each volume exerts while
     /// the nodes are held.
     pub fn forces(&self, dilatation: &[f64]) -> NodalForces {
         let of_volume = |(of, dilatation): (&NodalVolume, &f64)| {
@@ -149,16 +150,16 @@ impl NodalVolume {
         NodalVolume { volume: 0.0, bulk, nodes: Vec::new(), gradients: Vec::new() }
     }
 
-    /// Adds a `share` of a cell whose shape functions have these gradients there. The sum is `G_a` until it is divided.
-    fn add(&mut self, share: f64, nodes: &[usize], of_cell: &[[f64; 3]]) {
+    /// Adds a `share` of a point of a cell with these nodes. The sum is `G_a` until it is divided.
+    fn add(&mut self, share: f64, nodes: &[usize], point: &CellPoint) {
         self.volume += share;
-        for (node, gradient) in nodes.iter().zip(of_cell) {
+        for (k, node) in nodes.iter().enumerate() {
             let place = self.nodes.iter().position(|other| other == node).unwrap_or_else(|| {
                 self.nodes.push(*node);
                 self.gradients.push([0.0; 3]);
                 self.nodes.len() - 1
             });
-            self.gradients[place].iter_mut().zip(gradient).for_each(|(sum, g)| *sum += share * g);
+            self.gradients[place].iter_mut().zip(point.dilatation(k)).for_each(|(sum, g)| *sum += share * g);
         }
     }
 

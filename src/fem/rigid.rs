@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::dofs::Dofs;
 use super::spring::Spring;
-use crate::mesh::Mesh;
+use crate::mesh::{Geometry, Mesh};
 use crate::null_space::{NEGLIGIBLE, null_space};
 use crate::units::{Quantity, UnitSystem};
 use crate::vector::{cross, dot, minus, norm};
@@ -104,7 +104,8 @@ impl fmt::Display for RigidMotion {
 }
 
 /// The rigid motions of `mesh` that the fixed components of `dofs` leave free: none for a body
-/// that is held; for one that is not supported at all three in two dimensions, six in three. First the
+/// that is held; for one that is not supported at all three in two dimensions, six in three; for one of revolution the translation
+/// along its axis, for what moves it aside or tilts it is no motion of its section. First the
 /// translations, then rotations about one axis of coordinates each, as far as there are such.
 pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
     unresisted_motions(mesh, dofs, &[])
@@ -116,7 +117,8 @@ pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring]) -> Vec<R
     let held = mesh.nodes.iter().enumerate().flat_map(|(node, _)| dofs.held(node).map(move |n| (node, n)));
     let felt = held.chain(springs.iter().flat_map(Spring::resisted));
     let row = |(node, n): (usize, [f64; 3])| all.iter().map(|motion| dot(motion.at(mesh.nodes[node]), n)).collect();
-    let basis = readable(null_space(all.len(), felt.map(row)), mesh.dimension);
+    let translations = all.iter().filter(|motion| motion.rotation == [0.0; 3]).count();
+    let basis = readable(null_space(all.len(), felt.map(row)), translations);
     basis.iter().filter_map(|weights| RigidMotion::combination(&all, weights)).collect()
 }
 
@@ -129,6 +131,9 @@ fn all_motions(mesh: &Mesh) -> Vec<RigidMotion> {
     let along = |axis: usize, length: f64| [0, 1, 2].map(|c| if c == axis { length } else { 0.0 });
     let unit = |translation, rotation| RigidMotion { translation, rotation, about, size, dimension };
     // Directions of equal weight: unit translations, and rotations that move the far corners by about 1/2.
+    if mesh.geometry == Geometry::Axisymmetric {
+        return vec![unit(along(1, 1.0), [0.0; 3])];
+    }
     let translations = (0..dimension).map(|axis| unit(along(axis, 1.0), [0.0; 3]));
     let axes = if dimension == 2 { 2..3 } else { 0..3 };
     let rotations = axes.map(|axis| unit([0.0; 3], along(axis, 1.0 / size)));

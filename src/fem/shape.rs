@@ -1,6 +1,6 @@
 //! Gradients of shape functions in space.
 
-use crate::mesh::{CellKind, Jacobian};
+use crate::mesh::{CellKind, Geometry, Jacobian, shape};
 use crate::vector::{dot, norm};
 
 /// Of the determinant of a Jacobian to the product of its rows' lengths: below this a cell is flat. Far
@@ -17,16 +17,65 @@ pub fn gradients(kind: CellKind, point: [f64; 3], nodes: &[[f64; 3]]) -> Option<
     sound.then(|| (local.into_iter().map(|d| [0, 1, 2].map(|c| along(d, c))).collect(), det))
 }
 
-/// The same at each point of a rule, with the volume (m^d) that the point stands for in place of the determinant.
-pub(super) fn gradients_at(
-    kind: CellKind,
-    rule: &[([f64; 3], f64)],
-    nodes: &[[f64; 3]],
-) -> Option<Vec<(Vec<[f64; 3]>, f64)>> {
-    let at = |(point, weight): &([f64; 3], f64)| {
-        gradients(kind, *point, nodes).map(|(gradients, det)| (gradients, det * weight))
-    };
-    rule.iter().map(at).collect()
+/// A radius below this share of the largest of a cell is that of the axis, to rounding.
+const ON_AXIS: f64 = 1e-9;
+
+/// A point of a cell: what its strains follow from, and what it stands for.
+pub(super) struct CellPoint {
+    /// `∂N_a/∂(x, y, z)`, 1/m.
+    pub gradients: Vec<[f64; 3]>,
+    /// `N_a / r` (1/m) in a body of revolution: the strain around the axis that a unit displacement of the node away from it makes.
+    /// Empty in others.
+    pub hoops: Vec<f64>,
+    /// The volume (m³; in two dimensions the area, m²) that it stands for; in a body of revolution all around.
+    pub volume: f64,
+}
+
+impl CellPoint {
+    /// The reference point `point` of the cell with `nodes` (m), of this weight in a rule. `None` as [`gradients`].
+    pub(super) fn new(
+        kind: CellKind,
+        geometry: Geometry,
+        nodes: &[[f64; 3]],
+        (point, weight): ([f64; 3], f64),
+    ) -> Option<Self> {
+        let (gradients, det) = gradients(kind, point, nodes)?;
+        let area = det * weight;
+        if geometry == Geometry::Cartesian {
+            return Some(CellPoint { gradients, hoops: Vec::new(), volume: area });
+        }
+        let values = shape(kind, point);
+        let r: f64 = values.iter().zip(nodes).map(|(n, x)| n * x[0]).sum();
+        let largest = nodes.iter().fold(0.0_f64, |m, x| m.max(x[0]));
+        let hoops = if r > ON_AXIS * largest {
+            values.into_iter().map(|n| n / r).collect()
+        } else {
+            // Nothing moves aside on the axis, where u_r / r is the slope of u_r.
+            gradients.iter().map(|gradient| gradient[0]).collect()
+        };
+        Some(CellPoint { gradients, hoops, volume: area * geometry.depth([r, 0.0, 0.0]) })
+    }
+
+    /// The points of a rule.
+    pub(super) fn all(
+        kind: CellKind,
+        geometry: Geometry,
+        nodes: &[[f64; 3]],
+        rule: &[([f64; 3], f64)],
+    ) -> Option<Vec<Self>> {
+        rule.iter().map(|point| CellPoint::new(kind, geometry, nodes, *point)).collect()
+    }
+
+    /// `N_a / r` of node `a` (1/m), 0 where nothing goes round an axis.
+    pub(super) fn hoop(&self, a: usize) -> f64 {
+        self.hoops.get(a).copied().unwrap_or(0.0)
+    }
+
+    /// The dilatations (1/m) of unit displacements of node `a`: its gradient, and what it stretches around the axis.
+    pub(super) fn dilatation(&self, a: usize) -> [f64; 3] {
+        let [x, y, z] = self.gradients[a];
+        [x + self.hoop(a), y, z]
+    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::shape::CellPoint;
+
 /// How the strain follows from the nodal displacements of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -12,11 +14,11 @@ pub enum Element {
     #[default]
     Bilinear,
     /// A strain whose volumetric part is the mean over the element (Hughes, Int. J. Numer. Meth. Engng 15
-    /// (1980) 1413; Simo & Hughes, *Computational Inelasticity*, ch. 4). Meant for plane strain
-    /// and three dimensions: in the plane, the correction has a component `ε_zz`.
+    /// (1980) 1413; Simo & Hughes, *Computational Inelasticity*, ch. 4). Meant for plane strain,
+    /// bodies of revolution and three dimensions: in the plane, the correction has a component `ε_zz`.
     BBar,
-    /// The dilatation is the mean over the cells around each corner (see [`super::NodalVolumes`]), for triangles in plane strain,
-    /// tetrahedra and prisms. A cell by itself, and one of another kind, has the strain of its displacements.
+    /// The dilatation is the mean over the cells around each corner (see [`super::NodalVolumes`]), for triangles in plane strain and in
+    /// bodies of revolution, tetrahedra and prisms. A cell by itself, and one of another kind, has the strain of its displacements.
     NodalVolume,
 }
 
@@ -31,20 +33,22 @@ impl Element {
     }
 }
 
-/// The strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)`.
+/// The strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)`; in a body of revolution `ε_zz` is that around the axis.
 pub(super) type Strain = [f64; 6];
 
 /// The columns of `B` in `dimension` dimensions: the strains (1/m) of a unit displacement in each of the
-/// unknowns, node by node, at a point with the gradients `∂N_a/∂(x, y, z)` (1/m), with `dilatation` in place of
+/// unknowns, node by node, at a `point`; where there is a `mean`, with that dilatation in place of
 /// the trace of the strain: `ε̄ = ε + (θ̄ - tr ε) 1 / 3`.
-/// A unit displacement of node `a` along `c` has `tr ε = ∂N_a/∂x_c`, so `dilatation` has the shape of
-/// the gradients, and the gradients themselves leave `B` as it is.
-pub(super) fn strain_columns(dimension: usize, gradients: &[[f64; 3]], dilatation: &[[f64; 3]]) -> Vec<Strain> {
-    let mut columns = Vec::with_capacity(dimension * gradients.len());
-    for (&[gx, gy, gz], d) in gradients.iter().zip(dilatation) {
-        let [cx, cy, cz] = [(d[0] - gx) / 3.0, (d[1] - gy) / 3.0, (d[2] - gz) / 3.0];
-        let corner = [[gx + cx, cx, cx, gy, 0.0, gz], [cy, gy + cy, cy, gx, gz, 0.0], [cz, cz, gz + cz, 0.0, gy, gx]];
-        columns.extend_from_slice(&corner[..dimension]);
+pub(super) fn strain_columns(dimension: usize, point: &CellPoint, mean: Option<&[[f64; 3]]>) -> Vec<Strain> {
+    let mut columns = Vec::with_capacity(dimension * point.gradients.len());
+    for (a, &[gx, gy, gz]) in point.gradients.iter().enumerate() {
+        let h = point.hoop(a);
+        let [cx, cy, cz] = mean.map_or([0.0; 3], |mean| {
+            let own = point.dilatation(a);
+            [0, 1, 2].map(|c| (mean[a][c] - own[c]) / 3.0)
+        });
+        let node = [[gx + cx, cx, h + cx, gy, 0.0, gz], [cy, gy + cy, cy, gx, gz, 0.0], [cz, cz, gz + cz, 0.0, gy, gx]];
+        columns.extend_from_slice(&node[..dimension]);
     }
     columns
 }
@@ -56,42 +60,48 @@ pub fn with_dilatation(strain: Strain, dilatation: f64) -> Strain {
     [xx + change, yy + change, zz + change, xy, yz, zx]
 }
 
-/// The means over the element of the gradients at `points`, each with its volume: `∫ ∂N_a/∂x_c / V`.
-/// With two Gauss points along each axis both integrals are exact for any quadrilateral or hexahedron:
-/// gradient times determinant, and the determinant itself, are polynomials of at most second degree in
-/// each of ξ, η and ζ.
-pub(super) fn mean_gradients(points: &[(Vec<[f64; 3]>, f64)]) -> Vec<[f64; 3]> {
-    let volume: f64 = points.iter().map(|(_, weight)| weight).sum();
-    let mut mean = vec![[0.0; 3]; points.first().map_or(0, |(gradients, _)| gradients.len())];
-    for (gradients, weight) in points {
-        for (mean, gradient) in mean.iter_mut().zip(gradients) {
-            for c in 0..3 {
-                mean[c] += weight / volume * gradient[c];
+impl Element {
+    /// The dilatations (1/m) of unit displacements that take the place of their own at each of the `points` of a cell: with B̄ their
+    /// means over the cell, `∫ tr B dV / V`.
+    /// With two Gauss points along each axis both integrals are exact for any quadrilateral or hexahedron:
+    /// gradient times determinant, and the determinant itself, are polynomials of at most second degree in
+    /// each of ξ, η and ζ; times the distance from an axis they are cubic.
+    pub(super) fn mean_dilatation(self, points: &[CellPoint]) -> Option<Vec<[f64; 3]>> {
+        if self != Element::BBar {
+            return None;
+        }
+        let volume: f64 = points.iter().map(|point| point.volume).sum();
+        let mut mean = vec![[0.0; 3]; points.first().map_or(0, |point| point.gradients.len())];
+        for point in points {
+            for (a, mean) in mean.iter_mut().enumerate() {
+                let own = point.dilatation(a);
+                for c in 0..3 {
+                    mean[c] += point.volume / volume * own[c];
+                }
             }
         }
+        Some(mean)
     }
-    mean
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fem::gradients;
-    use crate::mesh::{CellKind, quadrature};
+    use crate::mesh::{CellKind, Geometry, quadrature};
 
     const DISTORTED: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [2.0, 0.3, 0.0], [1.7, 1.4, 0.0], [-0.2, 1.1, 0.0]];
 
-    fn at_gauss_points(kind: CellKind, corners: &[[f64; 3]]) -> Vec<(Vec<[f64; 3]>, f64)> {
-        quadrature(kind).into_iter().map(|(point, _)| gradients(kind, point, corners).unwrap()).collect()
+    fn at_gauss_points(kind: CellKind, geometry: Geometry, corners: &[[f64; 3]]) -> Vec<CellPoint> {
+        CellPoint::all(kind, geometry, corners, &quadrature(kind)).unwrap()
     }
 
     /// By Gauss's theorem, `∫ ∂N_a/∂x_c` is half the normal of the two edges at corner `a`, that is
     /// of the diagonal between its neighbours.
     #[test]
     fn the_mean_is_exact_on_a_distorted_element() {
-        let points = at_gauss_points(CellKind::Quadrilateral, &DISTORTED);
-        let volume: f64 = points.iter().map(|(_, det)| det).sum();
-        for (a, mean) in mean_gradients(&points).iter().enumerate() {
+        let points = at_gauss_points(CellKind::Quadrilateral, Geometry::Cartesian, &DISTORTED);
+        let volume: f64 = points.iter().map(|point| point.volume).sum();
+        for (a, mean) in Element::BBar.mean_dilatation(&points).unwrap().iter().enumerate() {
             let [next, last] = [DISTORTED[(a + 1) % 4], DISTORTED[(a + 3) % 4]];
             let exact = [0.5 * (next[1] - last[1]), -0.5 * (next[0] - last[0])];
             for c in 0..2 {
@@ -105,14 +115,19 @@ mod tests {
         // The quadrilateral as a bent prism.
         let above = |[x, y, _]: [f64; 3]| [x + 0.1 * y, y - 0.2 * x, 1.5 + 0.1 * x * y];
         let prism: Vec<[f64; 3]> = DISTORTED.into_iter().chain(DISTORTED.map(above)).collect();
-        for (kind, corners) in [(CellKind::Quadrilateral, &DISTORTED[..]), (CellKind::Hexahedron, &prism)] {
+        for (kind, geometry, corners) in [
+            (CellKind::Quadrilateral, Geometry::Cartesian, &DISTORTED[..]),
+            (CellKind::Quadrilateral, Geometry::Axisymmetric, &DISTORTED.map(|[x, y, z]| [x + 1.0, y, z])[..]),
+            (CellKind::Hexahedron, Geometry::Cartesian, &prism[..]),
+        ] {
             let d = kind.dimension();
-            let points = at_gauss_points(kind, corners);
-            let mean = mean_gradients(&points);
-            for (g, _) in &points {
-                let (plain, bar) = (strain_columns(d, g, g), strain_columns(d, g, &mean));
+            let points = at_gauss_points(kind, geometry, corners);
+            let mean = Element::BBar.mean_dilatation(&points).unwrap();
+            for point in &points {
+                let (plain, bar) = (strain_columns(d, point, None), strain_columns(d, point, Some(&mean)));
                 for (k, (plain, bar)) in plain.iter().zip(bar).enumerate() {
-                    assert_eq!(plain[2] == 0.0, k % d != 2);
+                    let across = k % d == 2 || k % d == 0 && geometry == Geometry::Axisymmetric;
+                    assert_eq!(plain[2] == 0.0, !across);
                     assert!((bar[..3].iter().sum::<f64>() - mean[k / d][k % d]).abs() < 1e-15);
                     assert!((bar[0] - bar[1] - (plain[0] - plain[1])).abs() < 1e-15);
                     assert!((bar[1] - bar[2] - (plain[1] - plain[2])).abs() < 1e-15);

@@ -1,81 +1,62 @@
-//! Stresses in an element.
+//! Strains and stresses in an element.
 
 use super::elastic::Elasticity;
-use super::shape::{gradients, gradients_at};
-use super::strain::{Element, mean_gradients, strain_columns};
-use crate::mesh::{CellKind, quadrature_of};
+use super::shape::CellPoint;
+use super::strain::{Element, Strain, strain_columns};
+use crate::mesh::{CellKind, Geometry, quadrature_of};
 
 /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of a cell with `nodes` (m) and the
-/// `displacements` (m) of these; see [`Elasticity::stress`] for the plane. `None` if the element is inverted
-/// or degenerate.
+/// `displacements` (m) of these; see [`Elasticity::stress`] for the plane. In a body of revolution `σ_zz` is the hoop stress. `None`
+/// if the element is inverted or degenerate.
 pub fn centre_stress(
     kind: CellKind,
+    geometry: Geometry,
     nodes: &[[f64; 3]],
     displacements: &[[f64; 3]],
     element: Element,
     material: &Elasticity,
 ) -> Option<[f64; 6]> {
-    stress_at(kind, kind.centre(), nodes, displacements, element, material)
+    strain_at(kind, geometry, kind.centre(), nodes, displacements, element).map(|strain| material.stress(strain))
 }
 
-/// The same at the reference point `point` of the cell.
-pub fn stress_at(
-    kind: CellKind,
-    point: [f64; 3],
-    nodes: &[[f64; 3]],
-    displacements: &[[f64; 3]],
-    element: Element,
-    material: &Elasticity,
-) -> Option<[f64; 6]> {
-    Some(material.stress(strain_at(kind, point, nodes, displacements, element)?))
-}
-
-/// The strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` there.
+/// The strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` at the reference point `point` of a cell as above.
 pub fn strain_at(
     kind: CellKind,
+    geometry: Geometry,
     point: [f64; 3],
     nodes: &[[f64; 3]],
     displacements: &[[f64; 3]],
     element: Element,
 ) -> Option<[f64; 6]> {
-    let (here, _) = gradients(kind, point, nodes)?;
-    let points = gradients_at(kind, &quadrature_of(kind, nodes), nodes)?;
-    let mean = mean_gradients(&points);
-    let dilatation = match element {
-        Element::Bilinear | Element::NodalVolume => &here,
-        Element::BBar => &mean,
-    };
-    Some(strain(kind, &here, dilatation, displacements))
+    let here = CellPoint::new(kind, geometry, nodes, (point, 1.0))?;
+    let points = CellPoint::all(kind, geometry, nodes, &quadrature_of(kind, geometry, nodes))?;
+    Some(strain(kind, &here, element.mean_dilatation(&points).as_deref(), displacements))
 }
 
 /// The volume (m³; in two dimensions the area, m²) of a cell as above.
-pub fn cell_volume(kind: CellKind, nodes: &[[f64; 3]]) -> Option<f64> {
-    Some(gradients_at(kind, &quadrature_of(kind, nodes), nodes)?.iter().map(|(_, volume)| volume).sum())
+pub fn cell_volume(kind: CellKind, geometry: Geometry, nodes: &[[f64; 3]]) -> Option<f64> {
+    let points = CellPoint::all(kind, geometry, nodes, &quadrature_of(kind, geometry, nodes))?;
+    Some(points.iter().map(|point| point.volume).sum())
 }
 
 /// The strains `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` at the integration points of a cell as above, each with the volume (m³; in
 /// two dimensions the area, m²) that its point stands for. `None` if the element is inverted or degenerate.
 pub fn strains(
     kind: CellKind,
+    geometry: Geometry,
     nodes: &[[f64; 3]],
     displacements: &[[f64; 3]],
     element: Element,
 ) -> Option<Vec<(f64, [f64; 6])>> {
-    let points = gradients_at(kind, &quadrature_of(kind, nodes), nodes)?;
-    let mean = mean_gradients(&points);
-    let at_point = |(gradients, volume): &(Vec<[f64; 3]>, f64)| {
-        let dilatation = match element {
-            Element::Bilinear | Element::NodalVolume => gradients,
-            Element::BBar => &mean,
-        };
-        (*volume, strain(kind, gradients, dilatation, displacements))
-    };
-    Some(points.iter().map(at_point).collect())
+    let points = CellPoint::all(kind, geometry, nodes, &quadrature_of(kind, geometry, nodes))?;
+    let mean = element.mean_dilatation(&points);
+    let at = |point: &CellPoint| (point.volume, strain(kind, point, mean.as_deref(), displacements));
+    Some(points.iter().map(at).collect())
 }
 
 /// The strain of `displacements` of the nodes, see [`strain_columns`].
-fn strain(kind: CellKind, gradients: &[[f64; 3]], dilatation: &[[f64; 3]], displacements: &[[f64; 3]]) -> [f64; 6] {
-    let columns = strain_columns(kind.dimension(), gradients, dilatation);
+fn strain(kind: CellKind, point: &CellPoint, mean: Option<&[[f64; 3]]>, displacements: &[[f64; 3]]) -> Strain {
+    let columns = strain_columns(kind.dimension(), point, mean);
     let unknowns = displacements.iter().flat_map(|u| &u[..kind.dimension()]);
     let mut strain = [0.0; 6];
     for (column, u) in columns.iter().zip(unknowns) {

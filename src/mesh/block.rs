@@ -1,6 +1,6 @@
 //! Structured meshes of a rectangle or a box.
 
-use super::{Boundary, Cell, CellKind, Facet, Mesh};
+use super::{Boundary, Cell, CellKind, Facet, Geometry, Mesh};
 
 /// A rectangle or box of `size` (m, two or three lengths) with its lowest corner in the origin, divided
 /// into `elements` equal quadrilaterals or hexahedra along each axis.
@@ -83,7 +83,7 @@ fn uniform(
     boundaries: Vec<Boundary>,
 ) -> Mesh {
     let cells = cells.map(|nodes| Cell { kind, nodes, group: 0 }).collect();
-    Mesh { dimension, nodes, cells, groups: vec!["body".into()], boundaries }
+    Mesh { dimension, geometry: Geometry::Cartesian, nodes, cells, groups: vec!["body".into()], boundaries }
 }
 
 #[cfg(test)]

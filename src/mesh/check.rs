@@ -33,6 +33,12 @@ pub enum MeshFault {
     /// Nodes of a plane mesh off the plane z = 0.
     #[error("the mesh is plane, but these nodes have z other than 0: {}", list(.0))]
     OutOfPlane(Vec<usize>),
+    /// A mesh in space for the section of a body of revolution.
+    #[error("the mesh has three dimensions, so that it is no section of a body of revolution")]
+    NoSection,
+    /// Nodes of the section of a body of revolution on the other side of its axis.
+    #[error("x is the distance from the axis, but negative at these nodes: {}", list(.0))]
+    LeftOfAxis(Vec<usize>),
     /// A cell of another dimension than the mesh.
     #[error("element {element} has {cell} dimensions, but the mesh has {mesh}")]
     Dimensions {
@@ -178,6 +184,8 @@ impl MeshFault {
             MeshFault::Empty => "give the cells of the body",
             MeshFault::NotFinite(_) => "give coordinates other than nan or inf",
             MeshFault::OutOfPlane(_) => "give z = 0 in two dimensions; a body in space needs cells with a volume",
+            MeshFault::NoSection => "give a mesh of two dimensions, x from the axis and y along it",
+            MeshFault::LeftOfAxis(_) => "mesh one half of the section, on the side where x is positive",
             MeshFault::Dimensions { .. } => "let all cells be plane, or all have a volume",
             MeshFault::Corners { .. } => {
                 "give 3 nodes of a triangle, 4 of a quadrilateral or tetrahedron, 8 of a hexahedron; of second order 6 of a \
@@ -300,7 +308,7 @@ impl Mesh {
         let points = self.points(&cell.nodes);
         let size = self.corner_volumes(cell).iter().fold(0.0_f64, |m, (_, size)| m.max(*size));
         let nodes = (0..cell.kind.nodes()).map(|k| cell.kind.reference_node(k));
-        let rules = [quadrature_of(cell.kind, &points), fine_quadrature(cell.kind)];
+        let rules = [quadrature_of(cell.kind, self.geometry, &points), fine_quadrature(cell.kind)];
         let inner = rules.iter().flatten().map(|(point, _)| *point);
         nodes.chain(inner).any(|at| Jacobian::new(cell.kind, at, &points).determinant <= NEGLIGIBLE * size)
     }

@@ -1,6 +1,6 @@
 //! What there is to know of a kind of cell at the points of its rules, worked out once for all cells of a mesh.
 
-use super::{CellKind, Mesh, corner_shape, fine_quadrature, local_gradients, shape};
+use super::{CellKind, Geometry, Mesh, corner_shape, fine_quadrature, local_gradients, shape, stiffness_rule};
 
 /// No cell has more nodes.
 pub(crate) const MOST_NODES: usize = 10;
@@ -31,7 +31,7 @@ pub(crate) struct ReferenceCell {
 }
 
 impl ReferenceCell {
-    fn new(kind: CellKind) -> Self {
+    fn new(kind: CellKind, geometry: Geometry) -> Self {
         let at = |(point, weight): ([f64; 3], f64)| {
             let (values, gradients) = (shape(kind, point), local_gradients(kind, point));
             let (mut shape, mut slopes) = ([0.0; MOST_NODES], [[0.0; 3]; MOST_NODES]);
@@ -41,10 +41,9 @@ impl ReferenceCell {
             corners[..of_corners.len()].copy_from_slice(&of_corners);
             ReferencePoint { weight, shape, corners, slopes }
         };
-        let properties = kind.properties();
         ReferenceCell {
-            straight: (properties.rule)().into_iter().map(at).collect(),
-            curved: (properties.curved_rule)().into_iter().map(at).collect(),
+            straight: stiffness_rule(kind, geometry, false).into_iter().map(at).collect(),
+            curved: stiffness_rule(kind, geometry, true).into_iter().map(at).collect(),
             fine: fine_quadrature(kind).into_iter().map(at).collect(),
         }
     }
@@ -64,7 +63,7 @@ impl ReferenceCells {
     pub(crate) fn new(mesh: &Mesh) -> Self {
         let mut cells = ReferenceCells(Default::default());
         for cell in &mesh.cells {
-            cells.0[cell.kind as usize].get_or_insert_with(|| ReferenceCell::new(cell.kind));
+            cells.0[cell.kind as usize].get_or_insert_with(|| ReferenceCell::new(cell.kind, mesh.geometry));
         }
         cells
     }

@@ -5,12 +5,13 @@ use std::ops::AddAssign;
 use super::Model;
 use super::support::Moved;
 use crate::fem::{HeldRows, NodalForces, Spring};
-use crate::mesh::Mesh;
+use crate::mesh::{Geometry, Mesh};
 use crate::problem::error::expect_length;
 use crate::problem::{ProblemError, State};
 use crate::vector::{cross, dot, minus, norm};
 
-/// A force, and its moment about the origin at the reference positions of the nodes; in two dimensions per m of depth.
+/// A force, and its moment about the origin at the reference positions of the nodes; in two dimensions per m of depth. Of a body of
+/// revolution forces are those all around, those along x add up to what leads away from the axis on all sides, and there is no moment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {
     /// N.
@@ -20,9 +21,13 @@ pub struct Wrench {
 }
 
 impl Wrench {
-    /// A `force` (N) at `x` (m).
-    pub fn at(x: [f64; 3], force: [f64; 3]) -> Self {
-        Wrench { force, moment: cross(x, force) }
+    /// A `force` (N) on a body of this geometry at `x` (m).
+    pub fn at(geometry: Geometry, x: [f64; 3], force: [f64; 3]) -> Self {
+        let moment = match geometry {
+            Geometry::Cartesian => cross(x, force),
+            Geometry::Axisymmetric => [0.0; 3],
+        };
+        Wrench { force, moment }
     }
 
     fn times(self, factor: f64) -> Self {
@@ -106,7 +111,7 @@ impl Statics {
             on_held
         };
         let acting = |forces: &NodalForces| {
-            let whole = forces.iter().map(|(node, force)| Wrench::at(mesh.nodes[*node], *force)).sum();
+            let whole = forces.iter().map(|(node, force)| Wrench::at(mesh.geometry, mesh.nodes[*node], *force)).sum();
             Acting { whole, size: forces.iter().map(|(_, force)| norm(*force)).sum(), on_held: on_held(forces) }
         };
         let loads = loads.iter().map(acting).collect();
@@ -142,7 +147,7 @@ impl Model {
         all
     }
 
-    /// The force of each load at factor 1, N, what acts on held nodes included; in two dimensions per m of depth.
+    /// The force of each load at factor 1, N, what acts on held nodes included; in two dimensions per m of depth, of a body of revolution all around.
     pub fn forces_of_loads(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
         self.statics.loads.iter().map(|load| load.whole.force)
     }
@@ -223,12 +228,13 @@ impl Model {
         for (moved, on_held) in self.moved.iter().zip(on_springs) {
             add(&mut forces, -moved.factor(t), on_held.iter().copied().enumerate());
         }
+        let geometry = self.mesh.geometry;
         let mut size = 0.0;
         let mut contact = Wrench::default();
         for (i, node) in self.contacts.iter().enumerate() {
             let force = self.contact_force(state, i);
             size += norm(force);
-            contact += Wrench::at(node.acts_at(), force.map(|f| -f));
+            contact += Wrench::at(geometry, node.acts_at(), force.map(|f| -f));
             for term in node.terms() {
                 if let Ok(held) = rows.nodes().binary_search(&term.node) {
                     add(&mut forces, term.coefficient, [(held, force)]);
@@ -241,7 +247,7 @@ impl Model {
                 let share = |(held, matrix): &(usize, [[f64; 3]; 3])| {
                     let force = matrix.map(|row| dot(row, forces[*held]));
                     size += norm(force);
-                    Wrench::at(position(*held), force)
+                    Wrench::at(geometry, position(*held), force)
                 };
                 shares.iter().map(share).sum()
             })
@@ -252,7 +258,7 @@ impl Model {
                 let all = springs.iter().flat_map(|spring| spring.forces(&displaced));
                 all.map(|(node, force)| {
                     size += norm(force);
-                    Wrench::at(self.mesh.nodes[node], force)
+                    Wrench::at(geometry, self.mesh.nodes[node], force)
                 })
                 .sum()
             })
@@ -267,6 +273,10 @@ impl Model {
 
     /// The size of a force, or of a moment about the middle of the body by its size.
     fn left_of(&self, left: Wrench) -> f64 {
+        if self.mesh.geometry == Geometry::Axisymmetric {
+            // What leads away from the axis is in balance with itself.
+            return left.force[1].abs();
+        }
         let middle = self.mesh.bounds().map(|(lowest, highest)| 0.5 * (lowest + highest));
         let moment = minus(left.moment, cross(middle, left.force));
         norm(left.force).max(norm(moment) / self.mesh.size())

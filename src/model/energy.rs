@@ -7,7 +7,7 @@ use crate::problem::State;
 use crate::vector::dot;
 
 impl Model {
-    /// The strain energy of the body and its springs at time `t` (s), J, in two dimensions per m of depth:
+    /// The strain energy of the body and its springs at time `t` (s), J, in two dimensions per m of depth, of a body of revolution all around:
     ///
     /// ```text
     /// ½ ∫ (ε - ε₀) D (ε - ε₀) dV + ½ uᵀ K_s u
@@ -43,9 +43,11 @@ impl Model {
         let nodes = self.mesh.points(&cell.nodes);
         let moved: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
         // Assembly has refused cells that have none.
-        let mut strains = strains(cell.kind, &nodes, &moved, self.element()).unwrap_or_default();
+        let mut strains = strains(cell.kind, self.mesh.geometry, &nodes, &moved, self.element()).unwrap_or_default();
         if let Some(at_corners) = self.corner_dilatations(e, factors, displacements) {
-            for ((_, strain), (point, _)) in strains.iter_mut().zip(quadrature_of(cell.kind, &nodes)) {
+            for ((_, strain), (point, _)) in
+                strains.iter_mut().zip(quadrature_of(cell.kind, self.mesh.geometry, &nodes))
+            {
                 *strain = with_dilatation(*strain, dot(&at_corners, corner_shape(cell.kind, point)));
             }
         } else if !factors.is_empty() {

@@ -8,7 +8,7 @@ use crate::fem::{
     Bedding, Elasticity, Element, NodalForces, NodalVolumes, Spring, area, body_force, thermal_forces,
     traction as traction_of, uniform_traction,
 };
-use crate::mesh::{Boundary, Mesh};
+use crate::mesh::{Boundary, Geometry, Mesh};
 use crate::vector::{axis, cross, dot, minus, norm, unit};
 
 /// The body as loads see it.
@@ -62,21 +62,46 @@ impl Body<'_> {
                     Where::Boundary(name) => {
                         let boundary = boundary(name)?;
                         let area = area(mesh, boundary);
+                        if area == 0.0 {
+                            let message = format!("`{name}` is the axis of the body, which has no area for a force");
+                            return Err(Fault::new(at("boundary"), message, "name another boundary, or a point"));
+                        }
                         uniform_traction(mesh, boundary, force.map(|f| f / area))
                     }
                 }
             }
             Action::Acceleration(acceleration) => {
                 let acceleration = in_space(mesh, acceleration, &at("acceleration"))?;
+                if mesh.geometry == Geometry::Axisymmetric && acceleration[0] != 0.0 {
+                    let message =
+                        "acceleration has a component along x, which leads away from the axis on all sides at once";
+                    let help =
+                        "give [0, y]; what pulls away from the axis because the body spins is a load by rotation";
+                    return Err(Fault::new(at("acceleration"), message, help));
+                }
                 let density = description.material.densities(mesh)?;
                 body_force(mesh, |e, _| acceleration.map(|a| density[e] * a))
             }
             Action::Spin { axis: given, through, speed } => {
                 suits(mesh, *through, &at("rotation.through"))?;
-                let along = given.map_or(axis(2), |axis| unit(axis.components()));
-                if mesh.dimension == 2 && cross(along, axis(2)) != [0.0; 3] {
-                    let message = "the axis of the rotation leaves the plane of the body, which has two dimensions";
+                let own = if mesh.geometry == Geometry::Axisymmetric { axis(1) } else { axis(2) };
+                let along = given.map_or(own, |axis| unit(axis.components()));
+                if mesh.dimension == 2 && cross(along, own) != [0.0; 3] {
+                    let message = match mesh.geometry {
+                        Geometry::Cartesian => {
+                            "the axis of the rotation leaves the plane of the body, which has two dimensions"
+                        }
+                        Geometry::Axisymmetric => "the axis of the rotation is not that of the body, y",
+                    };
                     return Err(Fault::new(at("rotation.axis"), message, "leave it out"));
+                }
+                if mesh.geometry == Geometry::Axisymmetric && through.components()[0] != 0.0 {
+                    let message = "the axis of the rotation does not go through that of the body, x = 0";
+                    return Err(Fault::new(
+                        at("rotation.through"),
+                        message,
+                        "give a point of the axis, such as [0, 0]",
+                    ));
                 }
                 let density = description.material.densities(mesh)?;
                 let through = through.components();

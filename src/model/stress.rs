@@ -11,7 +11,7 @@ use crate::vector::dot;
 
 impl Model {
     /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of every cell, for the displacements
-    /// of all nodes (m) at time `t` (s); with `σ_zz` of plane strain, and 0 in plane stress. What heat alone makes of the strain
+    /// of all nodes (m) at time `t` (s); with `σ_zz` of plane strain, 0 in plane stress, and the hoop stress in a body of revolution. What heat alone makes of the strain
     /// is taken off.
     ///
     /// # Errors
@@ -32,7 +32,7 @@ impl Model {
     pub(crate) fn nodal_stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
         let mut sums: BTreeMap<usize, (usize, f64, [f64; 6])> = BTreeMap::new();
         for (e, cell) in self.mesh.cells.iter().enumerate() {
-            let volume = cell_volume(cell.kind, &self.mesh.points(&cell.nodes)).unwrap_or(f64::NAN);
+            let volume = cell_volume(cell.kind, self.mesh.geometry, &self.mesh.points(&cell.nodes)).unwrap_or(f64::NAN);
             let alike =
                 |first: usize| self.materials[first] == self.materials[e] && self.mesh.cells[first].group == cell.group;
             for (k, &node) in cell.nodes.iter().enumerate() {
@@ -77,7 +77,8 @@ impl Model {
         let nodes = self.mesh.points(&cell.nodes);
         let of_nodes: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
         // Assembly has refused cells that have none.
-        let strain = strain_at(cell.kind, point, &nodes, &of_nodes, self.element()).unwrap_or([f64::NAN; 6]);
+        let strain = strain_at(cell.kind, self.mesh.geometry, point, &nodes, &of_nodes, self.element());
+        let strain = strain.unwrap_or([f64::NAN; 6]);
         if let Some(at_corners) = self.corner_dilatations(e, factors, displacements) {
             return material.stress(with_dilatation(strain, dot(&at_corners, corner_shape(cell.kind, point))));
         }
@@ -126,7 +127,7 @@ mod tests {
             let mut forces = vec![[0.0; 3]; mesh.nodes.len()];
             for (e, cell) in mesh.cells.iter().enumerate() {
                 let nodes = mesh.points(&cell.nodes);
-                for (point, weight) in quadrature_of(cell.kind, &nodes) {
+                for (point, weight) in quadrature_of(cell.kind, model.mesh.geometry, &nodes) {
                     let (of_nodes, det) = gradients(cell.kind, point, &nodes).unwrap();
                     let [xx, yy, zz, xy, yz, zx] = model.stress_in(e, point, &[], &u);
                     for (&node, g) in cell.nodes.iter().zip(of_nodes) {

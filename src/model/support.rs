@@ -7,7 +7,7 @@ use crate::description::{Axis, Description, Direction, Held, Support, Where};
 use crate::fault::Fault;
 use crate::fem::{Dofs, HeldRows, NodalForces, SAME_DIRECTION, Spring, independent, nearest_translation};
 use crate::loading::piecewise_linear;
-use crate::mesh::Mesh;
+use crate::mesh::{Geometry, Mesh};
 use crate::timeline::within;
 use crate::units::UnitSystem;
 use crate::vector::{axis, dot, minus, norm, unit};
@@ -32,18 +32,31 @@ fn holding(mesh: &Mesh, support: &Support, units: &UnitSystem, k: usize) -> Resu
     let nodes = nodes(mesh, &support.at, units, &key)?;
     let mut holding = Vec::new();
     for Held { direction, displacement } in &support.held {
-        let hold = |node: usize, n: [f64; 3]| (node, n, *displacement);
+        let mut hold = |node: usize, n: [f64; 3]| -> Result<(), Fault> {
+            match beside_axis(mesh, node, n, *displacement) {
+                Some(Some(held)) => holding.push(held),
+                Some(None) => {}
+                None => {
+                    let place = units.place(mesh.nodes[node]);
+                    let message =
+                        format!("the support moves the node at {place} aside, which is on the axis of the body");
+                    let help = "an axisymmetric body is not moved across its axis: leave the axis out, or move along y";
+                    return Err(Fault::new(format!("{key}.displacement"), message, help));
+                }
+            }
+            Ok(())
+        };
         match direction {
             Direction::Axis(Axis::Z) if mesh.dimension == 2 => {
                 let place = support.at.place(units);
                 let message = format!("the support of `{place}` holds z, but the body has two dimensions");
                 return Err(Fault::new(format!("{key}.fix"), message, "leave out \"z\""));
             }
-            Direction::Axis(along) => holding.extend(nodes.iter().map(|&node| hold(node, axis(*along as usize)))),
+            Direction::Axis(along) => nodes.iter().try_for_each(|&node| hold(node, axis(*along as usize)))?,
             Direction::Along(vector) => {
                 suits(mesh, *vector, &format!("{key}.direction"))?;
                 let n = unit(vector.components());
-                holding.extend(nodes.iter().map(|&node| hold(node, n)));
+                nodes.iter().try_for_each(|&node| hold(node, n))?;
             }
             Direction::Normal => {
                 let Where::Boundary(name) = &support.at else { continue };
@@ -54,12 +67,25 @@ fn holding(mesh: &Mesh, support: &Support, units: &UnitSystem, k: usize) -> Resu
                         let message = format!("`{name}` has no normal at {place}: its facets there cancel each other");
                         return Err(Fault::new(format!("{key}.fix"), message, "give a direction, or fix axes"));
                     };
-                    holding.push(hold(node, n));
+                    hold(node, n)?;
                 }
             }
         }
     }
     Ok(holding)
+}
+
+/// What a support that moves `node` by `to` (m) along `n` holds there beside what the axis of a body of revolution holds: nothing, where
+/// that is along the axis' own; `None` where it contradicts the axis.
+fn beside_axis(mesh: &Mesh, node: usize, n: [f64; 3], to: f64) -> Option<Option<(usize, [f64; 3], f64)>> {
+    if !mesh.is_on_axis(node) || n[0] == 0.0 {
+        return Some(Some((node, n, to)));
+    }
+    match n[1] {
+        up if up.abs() > SAME_DIRECTION => Some(Some((node, axis(1), to / up))),
+        _ if to == 0.0 => Some(None),
+        _ => None,
+    }
 }
 
 /// The displacements that the supports leave free.
@@ -105,6 +131,7 @@ impl Moved {
                 histories.push(history(support));
             }
         }
+        let axisymmetric = mesh.geometry == Geometry::Axisymmetric;
         let of_history = |of: Vec<[f64; 2]>| {
             // What others hold stays where it is.
             let mut prescribed = Vec::new();
@@ -113,7 +140,9 @@ impl Moved {
                 prescribed.extend(holding.iter().map(|&(node, n, to)| (k, node, n, if moves { to } else { 0.0 })));
             }
             prescribed.sort_by_key(|(_, node, ..)| *node);
-            let values = prescribed.iter().map(|(_, _, n, to)| (*n, *to));
+            // Nothing carries a body of revolution aside.
+            let carrying = |n: [f64; 3]| if axisymmetric { [0.0, n[1], n[2]] } else { n };
+            let values = prescribed.iter().map(|(_, _, n, to)| (carrying(*n), *to));
             let carried = nearest_translation(values);
             let size = prescribed.iter().fold(0.0_f64, |m, (.., to)| m.max(to.abs()));
             let mut beyond = vec![[0.0; 3]; rows.nodes().len()];

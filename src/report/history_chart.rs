@@ -67,9 +67,8 @@ fn forces(report: &RunReport, found: &[&ForceRecord]) -> Chart {
         let curves = COMPONENTS.into_iter().take(dimension).enumerate().map(curve).collect();
         Panel { title: if boundaries.len() > 1 { (*boundary).to_string() } else { String::new() }, curves }
     };
-    let in_space = found.iter().any(|record| record.resultant.force.len() == 3);
-    let unit = match (in_space, report.units.is_si()) {
-        (false, true) => "N per m of depth".to_string(),
+    let unit = match (report.units.per_depth, report.units.is_si()) {
+        (true, true) => "N per m of depth".to_string(),
         _ => report.units.name(Quantity::Force),
     };
     Chart {

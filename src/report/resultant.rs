@@ -6,9 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::contact::ContactBoundary;
 use crate::history::Step;
-use crate::model::Model;
+use crate::model::{Model, Wrench};
 use crate::problem::State;
-use crate::vector::cross;
 
 /// What the body does to the obstacles in front of one boundary: the sum of the contact forces, and their components. The forces
 /// on a node that is of several boundaries count in each by its share in the node's area. On several boundaries, and on an
@@ -109,12 +108,11 @@ fn total(
     parts: impl Iterator<Item = (usize, f64)> + Clone,
 ) -> (Vec<f64>, Vec<f64>, ComponentSums) {
     let dimension = model.mesh.dimension;
-    let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
-    for (i, part) in parts.clone() {
-        let f = model.contact_force(state, i).map(|f| part * f);
-        let m = cross(model.contacts[i].acts_at(), f);
-        (0..3).for_each(|c| (force[c] += f[c], moment[c] += m[c]).0);
-    }
+    let wrench = |(i, part): (usize, f64)| {
+        let force = model.contact_force(state, i).map(|f| part * f);
+        Wrench::at(model.mesh.geometry, model.contacts[i].acts_at(), force)
+    };
+    let Wrench { force, moment } = parts.clone().map(wrench).sum();
     let moment = if dimension == 2 { vec![moment[2]] } else { moment.to_vec() };
     (force[..dimension].to_vec(), moment, ComponentSums::of(model, state, parts))
 }

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::formulation::Layout;
 use crate::history::Method;
+use crate::mesh::Geometry;
 use crate::model::Model;
 
 /// The numbers of unknowns.
@@ -67,8 +68,12 @@ impl LeftOut {
         let free =
             |contact: &crate::contact::ContactNode| contact.tangents.iter().filter(|row| !row.is_empty()).count();
         let interior = if condensed { problem.displacements() - problem.contact_displacements().len() } else { 0 };
+        let held_by = match mesh.geometry {
+            Geometry::Cartesian => "held by supports",
+            Geometry::Axisymmetric => "held by supports or on the axis",
+        };
         let counted = [
-            (mesh.nodes.len() * mesh.dimension - problem.displacements(), "u", "held by supports"),
+            (mesh.nodes.len() * mesh.dimension - problem.displacements(), "u", held_by),
             (interior, "u", "within the body: condensed, known once those at the contact are"),
             (held.sum(), "p_n", "at nodes that supports hold along the normal"),
             (beyond, "p_n", "at nodes that no obstacle ever reaches"),

@@ -11,7 +11,7 @@ pub enum Quantity {
     Length,
     /// Pa.
     Stress,
-    /// N; in two dimensions N per m of depth, as the following are per depth.
+    /// N; in two dimensions N per m of depth, as the following are per depth, but for bodies of revolution.
     Force,
     /// N m.
     Moment,
@@ -33,8 +33,10 @@ pub enum Quantity {
 pub struct UnitSystem {
     /// The base units.
     pub units: Units,
-    /// The dimension of the body, 2 or 3: in two, forces and what is made of them are per depth.
+    /// The dimension of the body, 2 or 3.
     pub dimension: usize,
+    /// Whether forces and what is made of them are per depth: in two dimensions, but for bodies of revolution.
+    pub per_depth: bool,
 }
 
 /// Units of force that have a name of their own, N.
@@ -65,9 +67,14 @@ fn named(size: Size, names: &[(f64, &'static str)]) -> Option<&'static str> {
 }
 
 impl UnitSystem {
-    /// SI units for a body of so many dimensions.
+    /// SI units for a body of so many dimensions, which is not axisymmetric.
     pub fn si(dimension: usize) -> Self {
-        UnitSystem { units: Units::SI, dimension }
+        Self::new(Units::SI, dimension)
+    }
+
+    /// These units for a body of so many dimensions, which is not axisymmetric.
+    pub fn new(units: Units, dimension: usize) -> Self {
+        UnitSystem { units, dimension, per_depth: dimension == 2 }
     }
 
     /// Whether all units are SI units.
@@ -133,7 +140,7 @@ impl UnitSystem {
         let [area, volume, mass] = [2, 3, 1].map(|b| self.product(1, b));
         let own = named(area, &FORCES);
         let force = own.map_or_else(|| format!("{stress} {length}2"), String::from);
-        let depth = if self.dimension == 2 { format!("/{length}") } else { String::new() };
+        let depth = if self.per_depth { format!("/{length}") } else { String::new() };
         match quantity {
             Quantity::Number => String::new(),
             Quantity::Length => length.to_string(),
@@ -150,14 +157,14 @@ impl UnitSystem {
             },
             Quantity::Acceleration => format!("{length}/s2"),
             Quantity::Foundation => format!("{stress}/{length}"),
-            Quantity::Spring if self.dimension == 2 => stress.to_string(),
+            Quantity::Spring if self.per_depth => stress.to_string(),
             Quantity::Spring => own.map_or_else(|| format!("{stress} {length}"), |force| format!("{force}/{length}")),
         }
     }
 
     fn size(&self, quantity: Quantity) -> Size {
         // Per depth there is a length less.
-        let plane = i32::from(self.dimension == 2);
+        let plane = i32::from(self.per_depth);
         let (stress, length) = match quantity {
             Quantity::Number => (0, 0),
             Quantity::Length | Quantity::Acceleration => (0, 1),
@@ -183,7 +190,7 @@ mod tests {
     use super::*;
 
     fn system(length: LengthUnit, stress: StressUnit, dimension: usize) -> UnitSystem {
-        UnitSystem { units: Units::new(length, stress), dimension }
+        UnitSystem::new(Units::new(length, stress), dimension)
     }
 
     #[test]

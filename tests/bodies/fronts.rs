@@ -12,7 +12,7 @@ use stickslip::description::{Axis, Contact, Description, Load};
 use stickslip::fem::Material;
 use stickslip::formula::Formula;
 use stickslip::history::{LinearAlgebra, Method, Solver, Status};
-use stickslip::mesh::{Boundary, Mesh, MeshSource, block};
+use stickslip::mesh::{Boundary, Geometry, Mesh, MeshSource, block};
 use stickslip::model::Model;
 use stickslip::problem::State;
 use stickslip::report::{LeftOut, Resultant};
@@ -328,7 +328,14 @@ fn a_ring_on_a_shaft_in_parts() {
     let outside = (0..around).map(|i| vec![node(i, across), node(i + 1, across)]).collect();
     boundaries.push(Boundary { name: "outside".into(), facets: outside });
     let nodes = (0..around).flat_map(|i| (0..=across).map(move |j| at(i, j))).collect();
-    let mesh = Mesh { dimension: 2, nodes, cells: cells.collect(), groups: vec!["ring".into()], boundaries };
+    let mesh = Mesh {
+        dimension: 2,
+        geometry: Geometry::Cartesian,
+        nodes,
+        cells: cells.collect(),
+        groups: vec!["ring".into()],
+        boundaries,
+    };
     let shaft = |normal: [f64; 2]| Obstacle {
         normal: Some(normal.into()),
         direction: GapDirection::Nearest,

@@ -4,6 +4,8 @@
 mod common;
 
 mod auto;
+mod axisymmetric;
+mod axisymmetric_contact;
 mod closed_forms;
 mod concave;
 mod contact_surface;

@@ -4,7 +4,7 @@
 
 use stickslip::fem::{cell_volume, gradients};
 use stickslip::history::{LinearAlgebra, Solver, Status};
-use stickslip::mesh::{fine_quadrature, shape};
+use stickslip::mesh::{Geometry, fine_quadrature, shape};
 use stickslip::model::{Balance, Model};
 use stickslip::report::{RunReport, WarningKind};
 use stickslip::run::{Recording, Run};
@@ -132,7 +132,7 @@ fn forces_of_stresses(model: &Model, stresses: &[[f64; 6]]) -> Vec<[f64; 3]> {
     let mut forces = vec![[0.0; 3]; model.mesh.nodes.len()];
     for (cell, [xx, yy, zz, xy, yz, zx]) in model.mesh.cells.iter().zip(stresses) {
         let corners = model.mesh.points(&cell.nodes);
-        let volume = cell_volume(cell.kind, &corners).unwrap();
+        let volume = cell_volume(cell.kind, Geometry::Cartesian, &corners).unwrap();
         let (of_nodes, _) = gradients(cell.kind, cell.kind.centre(), &corners).unwrap();
         for (node, g) in cell.nodes.iter().zip(of_nodes) {
             for (c, row) in [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]].into_iter().enumerate() {
@@ -230,7 +230,7 @@ fn the_error_of_the_mesh_is_seen() {
             let (mut off, mut whole) = (0.0, 0.0);
             for (cell, stress) in model.mesh.cells.iter().zip(model.centre_stresses(1.0, &all).unwrap()) {
                 let corners = model.mesh.points(&cell.nodes);
-                let volume = cell_volume(cell.kind, &corners).unwrap();
+                let volume = cell_volume(cell.kind, Geometry::Cartesian, &corners).unwrap();
                 let rule = fine_quadrature(cell.kind);
                 let weights: f64 = rule.iter().map(|(_, weight)| weight).sum();
                 for (point, weight) in rule {

@@ -8,7 +8,7 @@ use crate::common::solve;
 use stickslip::fem::{
     Dofs, Elasticity, Element, RigidMotion, assemble, element_stiffness, facet_load, gradients, rigid_motions,
 };
-use stickslip::mesh::{Cell, CellKind, Mesh, block, fine_quadrature, quadrature, quadrature_of, shape};
+use stickslip::mesh::{Cell, CellKind, Geometry, Mesh, block, fine_quadrature, quadrature, quadrature_of, shape};
 use stickslip::model::Model;
 use stickslip::scene::Scene;
 use stickslip::vector::{norm, unit};
@@ -56,7 +56,7 @@ fn volumes_add_up() {
         let mesh = distorted(kind, 4);
         let volume = |e: usize| -> f64 {
             let corners = mesh.points(&mesh.cells[e].nodes);
-            let rule = quadrature_of(kind, &corners);
+            let rule = quadrature_of(kind, Geometry::Cartesian, &corners);
             rule.into_iter().map(|(p, weight)| weight * gradients(kind, p, &corners).unwrap().1).sum()
         };
         let volumes: Vec<f64> = (0..mesh.cells.len()).map(volume).collect();
@@ -125,7 +125,9 @@ fn no_other_motion_is_free_of_energy() {
         mesh.cells = vec![Cell { nodes: (0..kind.nodes()).collect(), ..cell }];
         let dofs = Dofs::new(&mesh, |_, _| false);
         for &element in elements(kind) {
-            let mut a = element_stiffness(kind, &mesh.nodes, element, &Elasticity::isotropic(1.0, 0.3)).unwrap();
+            let mut a =
+                element_stiffness(kind, Geometry::Cartesian, &mesh.nodes, element, &Elasticity::isotropic(1.0, 0.3))
+                    .unwrap();
             for motion in rigid_motions(&mesh, &dofs) {
                 let r = motion.displacements(&mesh, &dofs);
                 for (row, r_i) in a.iter_mut().zip(&r) {

@@ -5,7 +5,7 @@ use crate::common;
 use crate::common::solve;
 use stickslip::fem::{Dofs, Elasticity, Element, assemble, element_stiffness, traction};
 use stickslip::history::{Observer, Status, Step};
-use stickslip::mesh::{Boundary, Cell, CellKind, Mesh, MeshFault, block, from_gmsh};
+use stickslip::mesh::{Boundary, Cell, CellKind, Geometry, Mesh, MeshFault, block, from_gmsh};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::report::fields;
@@ -26,7 +26,14 @@ fn stiffness_of_one_prism() {
         (Element::Bilinear, [4.096_086_112_376e-1, 6.695_469_546_415, 2.607_588_459_259, 8.806_470_656_459e-1]),
         (Element::BBar, [3.716_519_265_530e-1, 5.973_063_159_367, 2.506_643_653_099, 8.794_433_147_321e-1]),
     ] {
-        let k = element_stiffness(CellKind::Prism, &CORNERS, element, &Elasticity::isotropic(1.0, 0.3)).unwrap();
+        let k = element_stiffness(
+            CellKind::Prism,
+            Geometry::Cartesian,
+            &CORNERS,
+            element,
+            &Elasticity::isotropic(1.0, 0.3),
+        )
+        .unwrap();
         let trace: f64 = (0..k.len()).map(|i| k[i][i]).sum();
         let frobenius = k.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
         let energy: f64 = k.iter().zip(&u).map(|(row, u_i)| u_i * dot(row, &u)).sum();

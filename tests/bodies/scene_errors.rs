@@ -58,7 +58,13 @@ const KEYS_AND_TYPES: &[Fault] = &[
     ("poisson = 0.3", "poisson = 0.3\npoisson = 0.2", "poisson = 0.2", &["duplicate key"], MEND),
     ("210e9", "1e999", "young =", &["overflowed"], MEND),
     ("\"block\"", "\"ball\"", "\"ball\"", &["unknown variant `ball`", "`block`"], LISTED),
-    ("\"strain\"", "\"strian\"", "\"strian\"", &["unknown variant `strian`", "`strain` or `stress`"], LISTED),
+    (
+        "\"strain\"",
+        "\"strian\"",
+        "\"strian\"",
+        &["unknown variant `strian`", "`strain`, `stress`, `axisymmetric`"],
+        LISTED,
+    ),
     (
         "elements =",
         "element = \"bbar\"\nelements =",

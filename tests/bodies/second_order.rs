@@ -10,7 +10,7 @@ use stickslip::fem::{
     thermal_forces, traction,
 };
 use stickslip::history::Status;
-use stickslip::mesh::{Cell, CellKind, Mesh, MeshFault, MeshSource, block, from_gmsh};
+use stickslip::mesh::{Cell, CellKind, Geometry, Mesh, MeshFault, MeshSource, block, from_gmsh};
 use stickslip::model::Model;
 use stickslip::report::{Grid, fields};
 use stickslip::run::Run;
@@ -50,7 +50,14 @@ fn stiffness_of_one_element() {
     ];
     for (mesh, field, expected) in cases {
         let kind = mesh.cells[0].kind;
-        let k = element_stiffness(kind, &mesh.nodes, Element::Bilinear, &Elasticity::isotropic(1.0, 0.3)).unwrap();
+        let k = element_stiffness(
+            kind,
+            Geometry::Cartesian,
+            &mesh.nodes,
+            Element::Bilinear,
+            &Elasticity::isotropic(1.0, 0.3),
+        )
+        .unwrap();
         let u: Vec<f64> = mesh.nodes.iter().flat_map(|&x| field(x)).collect();
         let trace: f64 = (0..k.len()).map(|i| k[i][i]).sum();
         let frobenius = k.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();

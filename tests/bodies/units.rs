@@ -239,6 +239,6 @@ fn a_description_says_what_its_numbers_are_in() {
     };
     let given = raw.given_in(units);
     assert_eq!(given, scene(&block_in_mm()).description);
-    assert_eq!(given.system(2), UnitSystem { units, dimension: 2 });
+    assert_eq!(given.system(2), UnitSystem::new(units, 2));
     assert_eq!(given.system(2).name(Quantity::Force), "N/mm");
 }

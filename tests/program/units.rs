@@ -259,7 +259,7 @@ fn reports_are_told_in_the_units_of_the_scene() {
             let largest = expected.iter().filter(|(p, _)| p == path).fold(0.0_f64, |m, (_, x)| m.max(x.abs()));
             assert!(close(*si, *mm, in_mm(unit, dimension), largest), "{path}: {si} and {mm}");
         }
-        let system = UnitSystem { units: Units::new(LengthUnit::Millimetre, StressUnit::Megapascal), dimension };
+        let system = UnitSystem::new(Units::new(LengthUnit::Millimetre, StressUnit::Megapascal), dimension);
         assert_eq!(mm["units"], serde_json::to_value(UnitNames::of(&system)).unwrap());
         let (name, size) = if dimension == 2 { ("N/mm", 1e3) } else { ("N", 1.0) };
         assert_eq!(

@@ -3,7 +3,7 @@
 use super::read::{Block, File};
 use super::{ElementKind, GmshError};
 use crate::mesh::boundaries::Outline;
-use crate::mesh::{Cell, Facet, Mesh, MeshFault};
+use crate::mesh::{Cell, Facet, Geometry, Mesh, MeshFault};
 
 /// The mesh without its boundaries, and Gmsh's number of each cell.
 pub(super) fn mesh(file: File, name: &str) -> Result<(Mesh, Vec<usize>), GmshError> {
@@ -60,7 +60,7 @@ pub(super) fn mesh(file: File, name: &str) -> Result<(Mesh, Vec<usize>), GmshErr
             x[2] = 0.0;
         }
     }
-    let mut mesh = Mesh { dimension, nodes, cells, groups, boundaries: Vec::new() };
+    let mut mesh = Mesh { dimension, geometry: Geometry::Cartesian, nodes, cells, groups, boundaries: Vec::new() };
     let clockwise = |cell: &Cell| mesh.corner_volumes(cell).iter().all(|&(volume, _)| volume < 0.0);
     if dimension == 2 && mesh.cells.iter().all(clockwise) {
         mesh.cells.iter_mut().for_each(Cell::turn_over);
