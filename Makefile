@@ -5,6 +5,7 @@
 # make lines  the lines of code, comments and tests
 # make tables the paper's Tables I and II, complete (minutes)
 # make extremes the suite of extreme scenes, into doc/stability (minutes)
+# make elements kinds of elements on Cook's membrane and Hertz' contacts, into doc/elements (minutes)
 # make compare error against time for six scenes, into doc/error-vs-time.md (minutes)
 # make report the paper's Figures 4 to 7, into doc/figures, both tables, and the comparison (minutes)
 # Each installs what is missing first.
@@ -12,7 +13,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test bench instructions lines tables report extremes compare deps
+.PHONY: demo test bench instructions lines tables report extremes elements compare deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -65,6 +66,9 @@ tables: deps
 
 extremes: deps
 	$(STUDIES) extremes --long --out doc/stability
+
+elements: deps
+	$(STUDIES) elements --out doc/elements
 
 COMPARE = cargo run --release -- compare
 PAGE = doc/error-vs-time

@@ -1,6 +1,7 @@
 //! The command line: the only place that prints. A command computes, writes the files it is told to write, and hands
 //! back what there is to say.
 
+mod elements;
 mod extremes;
 mod figures;
 mod jobs;
@@ -30,6 +31,8 @@ enum Study {
     Tables(tables::TablesArgs),
     /// Draw the figures of the paper
     Figures(figures::FiguresArgs),
+    /// Set kinds of elements beside each other on problems whose answers are known
+    Elements(elements::ElementsArgs),
     /// Run the suite of extreme scenes
     Extremes(extremes::ExtremesArgs),
 }
@@ -51,6 +54,7 @@ pub(crate) fn main() -> ExitCode {
     let answer = match &cli.study {
         Study::Tables(args) => tables::tables(args),
         Study::Figures(args) => figures::figures(args),
+        Study::Elements(args) => elements::elements(args),
         Study::Extremes(args) => extremes::extremes(args),
     };
     match answer.and_then(|answer| print(&answer.lines).map(|()| answer.sound)) {

@@ -122,3 +122,27 @@ fn a_sweep_is_drawn() {
     assert_eq!(fs::read_to_string(folder.0.join("extremes.csv")).unwrap(), stdout(&output));
     assert_eq!(folder.names(), ["extremes.csv", "loads-pa_error.svg", "loads-pa_iterations.svg"]);
 }
+
+/// Forces of a parabola on a block and on a body of revolution; those of quadrilaterals from a program that shares nothing with this one.
+#[test]
+fn elements_beside_each_other() {
+    let folder = std::env::temp_dir().join(format!("stickslip-elements-{}", std::process::id()));
+    let out = folder.to_str().unwrap();
+    let output = studies(&["elements", "--only", "line,revolved", "--sizes", "1", "--out", out]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    for (name, known) in [
+        ("line", &[("quadrilateral,8,", "3.8650909608e-4")][..]),
+        ("revolved", &[("quadrilateral,8,", "1.2040165610e-5"), ("quadrilateral:b-bar,8,", "1.1954779737e-5")]),
+    ] {
+        let csv = fs::read_to_string(folder.join(format!("{name}.csv"))).unwrap();
+        for (elements, value) in known {
+            let line = csv.lines().find(|line| line.starts_with(elements)).unwrap();
+            let [found, known] = [line.split(',').nth(4).unwrap(), value].map(|x| x.parse::<f64>().unwrap());
+            assert!((found / known - 1.0).abs() < 1e-9, "{line}");
+        }
+        let svg = fs::read_to_string(folder.join(format!("{name}-unknowns.svg"))).unwrap();
+        assert!(svg.lines().any(|line| line == "triangle6") && folder.join(format!("{name}-time.svg")).exists());
+    }
+    fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(studies(&["elements", "--only", "plate"]).status.code(), Some(2));
+}
