@@ -111,9 +111,11 @@ fn total(
     let dimension = model.mesh.dimension;
     let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
     for (i, part) in parts.clone() {
-        let f = model.contact_force(state, i).map(|f| part * f);
-        let m = cross(model.contacts[i].acts_at(), f);
-        (0..3).for_each(|c| (force[c] += f[c], moment[c] += m[c]).0);
+        for (_, position, f) in model.forces_of_rows(state, i) {
+            let f = f.map(|f| part * f);
+            let m = cross(position, f);
+            (0..3).for_each(|c| (force[c] += f[c], moment[c] += m[c]).0);
+        }
     }
     let moment = if dimension == 2 { vec![moment[2]] } else { moment.to_vec() };
     (force[..dimension].to_vec(), moment, ComponentSums::of(model, state, parts))
