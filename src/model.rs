@@ -29,7 +29,6 @@ use crate::scene::{Scene, SceneError};
 use crate::sparse::Csr;
 use crate::timeline::within;
 use crate::units::{Scaling, UnitSystem};
-use crate::vector::dot;
 use balance::Statics;
 use contact::Contacts;
 use load::{Body, FreeStrain};
@@ -160,10 +159,8 @@ impl Model {
             cases.push(LoadCase::new(dofs.forces(moved.forces(&mesh, &rows, &springs)), moved.history.clone())?);
             let beyond: Vec<_> = contacts.iter().map(|contact| moved.beyond_contact(&rows, contact)).collect();
             if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
-                let against = |(_, beyond): (&ContactNode, &[f64; 3]), n: [f64; 3]| -dot(*beyond, n);
-                let nodes = || contacts.iter().zip(&beyond);
-                let gap = nodes().map(|node| against(node, node.0.facing.normal)).collect();
-                let drift = nodes().map(|node| node.0.facing.tangents.map(|t| against(node, t))).collect();
+                let gap = beyond.iter().map(|[n, ..]| -n).collect();
+                let drift = beyond.iter().map(|[_, t, o]| [-t, -o]).collect();
                 motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
             }
         }

@@ -9,8 +9,9 @@
 //! w̃_m = 2 w_m - ½ (w_a + w_b)   at the node m between the corners a and b,
 //! ```
 //!
-//! all along the normal, or a tangent, of node m, and so are gaps `g̃` and what the obstacle slips past. `w̃ ≤ g̃` keeps every node out
-//! of the obstacle, and in front of a plane the whole of a straight facet.
+//! each along the normal, or the tangent, of its own node, and so are gaps `g̃` and what the obstacle slips past. `w̃ ≤ g̃` keeps every node
+//! out of the obstacle, and in front of a plane the whole of a straight facet. Where normals turn along the edge, those of m for all three
+//! would take the height of the arc between them, as a share of a displacement, for a gap.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -20,7 +21,10 @@ use super::motion::ObstacleMotion;
 use super::obstacle::{Facing, PlacedObstacle};
 use crate::fem::{Dofs, bernstein, facet_weights};
 use crate::mesh::{Boundary, Mesh};
-use crate::vector::{cross, dot, unit};
+use crate::vector::{cross, dot, plus, unit};
+
+/// A normal that is turned round but for as much, by its cosine plus 1.
+const TURNED_BACK: f64 = 1e-9;
 
 /// A row of a contact map, `w = Σ coefficient · u[dof]`, as pairs `(dof, coefficient)`.
 pub type Row = Vec<(usize, f64)>;
@@ -57,7 +61,7 @@ pub struct End {
     pub node: usize,
     /// Its position, m.
     pub position: [f64; 3],
-    /// What it sees of the obstacle of the contact node, along the normal of that.
+    /// What it sees of the obstacle of the contact node; its tangents are those of the contact node, turned with the normal.
     pub facing: Facing,
 }
 
@@ -70,7 +74,7 @@ pub struct Term {
     pub node: usize,
     /// Its position, m.
     pub position: [f64; 3],
-    /// What it sees of the obstacle along the normal of the contact node, whose tangents these are.
+    /// What it sees of the obstacle, with tangents as [`End`] has them.
     pub facing: Facing,
 }
 
@@ -121,7 +125,8 @@ pub fn contact_nodes(
             facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
             let end = |node: usize| {
                 let position = mesh.nodes[node];
-                End { node, position, facing: obstacles[obstacle].0.along(&facing, position) }
+                let seen = obstacles[obstacle].0.seen_from(position);
+                End { node, position, facing: Facing { tangents: turned(&facing, &seen), ..seen } }
             };
             let ends = edges.get(&node).map(|edge| edge.map(end));
             let (position, weight, none) = (mesh.nodes[node], weights[node], [Row::new(), Row::new()]);
@@ -136,12 +141,23 @@ pub fn contact_nodes(
                 frame,
                 weight,
             };
-            let normal = contact.row(dofs, facing.normal);
-            let tangents = facing.tangents.map(|tangent| contact.row(dofs, tangent));
+            let normal = contact.row(dofs, |facing| facing.normal);
+            let tangents = [0, 1].map(|k| contact.row(dofs, |facing| facing.tangents[k]));
             ContactNode { normal, tangents, ..contact }
         })
         .filter(|contact| !row(dofs, contact.node, contact.facing.normal).is_empty())
         .collect()
+}
+
+/// The tangents of `facing` after the least turn that takes its normal to that of `seen`.
+fn turned(facing: &Facing, seen: &Facing) -> [[f64; 3]; 2] {
+    let between = plus(facing.normal, 1.0, seen.normal);
+    let size = dot(between, seen.normal);
+    // Of normals against each other, at the edge of a sheet, no turn is the least.
+    if facing.normal == seen.normal || size <= TURNED_BACK {
+        return facing.tangents;
+    }
+    facing.tangents.map(|tangent| plus(tangent, -dot(tangent, seen.normal) / size, between))
 }
 
 /// The row of a displacement of `node` along `direction`.
@@ -154,12 +170,7 @@ impl ContactNode {
     pub fn terms(&self) -> impl Iterator<Item = Term> + '_ {
         let own = if self.ends.is_some() { 2.0 } else { 1.0 };
         let own = Term { coefficient: own, node: self.node, position: self.position, facing: self.facing };
-        let of_end = |end: &End| Term {
-            coefficient: -0.5,
-            node: end.node,
-            position: end.position,
-            facing: Facing { tangents: self.facing.tangents, ..end.facing },
-        };
+        let of_end = |end: &End| Term { coefficient: -0.5, node: end.node, position: end.position, facing: end.facing };
         [own].into_iter().chain(self.ends.iter().flatten().map(of_end))
     }
 
@@ -187,16 +198,11 @@ impl ContactNode {
         self.gap(obstacle, &self.terms().map(|term| term.facing.gap).collect::<Vec<_>>())
     }
 
-    /// Where its forces act, m: as `w̃` is made of the displacements of its nodes, so is this of their positions.
-    pub fn acts_at(&self) -> [f64; 3] {
-        if self.ends.is_none() { self.position } else { [0, 1, 2].map(|c| self.sum(|term| term.position[c])) }
-    }
-
-    /// The row of its displacement along `direction`.
-    fn row(&self, dofs: &Dofs, direction: [f64; 3]) -> Row {
+    /// The row of its displacement along a direction of each node.
+    fn row(&self, dofs: &Dofs, direction: impl Fn(&Facing) -> [f64; 3]) -> Row {
         self.terms()
-            .flat_map(|Term { coefficient, node, .. }| {
-                row(dofs, node, direction).into_iter().map(move |(dof, c)| (dof, coefficient * c))
+            .flat_map(|Term { coefficient, node, facing, .. }| {
+                row(dofs, node, direction(&facing)).into_iter().map(move |(dof, c)| (dof, coefficient * c))
             })
             .collect()
     }
@@ -215,7 +221,10 @@ impl ContactNode {
     /// Takes `tangents` for its own, 0 for one that it does not have.
     fn slide_along(&mut self, dofs: &Dofs, tangents: [[f64; 3]; 2]) {
         self.facing.tangents = tangents;
-        self.tangents = tangents.map(|tangent| self.row(dofs, tangent));
+        for end in self.ends.iter_mut().flatten() {
+            end.facing.tangents = turned(&self.facing, &end.facing);
+        }
+        self.tangents = [0, 1].map(|k| self.row(dofs, |facing| facing.tangents[k]));
     }
 }
 

@@ -251,19 +251,9 @@ impl PlacedObstacle {
         }
     }
 
-    /// What a node at `x` (m) sees along the normal of another one, which sees it as `facing` says.
-    pub(super) fn along(&self, facing: &Facing, x: [f64; 3]) -> Facing {
-        let seen = match self.direction {
-            GapDirection::Normal => self.at(x),
-            GapDirection::Nearest => {
-                let ([t, o], n) = (facing.tangents, facing.normal);
-                let gap = self.surface.along(self.normal, x, n, x);
-                let inward = self.surface.inward([self.normal, t, o], x, (gap, n), 1e-6 * self.extent);
-                let closing = dot(inward, n);
-                Facing { gap, inward: inward.map(|c| c / closing), ..*facing }
-            }
-        };
-        self.in_front(seen)
+    /// What a node at `x` (m) sees that is of the edge of one in front of the obstacle, see [`PlacedObstacle::in_front`].
+    pub(super) fn seen_from(&self, x: [f64; 3]) -> Facing {
+        self.in_front(self.at(x))
     }
 
     /// Whether nodes at these distances (m) have the obstacle in front of them: others are taken to be as far as the boundary is long,

@@ -4,6 +4,7 @@ use std::ops::AddAssign;
 
 use super::Model;
 use super::support::Moved;
+use crate::contact::{Facing, Term};
 use crate::fem::{HeldRows, NodalForces, Spring};
 use crate::mesh::{Geometry, Mesh};
 use crate::problem::error::expect_length;
@@ -195,10 +196,20 @@ impl Model {
 
     /// The force (N) of the body on the obstacle at contact node `i`, for the contact forces of `state`.
     pub(crate) fn contact_force(&self, state: &State, i: usize) -> [f64; 3] {
-        let facing = &self.contacts[i].facing;
-        let [t, o] = facing.tangents;
-        let (p_n, p_t, p_o) = (state.p_n[i], state.p_t[i], state.p_o[i]);
-        [0, 1, 2].map(|c| p_n * facing.normal[c] + p_t * t[c] + p_o * o[c])
+        force_along(&self.contacts[i].facing, [state.p_n[i], state.p_t[i], state.p_o[i]])
+    }
+
+    /// The force (N) of the body on the obstacle at each node in the rows of contact node `i`, with its number and position (m).
+    pub(crate) fn forces_of_rows(
+        &self,
+        state: &State,
+        i: usize,
+    ) -> impl Iterator<Item = (usize, [f64; 3], [f64; 3])> + '_ {
+        let p = [state.p_n[i], state.p_t[i], state.p_o[i]];
+        self.contacts[i].terms().map(move |Term { coefficient, node, position, facing }| {
+            let force = force_along(&facing, p);
+            (node, position, if coefficient == 1.0 { force } else { force.map(|f| coefficient * f) })
+        })
     }
 
     /// Everything that acts on the body at time `t` (s) in the `state` it has then: the force of a support is what the stiffness
@@ -231,13 +242,12 @@ impl Model {
         let geometry = self.mesh.geometry;
         let mut size = 0.0;
         let mut contact = Wrench::default();
-        for (i, node) in self.contacts.iter().enumerate() {
-            let force = self.contact_force(state, i);
-            size += norm(force);
-            contact += Wrench::at(geometry, node.acts_at(), force.map(|f| -f));
-            for term in node.terms() {
-                if let Ok(held) = rows.nodes().binary_search(&term.node) {
-                    add(&mut forces, term.coefficient, [(held, force)]);
+        for i in 0..self.contacts.len() {
+            size += norm(self.contact_force(state, i));
+            for (node, position, force) in self.forces_of_rows(state, i) {
+                contact += Wrench::at(geometry, position, force.map(|f| -f));
+                if let Ok(held) = rows.nodes().binary_search(&node) {
+                    add(&mut forces, 1.0, [(held, force)]);
                 }
             }
         }
@@ -281,6 +291,12 @@ impl Model {
         let moment = minus(left.moment, cross(middle, left.force));
         norm(left.force).max(norm(moment) / self.mesh.size())
     }
+}
+
+/// The force of these components along the normal and the tangents of a node.
+fn force_along(facing: &Facing, [p_n, p_t, p_o]: [f64; 3]) -> [f64; 3] {
+    let [t, o] = facing.tangents;
+    [0, 1, 2].map(|c| p_n * facing.normal[c] + p_t * t[c] + p_o * o[c])
 }
 
 /// Adds `factor` times `terms` at their places.

@@ -16,7 +16,7 @@ use crate::contact::{ContactBoundary, ContactNode};
 use crate::fem::facet_mass;
 use crate::mesh::Mesh;
 use crate::problem::State;
-use crate::vector::{dot, plus};
+use crate::vector::{across, dot, plus};
 
 /// What nodal tractions follow from.
 #[derive(Debug, Clone)]
@@ -67,23 +67,27 @@ impl Model {
     /// of second order. `None` where none is: there it is the contact force by the node's weight (32).
     pub(crate) fn recovered_tractions(&self, state: &State) -> Option<Vec<[f64; 3]>> {
         let Recovery { mass, ends } = self.recovery.as_ref()?;
-        let mean = |(i, contact): (usize, &ContactNode)| self.contact_force(state, i).map(|f| f / contact.weight);
-        let means: Vec<[f64; 3]> = self.contacts.iter().enumerate().map(mean).collect();
+        // Pressures are numbers, as normals turn along the boundary; friction is a vector, for tangents are any.
+        let mean = |(i, contact): (usize, &ContactNode)| {
+            let [x, y, z] = across(self.contact_force(state, i), contact.facing.normal);
+            [state.p_n[i], x, y, z].map(|p| p / contact.weight)
+        };
+        let means: Vec<[f64; 4]> = self.contacts.iter().enumerate().map(mean).collect();
         // The polynomials add up to 1, so that p̃_i - Σ_j M̃_ij s_j = Σ_j M̃_ij (s_i - s_j).
         let corrected = |(i, contact): (usize, &ContactNode)| {
-            [0, 1, 2].map(|c| {
+            std::array::from_fn(|c| {
                 let defect: f64 = mass[i].iter().map(|(j, mass)| mass * (means[i][c] - means[*j][c])).sum();
                 means[i][c] + defect / contact.weight
             })
         };
-        let corrected: Vec<[f64; 3]> = self.contacts.iter().enumerate().map(corrected).collect();
+        let corrected: Vec<[f64; 4]> = self.contacts.iter().enumerate().map(corrected).collect();
         let nodal = |(i, ends): (usize, &Option<[Option<usize>; 2]>)| {
             let own = corrected[i];
             let [a, b] = ends.unwrap_or([None; 2]).map(|end| end.map_or(own, |j| corrected[j]));
-            let sigma = [0, 1, 2].map(|c| 0.5 * own[c] + 0.25 * (a[c] + b[c]));
-            // The tension that the correction leaves beside the end of a contact is none of the law's.
+            let [pressure, x, y, z] = std::array::from_fn(|c| 0.5 * own[c] + 0.25 * (a[c] + b[c]));
             let normal = self.contacts[i].facing.normal;
-            plus(sigma, -dot(sigma, normal).min(0.0), normal)
+            // The tension that the correction leaves beside the end of a contact is none of the law's.
+            plus(across([x, y, z], normal), f64::max(pressure, 0.0), normal)
         };
         Some(ends.iter().enumerate().map(nodal).collect())
     }

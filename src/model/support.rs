@@ -2,7 +2,7 @@
 
 use super::find;
 use super::place::{nodes, normals, suits};
-use crate::contact::ContactNode;
+use crate::contact::{ContactNode, Facing};
 use crate::description::{Axis, Description, Direction, Held, Support, Where};
 use crate::fault::Fault;
 use crate::fem::{Dofs, HeldRows, NodalForces, SAME_DIRECTION, Spring, independent, nearest_translation};
@@ -188,9 +188,12 @@ impl Moved {
         rows.nodes().binary_search(&node).map_or([0.0; 3], |held| self.beyond[held])
     }
 
-    /// The same of what the rows of a contact node are made of.
+    /// The same of what the rows of a contact node are made of, along its normal and its tangents.
     pub(super) fn beyond_contact(&self, rows: &HeldRows, contact: &ContactNode) -> [f64; 3] {
-        [0, 1, 2].map(|c| contact.sum(|term| self.beyond(rows, term.node)[c]))
+        let along = |direction: fn(&Facing) -> [f64; 3]| {
+            contact.sum(|term| dot(self.beyond(rows, term.node), direction(&term.facing)))
+        };
+        [along(|facing| facing.normal), along(|facing| facing.tangents[0]), along(|facing| facing.tangents[1])]
     }
 
     /// The factor at time `t` (s).

@@ -108,11 +108,12 @@ fn total(
     parts: impl Iterator<Item = (usize, f64)> + Clone,
 ) -> (Vec<f64>, Vec<f64>, ComponentSums) {
     let dimension = model.mesh.dimension;
-    let wrench = |(i, part): (usize, f64)| {
-        let force = model.contact_force(state, i).map(|f| part * f);
-        Wrench::at(model.mesh.geometry, model.contacts[i].acts_at(), force)
+    let geometry = model.mesh.geometry;
+    let of_row = |(i, part): (usize, f64)| {
+        let forces = model.forces_of_rows(state, i);
+        forces.map(move |(_, position, force)| Wrench::at(geometry, position, force.map(|f| part * f)))
     };
-    let Wrench { force, moment } = parts.clone().map(wrench).sum();
+    let Wrench { force, moment } = parts.clone().flat_map(of_row).sum();
     let moment = if dimension == 2 { vec![moment[2]] } else { moment.to_vec() };
     (force[..dimension].to_vec(), moment, ComponentSums::of(model, state, parts))
 }

@@ -142,6 +142,9 @@ fn stiffness_of_one_element() {
     }
 }
 
+/// What is made of quadrilaterals, the element, and for so many along each side what is expected.
+type Case = (fn(Mesh) -> Mesh, Element, &'static [(usize, f64)]);
+
 /// Cook's membrane with nu = 0.4999, see `locking.rs`: the displacement of the middle of the free side.
 #[test]
 fn cooks_membrane() {
@@ -150,7 +153,7 @@ fn cooks_membrane() {
     let as_quadrilaterals = |mesh: Mesh| mesh;
     let as_triangles = Mesh::into_simplices;
     let of_second_order = |mesh: Mesh| mesh.into_simplices().into_second_order();
-    let cases: [(fn(Mesh) -> Mesh, Element, &[(usize, f64)]); 4] = [
+    let cases: [Case; 4] = [
         (as_triangles, NodalVolume, &[(4, 8.127_717_226_8), (8, 12.876_026_445_9), (16, 16.375_622_029_3)]),
         (as_quadrilaterals, BBar, &[(4, 15.909_295_664_8), (8, 17.649_023_516_0), (16, 18.211_449_007_1)]),
         (of_second_order, Bilinear, &[(2, 11.055_646_402_5), (4, 15.366_450_984_3), (8, 17.373_955_768_6)]),

@@ -1,5 +1,5 @@
 //! Contact on boundaries of second order: the law for Bernstein's polynomials, three nodes a row at the middles of edges.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod hertz;
 mod obstacles;
