@@ -1,6 +1,7 @@
 //! Contact on boundaries of second order: the law for Bernstein's polynomials, three nodes a row at the middles of edges.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod fits;
 mod hertz;
 mod obstacles;
 mod tables;

@@ -156,6 +156,15 @@ fn hertz_sphere_and_flat_punch_of_second_order() {
     }
 }
 
+/// The sphere with 46875 displacements, as a quarter of the body has them.
+#[test]
+#[ignore = "a minute without optimisation"]
+fn hertz_sphere_on_a_fine_mesh() {
+    let model = Model::new(&quarter(CellKind::Tetrahedron10, 6, 0.0, SPHERE)).unwrap();
+    let found = 4.0 * sums(&solve(&model, &[1.0], condensed(), &mut ()).state)[0];
+    assert!((found / 1.224_880_853_5e-5 - 1.0).abs() < 1e-9, "{found:.10e}");
+}
+
 /// The sphere on bodies that hardly change their volume, with each of the elements for that.
 #[test]
 fn hertz_sphere_nearly_incompressible() {

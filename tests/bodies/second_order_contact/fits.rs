@@ -1,0 +1,123 @@
+//! Obstacles that fit curved boundaries of second order, or nearly.
+
+use super::{Lines, solve};
+use crate::common::rings::ring;
+use stickslip::history::Solver;
+use stickslip::mesh::{Mesh, MeshSource, block};
+use stickslip::model::Model;
+use stickslip::scene::Scene;
+use stickslip::vector::norm;
+
+/// A quarter of a ring between the radii 1 and 2, `n` elements along each side, those of second order on the circles.
+fn quarter(n: usize, second_order: bool) -> Mesh {
+    let mesh = ring(1.0, 2.0, n);
+    if !second_order {
+        return mesh;
+    }
+    let mut mesh = mesh.into_simplices().into_second_order();
+    for side in ["inner", "outer"] {
+        let radius = if side == "inner" { 1.0 } else { 2.0 };
+        for facet in mesh.boundary(side).unwrap().facets.clone() {
+            let x = mesh.nodes[facet[1]];
+            mesh.nodes[facet[1]] = x.map(|c| c * radius / norm(x));
+        }
+    }
+    mesh
+}
+
+/// The ring on a shaft of that radius, which comes along y by `approach`; `more` are further tables.
+fn on_a_shaft(mesh: Mesh, radius: f64, approach: f64, more: &str) -> Model {
+    let text = format!(
+        "[mesh]\nkind = \"block\"\nsize = [1, 1]\nelements = [1, 1]\n[material]\nyoung = 1\npoisson = 0.3\n\
+         [[support]]\nboundary = \"x axis\"\nfix = [\"y\"]\n[[support]]\nboundary = \"y axis\"\nfix = [\"x\"]\n{more}\
+         [[contact]]\nboundary = \"inner\"\nfriction = 0\n\
+         obstacle = {{ kind = \"cylinder\", radius = {radius}, center = [0, 0], normal = [-1, -1], direction = \"nearest\", \
+         motion = {{ translation = [[0, 0, 0], [1, 0, {approach}]] }} }}\n[time]\nend = 1\nincrements = 1\n"
+    );
+    let mut scene = Scene::parse("shaft.toml", &text, &[]).unwrap();
+    scene.description.mesh = MeshSource::from(mesh);
+    Model::new(&scene).unwrap()
+}
+
+/// A ring on a shaft that is too thick for it by δ: Lamé's pressure at every node, at corners and between them, whatever the mesh.
+#[test]
+fn shrink_fits() {
+    for (delta, n) in [1e-4, 1e-2].into_iter().flat_map(|delta| [4, 8, 16].map(|n| (delta, n))) {
+        let model = on_a_shaft(quarter(n, true), 1.0 + delta, 0.0, "");
+        let mut lines = Lines(&model, Vec::new());
+        let state = solve(&model, &[1.0], Solver::default(), &mut lines).state;
+        let (a2, b2, nu) = (1.0, 4.0, 0.3);
+        let exact = delta / (1.0 + nu) * (b2 - a2) / ((1.0 - 2.0 * nu) * a2 + b2);
+        let off = |pressure: f64| (pressure / exact - 1.0).abs();
+        let means = model.contacts.iter().zip(&state.p_n).map(|(contact, p)| off(p / contact.weight));
+        let worst = [
+            means.fold(0.0, f64::max),
+            lines.1[0].points.iter().map(|point| off(point.sigma_n)).fold(0.0, f64::max),
+            lines.1[0].points.iter().map(|point| (point.gap / delta).abs()).fold(0.0, f64::max),
+        ];
+        println!("delta {delta}, n {n}: means {:.2e}, at nodes {:.2e}, gap {:.2e}", worst[0], worst[1], worst[2]);
+        // What is left is the error of the stresses of the ring, of second order.
+        let size = 1.57 / n as f64;
+        assert!(worst[0].max(worst[1]) < 0.6 * size.powi(2) && worst[2] < 1e-9, "{worst:?}");
+        let balance = model.balance(1.0, &state).unwrap();
+        assert!(balance.closure < 1e-12, "{balance:?}");
+    }
+}
+
+/// A part of a ball in a socket that is too small for it, under the pressure all around that squeezes it evenly: all nodes of the contact
+/// have about that pressure, along normals of every direction.
+#[test]
+fn a_ball_in_a_socket() {
+    let delta = 1e-3;
+    let mut mesh = block(&[1.0, 1.0, 1.0], &[4, 4, 2]).into_simplices().into_second_order();
+    for x in &mut mesh.nodes {
+        let ray = [0.8 * x[0] - 0.4, 0.8 * x[1] - 0.4, 1.0];
+        let r = (0.6 + 0.4 * x[2]) / norm(ray);
+        *x = ray.map(|c| r * c);
+    }
+    let pressure = 2.5 * delta;
+    let sides = ["bottom", "left", "right", "front", "back"];
+    let loads = sides.map(|side| format!("[[load]]\nboundary = \"{side}\"\npressure = {pressure}\n")).concat();
+    let edge = mesh.nodes.iter().find(|x| x[1].abs() < 1e-12 && x[0] > 0.2 && norm(**x) < 0.61).unwrap();
+    let text = format!(
+        "[mesh]\nkind = \"block\"\nsize = [1, 1, 1]\nelements = [1, 1, 1]\n[material]\nyoung = 1\npoisson = 0.3\n\
+         [[support]]\npoint = [0, 0, 0.6]\nfix = [\"x\", \"y\"]\n[[support]]\npoint = {edge:?}\nfix = [\"y\"]\n{loads}\
+         [[contact]]\nboundary = \"top\"\nfriction = 0\n\
+         obstacle = {{ kind = \"socket\", radius = {}, center = [0, 0, 0], normal = [0, 0, 1], direction = \"nearest\" }}\n\
+         [time]\nend = 1\nincrements = 1\n",
+        1.0 - delta
+    );
+    let mut scene = Scene::parse("socket.toml", &text, &[]).unwrap();
+    scene.description.mesh = MeshSource::from(mesh);
+    let model = Model::new(&scene).unwrap();
+    let mut lines = Lines(&model, Vec::new());
+    let state = solve(&model, &[1.0], Solver::default(), &mut lines).state;
+    let u = model.displacements(1.0, &state.u).unwrap();
+    let off = model.mesh.nodes.iter().zip(&u).map(|(x, u)| (0..3).map(|c| (u[c] + delta * x[c]).powi(2)).sum::<f64>());
+    let moved = off.fold(0.0, f64::max).sqrt() / delta;
+    let worst = lines.1[0].points.iter().map(|p| (p.sigma_n / pressure - 1.0).abs()).fold(0.0, f64::max);
+    let balance = model.balance(1.0, &state).unwrap();
+    println!("displacements {moved:.2e}, pressure {worst:.2e}, balance {:.1e}", balance.closure);
+    // On a curved face the forces of an even pressure are not quite along the normals of its nodes.
+    assert!(moved < 0.02 && worst < 0.01 && balance.closure < 1e-12);
+}
+
+/// A shaft with clearance that comes to bear on one side: the force of cells of second order is near that of fine ones of the first.
+#[test]
+fn a_shaft_with_clearance() {
+    let outer = "[[support]]\nboundary = \"outer\"\nfix = [\"x\", \"y\"]\n";
+    let force = |n: usize, second_order: bool| {
+        let model = on_a_shaft(quarter(n, second_order), 0.95, 0.051, outer);
+        let state = solve(&model, &[1.0], Solver::default(), &mut ()).state;
+        let balance = model.balance(1.0, &state).unwrap();
+        assert!(balance.closure < 1e-12);
+        balance.contact.force[1]
+    };
+    let fine = [32, 64].map(|n| force(n, false));
+    let found = [8, 16, 32].map(|n| force(n, true));
+    let off = found.map(|force| force / fine[1] - 1.0);
+    println!("{fine:?} {off:?}");
+    assert!(
+        (fine[0] / fine[1] - 1.0).abs() < 0.002 && off[0].abs() < 0.06 && off[1].abs() < 0.01 && off[2].abs() < 0.01
+    );
+}
