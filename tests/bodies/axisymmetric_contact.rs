@@ -1,7 +1,8 @@
 //! Contact of bodies of revolution. Figures without a closed form are those of a program that shares nothing with this one.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use crate::axisymmetric_bodies::{ELEMENTS, ring, solved};
+use crate::common::hertz::Hertz;
 use crate::common::{Keep, difference};
 use crate::second_order_contact::{alternating, graded, keep_zone};
 use stickslip::contact::{ContactNode, Obstacle, Place, Shape};
@@ -132,6 +133,7 @@ fn spheres_and_punches() {
     let (q, t, t6) = (CellKind::Quadrilateral, CellKind::Triangle, CellKind::Triangle6);
     for (round, kind, element, n, expected, near) in [
         sphere(q, Element::Bilinear, 8, 1.2040165610e-5, 0.0273),
+        sphere(q, Element::Bilinear, 16, 1.1773585627e-5, 0.0045),
         sphere(q, Element::BBar, 8, 1.1954779737e-5, 0.0200),
         sphere(t, Element::Bilinear, 8, 1.2377064621e-5, 0.0560),
         sphere(t6, Element::Bilinear, 4, 1.1907252912e-5, 0.0160),
@@ -163,7 +165,18 @@ fn spheres_and_punches() {
             body = body.held(Support::new("", &[Axis::X, Axis::Y]).at([r, y]).moved(&[u_r, -u_z]));
         }
         let model = Model::build(&body).unwrap();
-        let found = sums(&solve(&model, &[1.0], Solver::default(), &mut ()).state)[0];
+        let state = solve(&model, &[1.0], Solver::default(), &mut ()).state;
+        let found = sums(&state)[0];
+        if round {
+            let axis = model.contacts.iter().position(|contact| contact.position[0] == 0.0).unwrap();
+            let hertz = Hertz::sphere(found, 1.0, modulus);
+            let share = state.p_n[axis] / model.contacts[axis].weight / hertz.p0;
+            println!(
+                "sphere, {kind:?} {element:?} {n}: force {:+.4}, pressure on the axis {share:.4}",
+                found / exact - 1.0
+            );
+            assert!((0.8..1.02).contains(&share), "{kind:?} {element:?}: {share}");
+        }
         assert!((found / expected - 1.0).abs() < 1e-8, "{round} {kind:?} {element:?}: {found:.10e} {expected:.10e}");
         assert!((found / exact - 1.0).abs() < near, "{round} {kind:?} {element:?}: {}", found / exact - 1.0);
     }
