@@ -72,7 +72,7 @@ fn body(scene: &Scene, model: &Model) {
     let units = model.units();
     let length = |x: f64| units.text(Quantity::Length, x);
     let kind = match &scene.description.mesh {
-        MeshSource::Block { axes, .. } => {
+        MeshSource::Block { axes, origin, .. } => {
             let each = |value: &dyn Fn(&Segment) -> String, within: &str, between: &str| {
                 let along = |axis: &Vec<Segment>| match &axis[..] {
                     [segment] => value(segment),
@@ -87,7 +87,8 @@ fn body(scene: &Scene, model: &Model) {
             } else {
                 format!(" (graded {})", each(&|segment| format!("1 : {}", segment.grading), ", ", ", "))
             };
-            format!("block {lengths}, {elements}{graded}")
+            let from = origin.map_or(String::new(), |origin| format!(" from {}", units.place(origin.components())));
+            format!("block {lengths}{from}, {elements}{graded}")
         }
         MeshSource::HalfPlane(HalfPlane {
             size: [width, height], contact_elements, outer_elements, layers, ..

@@ -245,7 +245,7 @@ mod tests {
         let elements = Some("triangle6".parse().unwrap());
         let choice = MeshChoice { size: MeshSize::Elements(4), elements };
         let mesh = block.with(&choice.overrides(&block.description.mesh)).unwrap().description.mesh;
-        let MeshSource::Block { axes, cells } = mesh else { panic!() };
+        let MeshSource::Block { axes, cells, .. } = mesh else { panic!() };
         assert_eq!((axes[0][0].elements, cells), (4, CellKind::Triangle6));
     }
 }

@@ -382,12 +382,14 @@ fn lies_in_plane(given: &Obstacle) -> Result<(), ObstacleError> {
     let leaves = |vector: Vector| vector.components()[2] != 0.0;
     let upright = |axis: Vector| norm(cross(unit(axis.components()), [0.0, 0.0, 1.0])) <= SKEW;
     let (point, axis) = given.shape.stands();
+    let in_plane = matches!(given.shape, Shape::Cone { .. });
     let turning = given.rotation.as_ref().is_some_and(|Rotation { axis, .. }| axis.is_some_and(|axis| !upright(axis)));
     for (name, leaves) in [
         ("the normal", given.normal.is_some_and(leaves)),
         ("the tangent", given.tangent.is_some_and(leaves)),
         ("the place", point.is_some_and(|(_, point)| leaves(point))),
-        ("the axis", axis.is_some_and(|axis| !upright(axis))),
+        // A cone in front of a body of revolution has its axis in the plane.
+        ("the axis", axis.is_some_and(|axis| if in_plane { leaves(axis) } else { !upright(axis) })),
         ("the translation", given.translation.iter().flatten().any(|(_, to)| leaves(*to))),
         ("the rotation", turning),
     ] {

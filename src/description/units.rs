@@ -107,11 +107,11 @@ impl Si {
 
     fn mesh(self, mesh: MeshSource) -> MeshSource {
         match mesh {
-            MeshSource::Block { axes, cells } => {
+            MeshSource::Block { axes, cells, origin } => {
                 let segment =
                     |Segment { length, elements, grading }| Segment { length: self.length(length), elements, grading };
                 let axes = axes.into_iter().map(|axis| axis.into_iter().map(segment).collect()).collect();
-                MeshSource::Block { axes, cells }
+                MeshSource::Block { axes, cells, origin: origin.map(|x| self.point(x)) }
             }
             MeshSource::HalfPlane(HalfPlane { size, contact_width, contact_elements, outer_elements, layers }) => {
                 MeshSource::HalfPlane(HalfPlane {

@@ -7,17 +7,20 @@ use std::sync::Arc;
 use super::block::{graded_block, progression};
 use super::half_plane::half_plane;
 use super::{CellKind, Mesh, MeshFileError, gmsh};
-use crate::fault::{Fault, demand, finite, positive};
+use crate::fault::{Fault, demand, finite, not_huge, positive};
+use crate::vector::{Vector, plus};
 
 /// How the mesh of a body is made. Lengths are in m.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeshSource {
-    /// A rectangle or box with its lowest corner in the origin.
+    /// A rectangle or box.
     Block {
         /// The segments that x, y and, in three dimensions, z are made of.
         axes: Vec<Vec<Segment>>,
         /// The cells; triangles and tetrahedra divide the elements.
         cells: CellKind,
+        /// Its lowest corner, m, such as `[r, 0]` of a ring of the inner radius r; that of coordinates without it.
+        origin: Option<Vector>,
     },
     /// A rectangle that stands for a half-plane pressed at the left end of its top.
     HalfPlane(HalfPlane),
@@ -103,7 +106,7 @@ impl MeshSource {
     /// Its boundaries are those of [`super::block`].
     pub fn block<const D: usize>(size: [f64; D], elements: [usize; D]) -> Self {
         let axis = |k: usize| vec![Segment { length: size[k], elements: elements[k], grading: 1.0 }];
-        MeshSource::Block { axes: (0..D).map(axis).collect(), cells: CellKind::of_block(D) }
+        MeshSource::Block { axes: (0..D).map(axis).collect(), cells: CellKind::of_block(D), origin: None }
     }
 
     /// A rectangle or box whose axes have segments of the lengths `size` (m) with so many `elements` each, in geometric
@@ -127,7 +130,7 @@ impl MeshSource {
             segments.map(|((&length, &elements), &grading)| Segment { length, elements, grading }).collect()
         });
         let cells = cells.unwrap_or(CellKind::of_block(size.len()));
-        let source = MeshSource::Block { axes: axes.collect(), cells };
+        let source = MeshSource::Block { axes: axes.collect(), cells, origin: None };
         source.check()?;
         Ok(source)
     }
@@ -138,7 +141,7 @@ impl MeshSource {
     /// [`Fault`] of the key that is wrong, such as `mesh.size`; of a given mesh, `mesh`.
     pub fn check(&self) -> Result<(), Fault> {
         match self {
-            MeshSource::Block { axes, cells } => check_block(axes, *cells),
+            MeshSource::Block { axes, cells, origin } => check_block(axes, *cells, *origin),
             MeshSource::HalfPlane(half_plane) => half_plane.check(),
             MeshSource::Gmsh { scale, .. } => {
                 finite("mesh.scale", *scale)?;
@@ -163,13 +166,16 @@ impl MeshSource {
     /// The mesh of a source that has been checked.
     pub(crate) fn made(&self) -> Result<Arc<Mesh>, MeshError> {
         let mesh = match self {
-            MeshSource::Block { axes, cells } => {
+            MeshSource::Block { axes, cells, origin } => {
                 let lines: Vec<Vec<f64>> = axes.iter().map(|segments| mesh_lines(segments)).collect();
-                let mesh = match &lines[..] {
+                let mut mesh = match &lines[..] {
                     [xs, ys] => graded_block(xs, ys, None),
                     [xs, ys, zs] => graded_block(xs, ys, Some(zs)),
                     _ => return Err(MeshError::Source(no_dimension(&lines))),
                 };
+                if let Some(origin) = origin.map(Vector::components) {
+                    mesh.nodes.iter_mut().for_each(|x| *x = plus(*x, 1.0, origin));
+                }
                 let mesh = match cells {
                     CellKind::Prism => mesh.into_prisms(),
                     _ if cells.is_simplex() => mesh.into_simplices(),
@@ -189,7 +195,7 @@ impl MeshSource {
     /// The number of nodes and the dimension; `None` if they are not known before a file is read.
     pub fn nodes(&self) -> Option<(usize, usize)> {
         match self {
-            MeshSource::Block { axes, cells } => {
+            MeshSource::Block { axes, cells, .. } => {
                 // The edges of simplices end, or have their middles, at each point of a lattice twice as fine.
                 let each = if cells.is_quadratic() { 2 } else { 1 };
                 let along = |axis: &Vec<Segment>| 1 + each * axis.iter().map(|segment| segment.elements).sum::<usize>();
@@ -226,7 +232,7 @@ fn like_size<T: Clone + fmt::Debug>(key: &str, values: &[Vec<T>], size: &[Vec<f6
     demand(sound, key, &Axes(values.to_vec()), "a number for each length in mesh.size", help)
 }
 
-fn check_block(axes: &[Vec<Segment>], cells: CellKind) -> Result<(), Fault> {
+fn check_block(axes: &[Vec<Segment>], cells: CellKind, origin: Option<Vector>) -> Result<(), Fault> {
     fn each<T>(axes: &[Vec<Segment>], value: fn(&Segment) -> T) -> Vec<Vec<T>> {
         axes.iter().map(|axis| axis.iter().map(value).collect()).collect()
     }
@@ -243,6 +249,12 @@ fn check_block(axes: &[Vec<Segment>], cells: CellKind) -> Result<(), Fault> {
     let help = "give the size of the last element over that of the first, along each axis";
     let sound = grading.0.iter().flatten().all(|ratio| (1e-6..=1e6).contains(ratio));
     demand(sound, "mesh.grading", &grading, "ratios from 1e-6 to 1e6", help)?;
+    if let Some(origin) = origin {
+        let sound = origin.dimension() == axes.len() && origin.components().iter().all(|c| c.is_finite());
+        let help = "give the lowest corner of the block, such as [0.1, 0]";
+        demand(sound, "mesh.origin", &origin, "a finite number for each axis of mesh.size", help)?;
+        not_huge("mesh.origin", origin.components())?;
+    }
     if cells.dimension() == axes.len() {
         return Ok(());
     }

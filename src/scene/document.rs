@@ -160,6 +160,7 @@ pub(super) struct Mesh {
     pub element: Option<Element>,
     pub elements: Option<Vec<Segments<i64>>>,
     pub grading: Option<Vec<Segments<f64>>>,
+    pub origin: Option<Vector>,
     pub contact_width: Option<f64>,
     pub contact_elements: Option<i64>,
     pub outer_elements: Option<i64>,

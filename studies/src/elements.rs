@@ -196,7 +196,7 @@ impl Problem {
         let material = Material::new(1.0, self.poisson());
         let of = |mesh: MeshSource| Description::new(mesh, material.clone(), vec![1.0]).element(elements.element);
         let block = |axes: Vec<Vec<Segment>>| match elements.cells {
-            Some(cells) => MeshSource::Block { axes, cells },
+            Some(cells) => MeshSource::Block { axes, cells, origin: None },
             None => MeshSource::block([1.0; 2], [n; 2]),
         };
         Ok(match self {

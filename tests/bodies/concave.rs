@@ -246,8 +246,11 @@ fn a_cone_is_its_gaps() {
     for segment in &mut down {
         segment.grading = 1.0 / segment.grading;
     }
-    let source =
-        MeshSource::Block { axes: vec![axis(4, 6), axis(4, 6), down], cells: stickslip::mesh::CellKind::Hexahedron };
+    let source = MeshSource::Block {
+        axes: vec![axis(4, 6), axis(4, 6), down],
+        cells: stickslip::mesh::CellKind::Hexahedron,
+        origin: None,
+    };
     let pressed = |shape: Shape| {
         let description = Description::new(source.clone(), Material::new(young, poisson), vec![0.5, 1.0])
             .support("bottom", &[Axis::Z])

@@ -87,6 +87,7 @@ fn obstacles_that_move_from_text_and_from_rust() {
             vec![Segment { length: 1.0, elements: 2, grading: 1.0 }],
         ],
         cells: CellKind::Triangle,
+        origin: None,
     };
     let layers = vec![Layer { thickness: 0.5, young: 2e9, poisson: 0.2 }];
     let roller = Obstacle {
@@ -139,7 +140,7 @@ fn nonsense_in_the_plane() {
         HalfPlane { size: [1.0, 1.0], contact_width: 0.1, contact_elements: 2, outer_elements: 2, layers: 2 };
     let half = |half_plane| mesh(MeshSource::HalfPlane(half_plane));
     let segment = Segment { length: 1.0, elements: 2, grading: 1.0 };
-    let axes = |axes: Vec<Vec<Segment>>| mesh(MeshSource::Block { axes, cells: CellKind::Quadrilateral });
+    let axes = |axes: Vec<Vec<Segment>>| mesh(MeshSource::Block { axes, cells: CellKind::Quadrilateral, origin: None });
     let material = |material: Material| with(&|d| d.material = material.clone());
     let steel = || Material::new(210e9, 0.3);
     let contact = |obstacle: Obstacle| with(&|d| d.contacts[0].obstacles = vec![obstacle.clone()]);

@@ -5,7 +5,9 @@ mod common;
 
 mod auto;
 mod axisymmetric;
+mod axisymmetric_bodies;
 mod axisymmetric_contact;
+mod axisymmetric_refused;
 mod closed_forms;
 mod concave;
 mod contact_surface;

@@ -88,7 +88,8 @@ fn a_value_is_replaced() {
         scene(&["mesh.elements=[7, 8]"]).description.mesh,
         MeshSource::Block {
             axes: [7, 8].map(|elements| vec![Segment { length: 1.0, elements, grading: 1.0 }]).to_vec(),
-            cells: CellKind::Quadrilateral
+            cells: CellKind::Quadrilateral,
+            origin: None
         }
     );
     assert_eq!(scene(&[" material.poisson = 0.25 "]).description.material.poisson, 0.25);

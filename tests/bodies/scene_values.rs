@@ -127,6 +127,14 @@ const VALUES: &[Fault] = &[
     ),
     ("elements =", "grading = [0, 1]\nelements =", "grading =", &["[0.0, 1.0]", "1e-6 to 1e6"], "size of the last"),
     ("elements =", "grading = [1, -2]\nelements =", "grading =", &["[1.0, -2.0]", "1e-6 to 1e6"], "size of the last"),
+    (
+        "elements =",
+        "origin = [1, 0, 0]\nelements =",
+        "origin =",
+        &["[1.0, 0.0, 0.0]", "each axis of mesh.size"],
+        "lowest corner",
+    ),
+    ("elements =", "origin = [nan, 0]\nelements =", "origin =", &["finite number"], "lowest corner"),
     ("elements =", "grading = [1, 1e7]\nelements =", "grading =", &["1e-6 to 1e6"], "size of the last"),
     (
         "\"block\"\nsize = [1.0, 1.0]               # m\nelements = [100, 100]",

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod fits;
-mod hertz;
+pub(crate) mod hertz;
 mod obstacles;
 mod tables;
 

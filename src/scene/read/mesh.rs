@@ -29,7 +29,11 @@ fn block(mesh: &Mesh) -> Result<MeshSource, Fault> {
     // A number below 0 is no number of elements at all.
     demand(elements.is_some(), "mesh.elements", given, "numbers of at least 1", help)?;
     let grading = mesh.grading.as_deref().map(lists);
-    MeshSource::segmented(&size, &elements.unwrap_or_default(), grading.as_deref(), mesh.cells)
+    let source = MeshSource::segmented(&size, &elements.unwrap_or_default(), grading.as_deref(), mesh.cells)?;
+    Ok(match source {
+        MeshSource::Block { axes, cells, .. } => MeshSource::Block { axes, cells, origin: mesh.origin },
+        other => other,
+    })
 }
 
 fn half_plane(mesh: &Mesh) -> Result<MeshSource, Fault> {
@@ -77,7 +81,8 @@ fn lists<T: Clone>(given: &[Segments<T>]) -> Vec<Vec<T>> {
 fn no_block(mesh: &Mesh, whose: &str) -> Result<(), Fault> {
     foreign("mesh.elements", mesh.elements.as_ref(), whose)?;
     foreign("mesh.cells", mesh.cells.as_ref(), whose)?;
-    foreign("mesh.grading", mesh.grading.as_ref(), whose)
+    foreign("mesh.grading", mesh.grading.as_ref(), whose)?;
+    foreign("mesh.origin", mesh.origin.as_ref(), whose)
 }
 
 /// Refuses the keys of a half-plane.

@@ -11,7 +11,7 @@ use stickslip::model::Model;
 use stickslip::scene::Scene;
 
 /// A rectangle with the lines `xs` and `ys` of which each square is cut in two, by turns one way and the other.
-fn alternating(xs: &[f64], ys: &[f64]) -> Mesh {
+pub fn alternating(xs: &[f64], ys: &[f64]) -> Mesh {
     let n = xs.len();
     let nodes: Vec<[f64; 3]> = ys.iter().flat_map(|&y| xs.iter().map(move |&x| [x, y, 0.0])).collect();
     let mut cells = Vec::new();
@@ -30,7 +30,7 @@ fn alternating(xs: &[f64], ys: &[f64]) -> Mesh {
 }
 
 /// `n` equal lengths up to `zone`, then `n` more, at least three, in geometric progression up to 1.
-fn graded(n: usize, zone: f64, end: f64) -> Vec<f64> {
+pub fn graded(n: usize, zone: f64, end: f64) -> Vec<f64> {
     let (h, k) = (zone / n as f64, n.max(3));
     let sum = |q: f64| (1..=k).map(|i| h * q.powi(i as i32)).sum::<f64>();
     let (mut low, mut high) = (1.0, 50.0);
@@ -48,7 +48,7 @@ fn graded(n: usize, zone: f64, end: f64) -> Vec<f64> {
 }
 
 /// Keeps to `name` what of the top is within `zone` of the axis.
-fn keep_zone(mesh: &mut Mesh, name: &str, zone: f64) {
+pub fn keep_zone(mesh: &mut Mesh, name: &str, zone: f64) {
     let facets = mesh.boundary("top").unwrap().facets.clone();
     let d = mesh.dimension - 1;
     let inside = |facet: &Vec<usize>| facet.iter().all(|&k| mesh.nodes[k][..d].iter().all(|c| c.abs() < 1.0001 * zone));

@@ -1,0 +1,176 @@
+//! What a body of revolution cannot be, hold, carry or touch.
+#![allow(clippy::unwrap_used)]
+
+use crate::common::edit;
+use crate::common::faults::{Fault, line_of, verify};
+use stickslip::model::{Model, ModelError};
+use stickslip::scene::{Scene, SceneError};
+
+const DISC: &str = r#"
+[mesh]
+kind = "block"
+size = [1.0, 1.0]
+elements = [2, 2]
+[material]
+young = 1e9
+poisson = 0.3
+density = 1000
+plane = "axisymmetric"
+[[support]]
+boundary = "top"
+fix = ["x", "y"]
+[[contact]]
+boundary = "bottom"
+friction = 0.3
+[contact.obstacle]
+kind = "plane"
+gap = 0.01
+[[load]]
+boundary = "right"
+traction = [0.0, -1.0]
+[time]
+end = 1.0
+increments = 1
+"#;
+
+const FAULTS: &[Fault] = &[
+    (
+        "elements = [2, 2]",
+        "elements = [2, 2]\norigin = [-0.5, 0]",
+        "plane =",
+        &["distance from the axis", "(-0.5, 0) m"],
+        "one half of the section",
+    ),
+    (
+        "fix = [\"x\", \"y\"]",
+        "fix = [\"x\", \"y\"]\ndisplacement = [1e-3, 0]",
+        "displacement",
+        &["(0, 1) m aside", "on the axis"],
+        "move along y",
+    ),
+    (
+        "traction = [0.0, -1.0]",
+        "rotation = { through = [0.5, 0], speed = 1.0 }",
+        "rotation",
+        &["does not go through that of the body"],
+        "[0, 0]",
+    ),
+    (
+        "boundary = \"right\"\ntraction = [0.0, -1.0]",
+        "rotation = { axis = [0, 0, 1], through = [0, 0], speed = 1.0 }",
+        "rotation",
+        &["not that of the body, y"],
+        "leave it out",
+    ),
+    (
+        "boundary = \"right\"\ntraction = [0.0, -1.0]",
+        "acceleration = [1.0, -9.81]",
+        "acceleration",
+        &["along x", "all sides"],
+        "[0, y]",
+    ),
+    (
+        "boundary = \"right\"\ntraction = [0.0, -1.0]",
+        "boundary = \"left\"\nforce = [0.0, -1.0]",
+        "boundary = \"left\"",
+        &["`left` is the axis", "no area"],
+        "another boundary",
+    ),
+    (
+        "gap = 0.01",
+        "gap = 0.01\nmotion = { rotation = { through = [0, 0], history = [[0, 0], [1, 0.1]] } }",
+        "[contact.obstacle]",
+        &["the obstacle turns", "axisymmetric"],
+        "rubs across the section",
+    ),
+    (
+        "gap = 0.01",
+        "gap = 0.01\nmotion = { translation = [[0, 0, 0], [1, 0.1, 0]] }",
+        "[contact.obstacle]",
+        &["away from the axis", "translation"],
+        "along y",
+    ),
+    (
+        "boundary = \"bottom\"\nfriction = 0.3\n[contact.obstacle]",
+        "boundary = \"right\"\nfriction = 0.3\n[contact.obstacle]\napproach = [[0, 0], [1, 0.1]]",
+        "[contact.obstacle]",
+        &["away from the axis", "approach"],
+        "negative gap",
+    ),
+    (
+        "kind = \"plane\"\ngap = 0.01",
+        "kind = \"sphere\"\nradius = 1.0\ncenter = [0.1, -1.01]",
+        "[contact.obstacle]",
+        &["sphere", "not about the axis x = 0"],
+        "a ring",
+    ),
+    (
+        "kind = \"plane\"\ngap = 0.01",
+        "kind = \"cone\"\nhalf_angle = 1.2\napex = [0.0, -0.01]\naxis = [0.1, -1.0]",
+        "[contact.obstacle]",
+        &["cone", "not about the axis x = 0"],
+        "[0, -1]",
+    ),
+    (
+        "kind = \"plane\"\ngap = 0.01",
+        "kind = \"surface\"\nfile = \"any.stl\"",
+        "[contact.obstacle]",
+        &["surface", "two dimensions"],
+        "table",
+    ),
+    (
+        "size = [1.0, 1.0]\nelements = [2, 2]",
+        "size = [1, 1, 1]\nelements = [2, 2, 2]",
+        "plane =",
+        &["three dimensions"],
+        "remove",
+    ),
+];
+
+/// Why the scene `text` is refused for its mesh.
+fn refused(text: &str) -> SceneError {
+    let scene = match Scene::parse("scene.toml", text, &[]) {
+        Ok(scene) => scene,
+        Err(error) => return error,
+    };
+    match Model::new(&scene) {
+        Err(ModelError::Scene(error)) => error,
+        Err(error) => panic!("not the scene's fault: {error}"),
+        Ok(_) => panic!("accepted:\n{text}"),
+    }
+}
+
+#[test]
+fn what_is_no_body_of_revolution() {
+    assert!(Model::new(&Scene::parse("scene.toml", DISC, &[]).unwrap()).is_ok());
+    for &(from, to, marker, says, remedy) in FAULTS {
+        let text = edit(DISC, from, to);
+        let text = if to.starts_with("rotation") && from.starts_with("traction") {
+            edit(&text, "boundary = \"right\"\n", "")
+        } else {
+            text
+        };
+        verify(&refused(&text), &text, line_of(&text, marker), says, remedy);
+    }
+}
+
+/// What asks nothing of the axis that it does not hold by itself is no fault, and obstacles of revolution of every kind are none.
+#[test]
+fn what_is_one() {
+    for (from, to) in [
+        ("elements = [2, 2]", "elements = [2, 2]\norigin = [-1e-13, 0]"),
+        ("elements = [2, 2]", "elements = [2, 2]\norigin = [0.5, 0]"),
+        ("[[load]]", "[[support]]\nboundary = \"left\"\nfix = [\"x\"]\n[[load]]"),
+        ("[[load]]", "[[spring]]\npoint = [0, 0.5]\nstiffness = [1e6, 0]\n[[load]]"),
+        ("kind = \"plane\"\ngap = 0.01", "kind = \"sphere\"\nradius = 1.0\ncenter = [0, -1.01]"),
+        ("kind = \"plane\"\ngap = 0.01", "kind = \"socket\"\nradius = 9.0\ncenter = [0, 8.9]"),
+        ("kind = \"plane\"\ngap = 0.01", "kind = \"cone\"\nhalf_angle = 1.2\napex = [0, -0.01]\naxis = [0, -2]"),
+        ("kind = \"plane\"\ngap = 0.01", "kind = \"wedge\"\nangle = 0.2\napex = [0.5, -0.01]"),
+        ("kind = \"plane\"\ngap = 0.01", "kind = \"cylinder\"\nradius = 1\ncenter = [0.5, -1.01]"),
+        ("kind = \"plane\"\ngap = 0.01", "kind = \"plane\"\nthrough = [0, -0.2]\nnormal = [0.1, -1]"),
+        ("gap = 0.01", "gap = 0.01\nmotion = { translation = [[0, 0, 0], [1, 0, 0.02]] }"),
+    ] {
+        let text = edit(DISC, from, to);
+        assert!(Model::new(&Scene::parse("scene.toml", &text, &[]).unwrap()).is_ok(), "{to}");
+    }
+}
