@@ -103,7 +103,9 @@ pub fn facet_weights(mesh: &Mesh, facet: &[usize]) -> Vec<f64> {
     let mut weights = vec![0.0; nodes];
     let mut add = |shape: Vec<f64>, area: f64| weights.iter_mut().zip(shape).for_each(|(sum, n)| *sum += n * area);
     if nodes <= mesh.dimension {
-        facet_points(mesh, facet).into_iter().for_each(|point| add(point.shape, norm(point.area)));
+        for FacetPoint { shape, area, .. } in facet_points(mesh, facet) {
+            add(shape, norm(area));
+        }
     } else {
         for Point { shape, along: [along, across], weight } in curved_points(mesh, facet) {
             add(shape, weight * norm(cross(along, across)));

@@ -32,18 +32,8 @@ fn holding(mesh: &Mesh, support: &Support, units: &UnitSystem, k: usize) -> Resu
     let nodes = nodes(mesh, &support.at, units, &key)?;
     let mut holding = Vec::new();
     for Held { direction, displacement } in &support.held {
-        let mut hold = |node: usize, n: [f64; 3]| -> Result<(), Fault> {
-            match beside_axis(mesh, node, n, *displacement) {
-                Some(Some(held)) => holding.push(held),
-                Some(None) => {}
-                None => {
-                    let place = units.place(mesh.nodes[node]);
-                    let message =
-                        format!("the support moves the node at {place} aside, which is on the axis of the body");
-                    let help = "an axisymmetric body is not moved across its axis: leave the axis out, or move along y";
-                    return Err(Fault::new(format!("{key}.displacement"), message, help));
-                }
-            }
+        let mut hold = |node: usize, n: [f64; 3]| {
+            holding.extend(beside_axis(mesh, units, &key, (node, n, *displacement))?);
             Ok(())
         };
         match direction {
@@ -75,17 +65,27 @@ fn holding(mesh: &Mesh, support: &Support, units: &UnitSystem, k: usize) -> Resu
     Ok(holding)
 }
 
-/// What a support that moves `node` by `to` (m) along `n` holds there beside what the axis of a body of revolution holds: nothing, where
-/// that is along the axis' own; `None` where it contradicts the axis.
-fn beside_axis(mesh: &Mesh, node: usize, n: [f64; 3], to: f64) -> Option<Option<(usize, [f64; 3], f64)>> {
+/// What a support that moves a node by a length (m) along a unit vector holds there beside what the axis of a body of revolution holds:
+/// nothing, where that is along the axis' own.
+fn beside_axis(
+    mesh: &Mesh,
+    units: &UnitSystem,
+    key: &str,
+    (node, n, to): (usize, [f64; 3], f64),
+) -> Result<Option<(usize, [f64; 3], f64)>, Fault> {
     if !mesh.is_on_axis(node) || n[0] == 0.0 {
-        return Some(Some((node, n, to)));
+        return Ok(Some((node, n, to)));
     }
-    match n[1] {
-        up if up.abs() > SAME_DIRECTION => Some(Some((node, axis(1), to / up))),
-        _ if to == 0.0 => Some(None),
-        _ => None,
+    if n[1].abs() > SAME_DIRECTION {
+        return Ok(Some((node, axis(1), to / n[1])));
     }
+    if to == 0.0 {
+        return Ok(None);
+    }
+    let place = units.place(mesh.nodes[node]);
+    let message = format!("the support moves the node at {place} aside, which is on the axis of the body");
+    let help = "an axisymmetric body is not moved across its axis: leave the axis out, or move along y";
+    Err(Fault::new(format!("{key}.displacement"), message, help))
 }
 
 /// The displacements that the supports leave free.

@@ -27,15 +27,30 @@ fn single_elements() {
     let plain = Element::Bilinear;
     let (t, q) = (&TRIANGLE[..], &QUADRILATERAL[..]);
     for (kind, corners, element, expected) in [
-        (CellKind::Quadrilateral, q, plain, [5.197421001053e0, 6.309110235884e1, 3.151473988437e1, 2.241193867402e1]),
+        (
+            CellKind::Quadrilateral,
+            q,
+            plain,
+            [5.197_421_001_053e0, 6.309_110_235_884e1, 3.151_473_988_437e1, 2.241_193_867_402e1],
+        ),
         (
             CellKind::Quadrilateral,
             q,
             Element::BBar,
-            [4.398907594269e0, 5.482369505584e1, 2.967591877522e1, 2.159737135708e1],
+            [4.398_907_594_269e0, 5.482_369_505_584e1, 2.967_591_877_522e1, 2.159_737_135_708e1],
         ),
-        (CellKind::Triangle, t, plain, [6.351487859372e0, 3.908600825047e1, 2.362011648045e1, 1.224194053195e1]),
-        (CellKind::Triangle6, t, plain, [4.612695807137e0, 1.803722606692e2, 8.189165307355e1, 1.100046571076e1]),
+        (
+            CellKind::Triangle,
+            t,
+            plain,
+            [6.351_487_859_372e0, 3.908_600_825_047e1, 2.362_011_648_045e1, 1.224_194_053_195e1],
+        ),
+        (
+            CellKind::Triangle6,
+            t,
+            plain,
+            [4.612_695_807_137e0, 1.803_722_606_692e2, 8.189_165_307_355e1, 1.100_046_571_076e1],
+        ),
     ] {
         let mesh = one(kind, corners);
         let law = Elasticity::isotropic(1.0, 0.3);

@@ -241,15 +241,11 @@ fn a_cone_on_its_seat() {
 fn strains_on_the_axis() {
     for kind in [CellKind::Triangle, CellKind::Quadrilateral, CellKind::Triangle6] {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [1.2, 1.1, 0.0], [0.0, 1.0, 0.0]];
-        let nodes: Vec<[f64; 3]> = match kind {
-            CellKind::Quadrilateral => corners.to_vec(),
-            _ => {
-                let [a, b, _, c] = corners;
-                let middle = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]));
-                let all = vec![a, b, c, middle(a, b), middle(b, c), middle(c, a)];
-                all[..kind.nodes()].to_vec()
-            }
-        };
+        let [a, b, _, c] = corners;
+        let middle = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]));
+        let triangle = [a, b, c, middle(a, b), middle(b, c), middle(c, a)];
+        let all = if kind == CellKind::Quadrilateral { &corners[..] } else { &triangle };
+        let nodes = all[..kind.nodes()].to_vec();
         let moved: Vec<[f64; 3]> = nodes.iter().map(|[x, y, _]| [0.3 * x, -0.2 * y, 0.0]).collect();
         let on_axis = if kind == CellKind::Quadrilateral { [-1.0, -1.0, 0.0] } else { [0.0; 3] };
         for point in [on_axis, kind.centre()] {
