@@ -13,6 +13,7 @@ mod midsides;
 mod quadrature;
 mod reference;
 mod rules;
+mod section;
 mod sides;
 mod simplices;
 mod source;
