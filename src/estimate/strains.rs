@@ -110,8 +110,9 @@ impl Body<'_> {
         }
         let (nodes, moved) = (&nodes[..cell.nodes.len()], &moved[..cell.nodes.len()]);
         let free = (!self.factors.is_empty()).then(|| self.model.free_stretch(e, self.factors));
+        let at = if mesh.dimension == 2 { strain_at::<2> } else { strain_at::<3> };
         for point in rule(reference, cell.kind, nodes) {
-            let (volume, mut strain) = strain_at(point, mesh.dimension, nodes, moved);
+            let (volume, mut strain) = at(point, nodes, moved);
             if let Some(free) = free {
                 strain.iter_mut().zip(free).for_each(|(strain, free)| *strain -= free);
             }
@@ -121,18 +122,18 @@ impl Body<'_> {
 }
 
 /// The volume that a point of a cell with these `nodes` (m) stands for, and its strain where they are `moved` (m).
-fn strain_at(point: &ReferencePoint, dimension: usize, nodes: &[[f64; 3]], moved: &[[f64; 3]]) -> Sample {
+fn strain_at<const D: usize>(point: &ReferencePoint, nodes: &[[f64; 3]], moved: &[[f64; 3]]) -> Sample {
     // ∂x/∂ξ and ∂u/∂ξ.
     let (mut j, mut h) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
     for ((slope, x), u) in point.slopes.iter().zip(nodes).zip(moved) {
-        for r in 0..3 {
-            for c in 0..3 {
+        for r in 0..D {
+            for c in 0..D {
                 j[r][c] += slope[r] * x[c];
                 h[r][c] += slope[r] * u[c];
             }
         }
     }
-    if dimension == 2 {
+    if D == 2 {
         // A slice of space.
         j[2] = [0.0, 0.0, 1.0];
     }

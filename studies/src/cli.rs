@@ -1,6 +1,7 @@
 //! The command line: the only place that prints. A command computes, writes the files it is told to write, and hands
 //! back what there is to say.
 
+mod estimates;
 mod extremes;
 mod figures;
 mod jobs;
@@ -16,7 +17,7 @@ use miette::{IntoDiagnostic, WrapErr};
 use stickslip::linear::process;
 use stickslip::report::write_file;
 
-/// The paper's tables and figures, computed again, and a suite of scenes at the limits
+/// The paper's tables and figures, computed again, a suite of scenes at the limits, and what estimates are worth
 #[derive(Parser)]
 #[command(version)]
 struct Cli {
@@ -32,6 +33,8 @@ enum Study {
     Figures(figures::FiguresArgs),
     /// Run the suite of extreme scenes
     Extremes(extremes::ExtremesArgs),
+    /// Compare the estimates of a run with what is true
+    Estimates(estimates::EstimatesArgs),
 }
 
 /// What a study ends with.
@@ -52,6 +55,7 @@ pub(crate) fn main() -> ExitCode {
         Study::Tables(args) => tables::tables(args),
         Study::Figures(args) => figures::figures(args),
         Study::Extremes(args) => extremes::extremes(args),
+        Study::Estimates(args) => estimates::estimates(args),
     };
     match answer.and_then(|answer| print(&answer.lines).map(|()| answer.sound)) {
         Ok(true) => ExitCode::SUCCESS,
