@@ -22,7 +22,7 @@ pub use discretisation::DiscretisationError;
 pub use graph::ContactGraph;
 pub use hertz::HertzContact;
 pub(crate) use locking::expected_locking;
-pub use zone::{ContactEstimate, StickZone, peak_error};
+pub use zone::{ContactEstimate, PeakOf, StickZone, peak_error};
 
 /// What the strains of a body tell of its elements.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,15 +42,15 @@ impl ElementEstimate {
     /// When there is not one displacement for each node of the mesh.
     pub fn of(model: &Model, t: f64, displacements: &[[f64; 3]]) -> Result<Self, ProblemError> {
         expect_length("displacements", model.mesh.nodes.len(), displacements.len(), "one for each node of the mesh")?;
-        Ok(Self::new(model, &model.thermal_factors(t), displacements))
+        Ok(Self::new(model, &model.thermal_factors(t), displacements, &[]))
     }
 
-    /// The same of displacements that fit, with the `factors` of [`Model::thermal_factors`].
-    pub(crate) fn new(model: &Model, factors: &[f64], displacements: &[[f64; 3]]) -> Self {
+    /// The same of displacements that fit, with the `factors` of [`Model::thermal_factors`], and the nodes that a contact presses alone.
+    pub(crate) fn new(model: &Model, factors: &[f64], displacements: &[[f64; 3]], pressed: &[usize]) -> Self {
         let places = Places::new(model);
         let strains = Strains::new(model, factors, displacements);
         ElementEstimate {
-            locking: locking::locking(model, &places, &strains),
+            locking: locking::locking(model, &places, &strains, pressed),
             discretisation: DiscretisationError::new(model, &places, &strains),
         }
     }

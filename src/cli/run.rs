@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use stickslip::estimate::PeakOf;
 use stickslip::formulation::{Layout, NewtonSystem};
 use stickslip::history::{Method, Status};
 use stickslip::model::Model;
@@ -184,6 +185,17 @@ fn print_verdict(report: &RunReport, increments: usize) {
     if let Some(largest) = &report.largest_displacement {
         let length = units.of_si(Quantity::Length, largest.length);
         say!("displaced    by {length:.3e} {} at most", units.name(Quantity::Length));
+    }
+    if let Some(largest) = &report.largest_pressure {
+        let stress =
+            |pressure: f64| format!("{:.3e} {}", units.of_si(Quantity::Stress, pressure), units.name(Quantity::Stress));
+        match (largest.peak_of, largest.pressure.map(stress)) {
+            (Some(PeakOf::Nodes), Some(pressure)) => say!("pressed      by {pressure} at most"),
+            (Some(PeakOf::Patches), Some(pressure)) => {
+                say!("pressed      by {pressure} at most, on a node with its neighbours");
+            }
+            _ => say!("pressed      too few tetrahedra are across the contact for a peak pressure"),
+        }
     }
     if let Some(error) = report.estimates.discretisation {
         say!("mesh         its error is about {:.1} % in the energy norm", 100.0 * error);

@@ -49,7 +49,7 @@ impl Study {
         let model = Model::new(&scene)?;
         let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
         let end = scene.time.all().last().copied();
-        let mut last = LastIncrement { end, watch: EstimateWatch::new(&model) };
+        let mut last = LastIncrement { model: &model, end, watch: EstimateWatch::new(&model) };
         let reference = solve(&scene, &model, built, reference_path(), reference, Some(&mut last))?;
         let estimates = last.watch.estimates(&model);
         Ok(Study { scene, model, mesh, built, reference, estimates })
@@ -112,7 +112,7 @@ fn solve(
     built: [f64; 2],
     path: SolverPath,
     increments: usize,
-    last: Option<&mut LastIncrement>,
+    last: Option<&mut LastIncrement<'_>>,
 ) -> Result<Solved, RunError> {
     let scene = scene.with(&[increments_of(increments)])?;
     let (wall, cpu) = (Instant::now(), cpu_seconds());
@@ -149,29 +149,30 @@ impl SolverPath {
 }
 
 /// Watches the end of a history alone: errors are compared there.
-struct LastIncrement {
+struct LastIncrement<'a> {
+    model: &'a Model,
     /// The time at which the history ends, s.
     end: Option<f64>,
     watch: EstimateWatch,
 }
 
-impl LastIncrement {
+impl LastIncrement<'_> {
     fn see(&mut self, step: &Step<'_>) {
         if self.end.is_some_and(|end| step.record.time >= end) {
-            self.watch.see(step);
+            self.watch.see(self.model, step);
         }
     }
 }
 
 /// Keeps the iterations.
-struct Recorder<'a> {
+struct Recorder<'a, 'm> {
     /// The CPU time at the end of the last increment, s.
     since: f64,
     iterates: Vec<Iterate>,
-    last: Option<&'a mut LastIncrement>,
+    last: Option<&'a mut LastIncrement<'m>>,
 }
 
-impl Observer for Recorder<'_> {
+impl Observer for Recorder<'_, '_> {
     fn ready(&mut self) {
         self.since = cpu_seconds();
     }

@@ -122,6 +122,23 @@ impl ContactGraph {
         self.mirrored[i]
     }
 
+    /// The pressure (Pa) of the forces `p_n` (N) on contact node `i` and its neighbours together: `Σ p_n / Σ l`.
+    pub(super) fn patch_pressure(&self, model: &Model, p_n: &[f64], i: usize) -> f64 {
+        let around = || self.neighbours(i).iter().chain([&i]);
+        around().map(|&j| p_n[j]).sum::<f64>() / around().map(|&j| model.contacts[j].weight).sum::<f64>()
+    }
+
+    /// The same of all contact nodes.
+    pub(crate) fn patch_pressures(&self, model: &Model, p_n: &[f64]) -> Vec<f64> {
+        (0..self.neighbours.len()).map(|i| self.patch_pressure(model, p_n, i)).collect()
+    }
+
+    /// The contact nodes that are closed, by the forces `p_n` (N), and have no closed neighbour.
+    pub(crate) fn isolated(&self, p_n: &[f64]) -> impl Iterator<Item = usize> {
+        let alone = |i: &usize| p_n[*i] > 0.0 && self.neighbours[*i].iter().all(|&j| p_n[j] <= 0.0);
+        (0..self.neighbours.len()).filter(alone)
+    }
+
     /// The parts of `nodes` that hang together, each ascending.
     pub(super) fn parts(&self, nodes: &[usize]) -> Vec<Vec<usize>> {
         let mut left: BTreeSet<usize> = nodes.iter().copied().collect();

@@ -9,12 +9,20 @@
 //!
 //! tells how much: with θ_m the mean over a quadrilateral or hexahedron, and over the corners of a triangle or tetrahedron, where
 //! θ is the mean of the cells around. A body is too stiff by about `c s / (1 - s)`.
+//!
+//! Where a force or a contact presses a single node strains are singular, so that θ varies however fine the mesh is. Cells that are next
+//! to such a node, and those next to these, are left out.
 
 use super::places::Places;
 use super::strains::{Strains, dilatation};
+use crate::description::{Action, Load, Where};
 use crate::fem::{Elasticity, Element, cell_volume};
 use crate::mesh::{CellKind, Geometry};
 use crate::model::Model;
+use crate::vector::{minus, norm};
+
+/// So many layers of cells around a singular strain say nothing of the others.
+const LAYERS: usize = 2;
 
 /// A share of the strain energy that is smaller says nothing of the body.
 const COUNTS: f64 = 0.1;
@@ -39,21 +47,25 @@ fn can_lock(model: &Model) -> bool {
 }
 
 /// By what share the body is too stiff, about: within a factor of two where it is below 1. The largest of the laws that hold a
-/// tenth of the energy; none where no cell can lock.
-pub(super) fn locking(model: &Model, places: &Places, strains: &Strains) -> Option<f64> {
+/// tenth of the energy; none where no cell can lock. The `pressed` nodes are those that a contact presses alone.
+pub(super) fn locking(model: &Model, places: &Places, strains: &Strains, pressed: &[usize]) -> Option<f64> {
     let kinds = || model.mesh.cells.iter().map(|cell| measured(cell.kind));
     if !can_lock(model) || kinds().any(|measured| measured.is_none()) {
         return None;
     }
     let simplices = model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
-    let around = simplices.then(|| places.means(strains.volumes(), |e, _| [strains.mean_dilatation(e)]));
+    let means = simplices.then(|| places.means(strains.volumes(), |e, _| [strains.mean_dilatation(e)]));
+    let singular = around(model, pressed);
     // By law: energy, what of it locks, and that times c.
     let mut laws: Vec<[f64; 3]> = Vec::new();
     for (e, (cell, law)) in model.mesh.cells.iter().zip(model.materials()).enumerate() {
-        let mean = match &around {
-            Some(around) if cell.kind.is_simplex() => {
+        if singular.get(e) == Some(&true) {
+            continue;
+        }
+        let mean = match &means {
+            Some(means) if cell.kind.is_simplex() => {
                 let corners = places.of_cell(e);
-                corners.iter().map(|&place| around[place][0]).sum::<f64>() / corners.len() as f64
+                corners.iter().map(|&place| means[place][0]).sum::<f64>() / corners.len() as f64
             }
             _ => strains.mean_dilatation(e),
         };
@@ -68,6 +80,37 @@ pub(super) fn locking(model: &Model, places: &Places, strains: &Strains) -> Opti
     let all: f64 = laws.iter().map(|[energy, ..]| energy).sum();
     let count = laws.into_iter().filter(|[energy, ..]| *energy > COUNTS * all);
     count.map(|[energy, locked, weighted]| weighted / (energy - locked)).reduce(f64::max)
+}
+
+/// Whether each cell is next to a node that a point force acts on, or to one of those `pressed`, or next to such a cell. None is where
+/// there are no such nodes, or nothing else would be left.
+fn around(model: &Model, pressed: &[usize]) -> Vec<bool> {
+    let mesh = &model.mesh;
+    let point = |load: &Load| match load.action {
+        Action::Force { at: Where::Point(point), .. } => Some(point.components()),
+        _ => None,
+    };
+    let nearest = |point: [f64; 3]| {
+        let distance = |&node: &usize| norm(minus(mesh.nodes[node], point));
+        (0..mesh.nodes.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    };
+    let forces = model.description().loads.iter().filter_map(point).filter_map(nearest);
+    let mut nodes: Vec<usize> = forces.chain(pressed.iter().copied()).collect();
+    if nodes.is_empty() {
+        return Vec::new();
+    }
+    let mut cells = vec![false; mesh.cells.len()];
+    let mut reached = vec![false; mesh.nodes.len()];
+    for _ in 0..LAYERS {
+        nodes.drain(..).for_each(|node| reached[node] = true);
+        for (own, cell) in cells.iter_mut().zip(&mesh.cells) {
+            if !*own && cell.nodes.iter().any(|&node| reached[node]) {
+                *own = true;
+                nodes.extend(&cell.nodes);
+            }
+        }
+    }
+    if cells.contains(&false) { cells } else { Vec::new() }
 }
 
 /// What [`locking`] is expected to be before a run: `c m^-1.4 (1 - 2ν)^-0.75` with m elements across the smaller side of the body;

@@ -32,9 +32,9 @@ pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Op
     }
     Some(places.means(strains.volumes(), |e, k| {
         let points = strains.of_cell(e);
-        let weights = known[cells[e].kind as usize].as_ref().map_or([0.0; COLUMNS], |known| known[k]);
         let mut sum = [0.0; 6];
-        for (weight, (_, strain)) in weights.iter().zip(points) {
+        let Some(weights) = &known[cells[e].kind as usize] else { return sum };
+        for (weight, (_, strain)) in weights[k].iter().zip(points) {
             sum.iter_mut().zip(strain).for_each(|(sum, x)| *sum += weight * x);
         }
         sum

@@ -1,7 +1,7 @@
 //! The strains of a body at the points of rules.
 
 use crate::fem::{Element, with_dilatation};
-use crate::mesh::{CellKind, Geometry, MOST_NODES, Mesh, ReferenceCell, ReferenceCells, ReferencePoint};
+use crate::mesh::{CellKind, Geometry, MOST_NODES, ReferenceCell, ReferenceCells, ReferencePoint};
 use crate::model::Model;
 use crate::vector::cross;
 
@@ -108,8 +108,9 @@ impl Body<'_> {
         let (nodes, moved) = (&nodes[..cell.nodes.len()], &moved[..cell.nodes.len()]);
         let at_corners = self.model.corner_dilatations(e, self.factors, self.displacements);
         let free = (!self.factors.is_empty()).then(|| self.model.free_stretch(e, self.factors));
+        let at = if mesh.dimension == 2 { strain_at::<2> } else { strain_at::<3> };
         for point in rule(reference, cell.kind, nodes) {
-            let (volume, mut strain) = strain_at(point, mesh, nodes, moved);
+            let (volume, mut strain) = at(point, mesh.geometry, nodes, moved);
             if let Some(at_corners) = &at_corners {
                 let dilatation = at_corners.iter().zip(point.corners).map(|(at_corner, n)| at_corner * n).sum();
                 strain = with_dilatation(strain, dilatation);
@@ -122,18 +123,23 @@ impl Body<'_> {
 }
 
 /// The volume that a point of a cell with these `nodes` (m) stands for, and its strain where they are `moved` (m).
-fn strain_at(point: &ReferencePoint, mesh: &Mesh, nodes: &[[f64; 3]], moved: &[[f64; 3]]) -> Sample {
+fn strain_at<const D: usize>(
+    point: &ReferencePoint,
+    geometry: Geometry,
+    nodes: &[[f64; 3]],
+    moved: &[[f64; 3]],
+) -> Sample {
     // ∂x/∂ξ and ∂u/∂ξ.
     let (mut j, mut h) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
     for ((slope, x), u) in point.slopes.iter().zip(nodes).zip(moved) {
-        for r in 0..3 {
-            for c in 0..3 {
+        for r in 0..D {
+            for c in 0..D {
                 j[r][c] += slope[r] * x[c];
                 h[r][c] += slope[r] * u[c];
             }
         }
     }
-    if mesh.dimension == 2 {
+    if D == 2 {
         // A slice of space.
         j[2] = [0.0, 0.0, 1.0];
     }
@@ -144,14 +150,14 @@ fn strain_at(point: &ReferencePoint, mesh: &Mesh, nodes: &[[f64; 3]], moved: &[[
     let d = |c: usize, k: usize| times(cofactors.map(|row| row[k]), h.map(|row| row[c])) / determinant;
     let mut strain = [d(0, 0), d(1, 1), d(2, 2), d(0, 1) + d(1, 0), d(1, 2) + d(2, 1), d(2, 0) + d(0, 2)];
     let area = determinant * point.weight;
-    if mesh.geometry == Geometry::Cartesian {
+    if geometry == Geometry::Cartesian {
         return (area, strain);
     }
     let aside = |of: &[[f64; 3]]| point.shape.iter().zip(of).map(|(n, x)| n * x[0]).sum::<f64>();
     let r = aside(nodes);
     // No point of a rule is on the axis.
     strain[2] = aside(moved) / r;
-    (area * mesh.geometry.depth([r, 0.0, 0.0]), strain)
+    (area * geometry.depth([r, 0.0, 0.0]), strain)
 }
 
 /// `tr ε`.

@@ -1,10 +1,11 @@
 //! Whether the mesh resolves the contact: the zones of closed nodes, and what their pressures can mean.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::graph::ContactGraph;
 use super::hertz::HertzContact;
 use crate::contact::ContactStatus;
+use crate::mesh::CellKind;
 use crate::model::Model;
 use crate::problem::State;
 use crate::vector::{dot, minus, norm, unit};
@@ -35,6 +36,8 @@ pub struct ContactEstimate {
     pub peak_pressure: f64,
     /// The largest pressure of a node and its neighbours together, Pa.
     pub patch_pressure: f64,
+    /// Which of the two is the better peak; none where neither is one.
+    pub peak_of: Option<PeakOf>,
     /// How far the former is above the latter, as a share.
     pub scatter: f64,
     /// The largest error of the peak, as a share: `2 / n^1.5` of n nodes across or, from 5 on, the scatter.
@@ -61,6 +64,39 @@ pub struct StickZone {
     pub ratio: f64,
     /// The ratio is known to this: one element at each end, `2 / n`.
     pub uncertainty: f64,
+}
+
+/// What a peak pressure is the largest of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum PeakOf {
+    /// Pressures of nodes.
+    Nodes,
+    /// Pressures of nodes and their neighbours together.
+    Patches,
+}
+
+impl PeakOf {
+    /// Patches where there are linear tetrahedra: their nodes scatter by a fifth however fine the mesh is.
+    pub(crate) fn of(model: &Model) -> Self {
+        let tetrahedra = model.mesh.cells.iter().any(|cell| cell.kind == CellKind::Tetrahedron);
+        if tetrahedra { PeakOf::Patches } else { PeakOf::Nodes }
+    }
+
+    /// The same of a zone with so many nodes `across`, or of a whole surface; none where the zone is narrower than patches.
+    fn zone(model: &Model, across: Option<usize>) -> Option<Self> {
+        let of = Self::of(model);
+        (of == PeakOf::Nodes || across.is_none_or(|n| n >= SCATTER_FROM)).then_some(of)
+    }
+
+    /// The same of the zone that contact node `i` is in, where these are the contact forces `p_n` (N).
+    pub(crate) fn at(model: &Model, graph: &ContactGraph, p_n: &[f64], i: usize) -> Option<Self> {
+        let surface = graph.surfaces().iter().find(|surface| surface.nodes.contains(&i))?;
+        let zones = zones(model, graph, &surface.nodes, p_n);
+        let (_, across) = zones.into_iter().find(|(zone, _)| zone.contains(&i))?;
+        Self::zone(model, across)
+    }
 }
 
 /// From so many nodes across on the scatter tells of the peak.
@@ -96,12 +132,7 @@ impl ContactEstimate {
         let sum = |nodes: &[usize]| nodes.iter().map(|&i| p_n[i]).sum::<f64>();
         let force = sum(&closed);
         let depths = graph.depths(&surface.nodes, &closed);
-        let zones: Vec<(Vec<usize>, Option<usize>)> = (graph.parts(&closed).into_iter())
-            .map(|zone| {
-                let across = nodes_across(graph, &zone, |i| depths.get(&i).copied(), model.mesh.dimension);
-                (zone, across)
-            })
-            .collect();
+        let zones = zones(model, graph, &surface.nodes, p_n);
         let (heaviest, nodes_across) = zones.iter().max_by(|a, b| sum(&a.0).total_cmp(&sum(&b.0)))?;
         let share = |few: usize| {
             let of = zones.iter().filter(|(_, across)| across.is_some_and(|across| across <= few));
@@ -110,10 +141,7 @@ impl ContactEstimate {
         let alone = zones.iter().filter(|(zone, _)| zone.len() == 1).fold(0.0, |all, (zone, _)| all + sum(zone));
         let pressures = model.contact_pressures(state);
         let pressure = |i: usize| pressures[i];
-        let patch = |i: usize| {
-            let around = || graph.neighbours(i).iter().chain([&i]);
-            around().map(|&j| p_n[j]).sum::<f64>() / around().map(|&j| model.contacts[j].weight).sum::<f64>()
-        };
+        let patch = |i: usize| graph.patch_pressure(model, p_n, i);
         let largest = |value: &dyn Fn(usize) -> f64| closed.iter().map(|&i| value(i)).fold(0.0, f64::max);
         let peak = closed.iter().copied().max_by(|&a, &b| pressure(a).total_cmp(&pressure(b)))?;
         let (peak_pressure, patch_pressure) = (pressure(peak), largest(&patch));
@@ -138,6 +166,7 @@ impl ContactEstimate {
             element_size: element_size(model, graph, peak),
             peak_pressure,
             patch_pressure,
+            peak_of: PeakOf::zone(model, *nodes_across),
             scatter,
             peak_error,
             width_error: nodes_across.map(|n| 2.0 * self::peak_error(n)),
@@ -150,6 +179,18 @@ impl ContactEstimate {
                 .flatten(),
         })
     }
+}
+
+/// The zones that closed nodes of a surface make up, each with the nodes across it.
+fn zones(model: &Model, graph: &ContactGraph, surface: &[usize], p_n: &[f64]) -> Vec<(Vec<usize>, Option<usize>)> {
+    let closed: Vec<usize> = surface.iter().copied().filter(|&i| p_n[i] > 0.0).collect();
+    let depths = graph.depths(surface, &closed);
+    let across = |zone: &[usize]| nodes_across(graph, zone, |i| depths.get(&i).copied(), model.mesh.dimension);
+    let with = |zone: Vec<usize>| {
+        let across = across(&zone);
+        (zone, across)
+    };
+    graph.parts(&closed).into_iter().map(with).collect()
 }
 
 /// The nodes across a zone: in the plane those along it, those behind a symmetry plane or an axis included, in space twice the depth less

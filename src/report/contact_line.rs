@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::csv;
 use super::quantities::cell;
 use crate::contact::{ContactBoundary, ContactStatus};
+use crate::estimate::ContactGraph;
 use crate::history::Step;
 use crate::model::Model;
 use crate::units::UnitSystem;
@@ -36,6 +37,8 @@ pub struct ContactPoint {
     pub sigma_t: f64,
     /// Tangential contact stress `p_o / l`, Pa.
     pub sigma_o: f64,
+    /// The normal stress of the node with its neighbours, `Σ p_n / Σ l`, Pa; with tetrahedra only.
+    pub sigma_patch: Option<f64>,
     /// Normal contact displacement, m, positive towards the obstacle.
     pub w_n: f64,
     /// Tangential contact displacement along the first tangent, m.
@@ -98,7 +101,9 @@ impl ContactLine {
 
     /// The nodes as CSV: the columns of the plane, and in three dimensions those of space among them; the obstacles last.
     pub fn to_csv(&self) -> String {
-        let columns: Vec<&Column> = COLUMNS.iter().filter(|column| column.dimension <= self.dimension).collect();
+        let patches = self.points.iter().any(|point| point.sigma_patch.is_some());
+        let is_there = |column: &&Column| column.dimension <= self.dimension && (patches || column.name != PATCH);
+        let columns: Vec<&Column> = COLUMNS.iter().filter(is_there).collect();
         let place: Vec<&Column> = PLACE.iter().filter(|column| column.dimension <= self.dimension).collect();
         let names = |columns: &[&Column]| columns.iter().map(|column| column.name).collect::<Vec<_>>();
         let mut header = [names(&columns), vec!["status"], names(&place)].concat();
@@ -127,7 +132,10 @@ struct Column {
     value: fn(&ContactPoint) -> f64,
 }
 
-const COLUMNS: [Column; 18] = [
+/// The column that only tetrahedra have.
+const PATCH: &str = "sigma_patch";
+
+const COLUMNS: [Column; 19] = [
     Column { name: "x", dimension: 2, value: |p| p.x },
     Column { name: "y", dimension: 2, value: |p| p.y },
     Column { name: "z", dimension: 3, value: |p| p.z },
@@ -137,6 +145,7 @@ const COLUMNS: [Column; 18] = [
     Column { name: "sigma_n", dimension: 2, value: |p| p.sigma_n },
     Column { name: "sigma_t", dimension: 2, value: |p| p.sigma_t },
     Column { name: "sigma_o", dimension: 3, value: |p| p.sigma_o },
+    Column { name: PATCH, dimension: 3, value: |p| p.sigma_patch.unwrap_or(f64::NAN) },
     Column { name: "w_n", dimension: 2, value: |p| p.w_n },
     Column { name: "w_t", dimension: 2, value: |p| p.w_t },
     Column { name: "w_o", dimension: 3, value: |p| p.w_o },
@@ -172,6 +181,8 @@ pub(super) fn names() -> impl Iterator<Item = &'static str> {
 pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Step<'_>) -> Vec<ContactPoint> {
     let (problem, state) = (&model.problem, step.state);
     let tractions = model.recovered_tractions(state);
+    let tetrahedra = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
+    let patches = tetrahedra.then(|| ContactGraph::new(model).patch_pressures(model, &state.p_n));
     let drift = [0, 1].map(|k| model.loading.drift_at(step.record.time, k));
     let mut s = 0.0;
     let mut last: Option<[f64; 3]> = None;
@@ -212,6 +223,7 @@ pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &S
             sigma_n,
             sigma_t,
             sigma_o,
+            sigma_patch: patches.as_ref().map(|patches| patches[i]),
             w_n,
             w_t,
             w_o,

@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
+use super::peak::{LargestPressure, Peak};
 use super::warnings::{Warning, WarningKind};
 use crate::contact::ContactStatus;
-use crate::estimate::{ContactEstimate, ContactGraph, ElementEstimate, HertzContact, peak_error};
+use crate::estimate::{ContactEstimate, ContactGraph, ElementEstimate, HertzContact, PeakOf, peak_error};
 use crate::history::{Status, Step};
 use crate::model::Model;
 use crate::problem::State;
@@ -29,8 +30,18 @@ pub struct EstimateWatch {
     graph: ContactGraph,
     /// Of each contact surface the state with the largest force.
     heaviest: Vec<Heaviest>,
-    /// The state with the largest strain energy (J): that, its time and its displacements.
-    strained: Option<(f64, f64, Vec<f64>)>,
+    peak_of: PeakOf,
+    peak: Option<Peak>,
+    strained: Option<Strained>,
+}
+
+/// The largest strain energy so far, J, and the displacements and normal contact forces (N) then.
+#[derive(Debug, Clone, PartialEq)]
+struct Strained {
+    energy: f64,
+    time: f64,
+    u: Vec<f64>,
+    p_n: Vec<f64>,
 }
 
 /// The largest force on a contact surface so far, N, and what makes it up; 0 before anything touches.
@@ -66,11 +77,11 @@ impl EstimateWatch {
     pub fn new(model: &Model) -> Self {
         let graph = ContactGraph::new(model);
         let heaviest = vec![Heaviest::default(); graph.surfaces().len()];
-        EstimateWatch { graph, heaviest, strained: None }
+        EstimateWatch { graph, heaviest, peak_of: PeakOf::of(model), peak: None, strained: None }
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
-    pub fn see(&mut self, step: &Step<'_>) {
+    pub fn see(&mut self, model: &Model, step: &Step<'_>) {
         if step.record.status != Status::Converged {
             return;
         }
@@ -84,23 +95,33 @@ impl EstimateWatch {
                 heaviest.statuses.extend_from_slice(step.statuses);
             }
         }
+        Peak::see(&mut self.peak, model, &self.graph, self.peak_of, step.record.time, step.state);
         let (energy, time) = (step.record.strain_energy, step.record.time);
         match &mut self.strained {
-            Some((largest, ..)) if *largest >= energy => {}
-            Some((largest, at, u)) => {
-                (*largest, *at) = (energy, time);
-                u.copy_from_slice(&step.state.u);
+            Some(strained) if strained.energy >= energy => {}
+            Some(strained) => {
+                (strained.energy, strained.time) = (energy, time);
+                strained.u.copy_from_slice(&step.state.u);
+                strained.p_n.copy_from_slice(&step.state.p_n);
             }
-            None => self.strained = Some((energy, time, step.state.u.clone())),
+            None => {
+                let (u, p_n) = (step.state.u.clone(), step.state.p_n.clone());
+                self.strained = Some(Strained { energy, time, u, p_n });
+            }
         }
+    }
+
+    /// The largest contact pressure, if anything was pressed.
+    pub fn largest_pressure(&self, model: &Model) -> Option<LargestPressure> {
+        self.peak.as_ref().map(|peak| peak.told(model, &self.graph))
     }
 
     /// What was found.
     pub fn estimates(&self, model: &Model) -> Estimates {
-        let elements = self
-            .strained
-            .as_ref()
-            .map(|(_, time, u)| ElementEstimate::new(model, &model.thermal_factors(*time), &model.displaced(*time, u)));
+        let elements = self.strained.as_ref().map(|Strained { time, u, p_n, .. }| {
+            let pressed: Vec<usize> = self.graph.isolated(p_n).map(|i| model.contacts[i].node).collect();
+            ElementEstimate::new(model, &model.thermal_factors(*time), &model.displaced(*time, u), &pressed)
+        });
         let contact = |(k, heaviest): (usize, &Heaviest)| {
             let Heaviest { force, time, state, statuses } = heaviest;
             (*force > 0.0).then(|| ContactEstimate::new(model, &self.graph, k, *time, state, statuses)).flatten()

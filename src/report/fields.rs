@@ -14,7 +14,7 @@ use crate::model::Model;
 ///
 /// Of points: `displacement`; and `contact_pressure` (Pa, `p_n / l` (32)), `tangential_traction` (Pa, the vector of the
 /// body on the obstacle), `slip` (m, the vector of motion past the obstacle since the beginning), `gap` (m, the distance
-/// that is left), all NaN off the contact; `status`: -1 off the contact, 0 open, 1 stick, 2 slip. A node that meets
+/// that is left), and with tetrahedra `patch_pressure` (Pa, that of a node and its neighbours together), all NaN off the contact; `status`: -1 off the contact, 0 open, 1 stick, 2 slip. A node that meets
 /// two obstacles shows the one that presses more.
 /// Where cells are of second order `nodal_stress` (Pa, as `stress` below), the mean of the cells around a node.
 /// Of cells: `stress` (Pa, at the centre, all nine components row by row), `principal_stress` (Pa, the most tensile first),
@@ -37,7 +37,7 @@ pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
         real("von_mises", 1, stresses.iter().copied().map(von_mises).collect()),
         whole("material", materials(model)),
     ];
-    let error = ElementEstimate::new(model, &factors, &displacements).discretisation;
+    let error = ElementEstimate::new(model, &factors, &displacements, &[]).discretisation;
     let of_cells = error.map_or_else(|| vec![0.0; mesh.cells.len()], |error| error.of_cells);
     cell_fields.push(real("discretisation_error", 1, of_cells));
     let cells = mesh
@@ -55,9 +55,10 @@ fn tensors(stresses: &[[f64; 6]]) -> Vec<f64> {
 
 /// The names of all fields.
 #[cfg(test)]
-pub(super) const NAMES: [&str; 12] = [
+pub(super) const NAMES: [&str; 13] = [
     "displacement",
     "contact_pressure",
+    "patch_pressure",
     "tangential_traction",
     "slip",
     "gap",
@@ -70,9 +71,10 @@ pub(super) const NAMES: [&str; 12] = [
     "discretisation_error",
 ];
 
-fn contact_fields(model: &Model, step: &Step<'_>) -> [Field; 5] {
+fn contact_fields(model: &Model, step: &Step<'_>) -> Vec<Field> {
     let n = model.mesh.nodes.len();
-    let mut pressure = vec![f64::NAN; n];
+    let (mut pressure, mut patch) = (vec![f64::NAN; n], vec![f64::NAN; n]);
+    let mut patches = false;
     let (mut traction, mut slip) = (vec![[f64::NAN; 3]; n], vec![[f64::NAN; 3]; n]);
     let (mut gap, mut status) = (vec![f64::NAN; n], vec![-1; n]);
     for (contact, point) in model.contacts.iter().zip(points(model, 0..model.contacts.len(), step)) {
@@ -83,6 +85,10 @@ fn contact_fields(model: &Model, step: &Step<'_>) -> [Field; 5] {
         let [t, o] = contact.frame;
         let along = |a: f64, b: f64| [0, 1, 2].map(|c| a * t[c] + b * o[c]);
         pressure[node] = point.sigma_n;
+        if let Some(sigma_patch) = point.sigma_patch {
+            patch[node] = sigma_patch;
+            patches = true;
+        }
         traction[node] = along(point.sigma_t, point.sigma_o);
         slip[node] = along(point.slip_t, point.slip_o);
         gap[node] = point.gap;
@@ -92,13 +98,15 @@ fn contact_fields(model: &Model, step: &Step<'_>) -> [Field; 5] {
             ContactStatus::Slip => 2,
         };
     }
-    [
+    let mut fields = vec![
         real("contact_pressure", 1, pressure),
         real("tangential_traction", 3, traction.into_flattened()),
         real("slip", 3, slip.into_flattened()),
         real("gap", 1, gap),
         whole("status", status),
-    ]
+    ];
+    fields.extend(patches.then(|| real("patch_pressure", 1, patch)));
+    fields
 }
 
 /// A number for each cell's group and law.

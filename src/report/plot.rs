@@ -120,6 +120,7 @@ mod tests {
             sigma_n: 1.0,
             sigma_t: 0.0,
             sigma_o: 0.0,
+            sigma_patch: None,
             w_n: 0.0,
             w_t: 0.0,
             w_o: 0.0,

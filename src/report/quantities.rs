@@ -20,14 +20,25 @@ const COLUMNS: &Table = &[
     (&["f_x", "f_y", "f_z", "sum_p_n", "sum_p_t", "sum_p_o", "p_n", "p_t", "p_o"], Force),
     (&["m_x", "m_y", "m_z"], Moment),
     (&["x", "y", "z", "w_n", "w_t", "w_o", "gap", "slip_t", "slip_o", "u_x", "u_y", "u_z"], Length),
-    (&["sigma_n", "sigma_t", "sigma_o"], Stress),
+    (&["sigma_n", "sigma_t", "sigma_o", "sigma_patch"], Stress),
     (&["s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"], Stress),
 ];
 
 /// The fields of bodies.
 const FIELDS: &Table = &[
     (&["displacement", "slip", "gap"], Length),
-    (&["contact_pressure", "tangential_traction", "nodal_stress", "stress", "principal_stress", "von_mises"], Stress),
+    (
+        &[
+            "contact_pressure",
+            "patch_pressure",
+            "tangential_traction",
+            "nodal_stress",
+            "stress",
+            "principal_stress",
+            "von_mises",
+        ],
+        Stress,
+    ),
     (&["status", "material", "discretisation_error"], Number),
 ];
 

@@ -5,11 +5,12 @@ use serde::Serialize;
 use super::balance::{BalanceRecord, unbalanced};
 use super::estimates::Estimates;
 use super::explain::Explanation;
+use super::peak::LargestPressure;
 use super::quantities;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
 use super::unit_names::UnitNames;
 use super::unknowns::{LeftOut, Unknowns};
-use super::validity::{LargestDisplacement, LargestPressure, Validity};
+use super::validity::{LargestDisplacement, Validity};
 use super::warnings::{Warning, WarningKind};
 use crate::auto::{Choice, Faster};
 use crate::contact::RangeLeft;
@@ -147,6 +148,8 @@ pub struct Facts<'a> {
     pub outcome: &'a HistoryOutcome,
     /// Whether the solution stays where its equations hold.
     pub validity: &'a Validity,
+    /// The largest contact pressure, if anything was pressed.
+    pub largest_pressure: Option<LargestPressure>,
     /// What the mesh leaves open.
     pub estimates: Estimates,
     /// The resultants at the end of each increment.
@@ -187,7 +190,7 @@ impl RunReport {
             explanation: Explanation::new(solver, model, outcome),
             warnings,
             largest_displacement: validity.largest,
-            largest_pressure: validity.largest_pressure.clone(),
+            largest_pressure: facts.largest_pressure,
             range_left: validity.range_left,
             estimates: facts.estimates,
             unknowns: Unknowns::new(&outcome.layout, solver.method),

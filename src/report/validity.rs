@@ -1,6 +1,6 @@
 //! Whether a solution stays where its equations hold: small displacements, and gaps linearised in the undeformed state.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::warnings::{Warning, WarningKind};
 use crate::contact::{ContactStatus, RangeLeft};
@@ -20,8 +20,6 @@ pub const NOT_SMALL: f64 = 0.1;
 pub struct Validity {
     /// The largest displacement, if there was any increment.
     pub largest: Option<LargestDisplacement>,
-    /// The largest contact pressure, if anything was pressed.
-    pub largest_pressure: Option<LargestPressure>,
     /// Where the linearised gaps were most wrong, if they were out of their range.
     pub range_left: Option<RangeLeft>,
     /// The motion that the first equilibrium that is one of many leaves open, if there was any, and its time, s.
@@ -44,25 +42,11 @@ pub struct LargestDisplacement {
     pub time: f64,
 }
 
-/// The largest contact pressure of a history.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct LargestPressure {
-    /// `σ_n = p_n / l` (32), Pa.
-    pub pressure: f64,
-    /// The boundary of the node.
-    pub boundary: String,
-    /// The node's position, m.
-    pub position: [f64; 3],
-    /// The time, s.
-    pub time: f64,
-}
-
 impl Validity {
     /// Before the first increment of `model`.
     pub fn new(model: &Model) -> Self {
         let touched = vec![false; model.contacts.len()];
-        Validity { largest: None, largest_pressure: None, range_left: None, neutral: None, steepest: None, touched }
+        Validity { largest: None, range_left: None, neutral: None, steepest: None, touched }
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
@@ -75,16 +59,6 @@ impl Validity {
             let length = norm(u);
             if self.largest.is_none_or(|largest| length > largest.length) {
                 self.largest = Some(LargestDisplacement { length, position: *position, time: record.time });
-            }
-        }
-        let pressures = model.contact_pressures(state);
-        for boundary in &model.contact_boundaries {
-            for &i in &boundary.nodes {
-                let (contact, pressure) = (&model.contacts[i], pressures[i]);
-                if pressure > self.largest_pressure.as_ref().map_or(0.0, |largest| largest.pressure) {
-                    let (boundary, position) = (boundary.name.clone(), contact.position);
-                    self.largest_pressure = Some(LargestPressure { pressure, boundary, position, time: record.time });
-                }
             }
         }
         for (i, _) in statuses.iter().enumerate().filter(|(_, status)| **status != ContactStatus::Open) {

@@ -71,7 +71,7 @@ impl Observer for Watch<'_> {
         let step = &Step { record: record.as_ref().unwrap_or(step.record), ..*step };
         self.energies.push(step.record.strain_energy);
         self.validity.see(self.model, step);
-        self.estimates.see(step);
+        self.estimates.see(self.model, step);
         self.forces.extend(ForceRecord::all(self.model, step));
         self.reactions.push(BalanceRecord::new(self.model, step));
         if self.keeps_last && step.record.status == Status::Converged {

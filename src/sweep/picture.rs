@@ -30,17 +30,17 @@ impl Sweep {
         };
         let pressed = self.variants.iter().any(|row| row.outcome.largest_pressure.is_some());
         let height = |row: &Row| match &row.outcome.largest_pressure {
-            Some(largest) if pressed => self.pressure(largest.pressure),
-            _ if pressed => 0.0,
-            _ => row.outcome.iterations as f64,
+            Some(largest) if pressed => largest.pressure.map(|pressure| self.pressure(pressure)),
+            _ if pressed => Some(0.0),
+            _ => Some(row.outcome.iterations as f64),
         };
         let mut curves: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
         for row in self.variants.iter().filter(|row| row.outcome.is_converged()) {
-            let Some(x) = place(row) else { continue };
+            let (Some(x), Some(y)) = (place(row), height(row)) else { continue };
             let others = self.varied.iter().zip(&row.values).enumerate().filter(|(k, _)| *k != along);
             let label: Vec<String> =
                 others.map(|(_, (variation, value))| format!("{} = {value}", variation.key)).collect();
-            let (label, point) = (label.join(", "), [x, height(row)]);
+            let (label, point) = (label.join(", "), [x, y]);
             match curves.iter_mut().find(|(other, _)| *other == label) {
                 Some((_, points)) => points.push(point),
                 None => curves.push((label, vec![point])),

@@ -105,7 +105,7 @@ impl Sweep {
             let mut fields = row.values.clone();
             fields.extend([outcome.status.clone(), outcome.converged.to_string(), outcome.iterations.to_string()]);
             fields.push(outcome.seconds.map_or(String::new(), |seconds| format!("{seconds:.6}")));
-            fields.push(number(outcome.largest_pressure.as_ref().map(|largest| largest.pressure)));
+            fields.push(number(outcome.largest_pressure.as_ref().and_then(|largest| largest.pressure)));
             for (name, components) in &boundaries {
                 let found = on(outcome, name);
                 let sums = found.map(|found| [Some(found.sums.sum_p_n), Some(found.sums.sum_p_t), found.sums.sum_p_o]);
@@ -139,7 +139,8 @@ impl Sweep {
             let mut row = values.clone();
             row.extend([outcome.status.clone(), outcome.converged.to_string(), outcome.iterations.to_string()]);
             row.push(shown(outcome.seconds, |seconds| format!("{seconds:.2}")));
-            let pressure = outcome.largest_pressure.as_ref().map(|largest| self.pressure(largest.pressure));
+            let pressure = outcome.largest_pressure.as_ref().and_then(|largest| largest.pressure);
+            let pressure = pressure.map(|pressure| self.pressure(pressure));
             row.push(shown(pressure, |pressure| format!("{pressure:.5e}")));
             for (name, components) in &boundaries {
                 let force = |c: usize| on(outcome, name).and_then(|found| found.force.get(c).copied());

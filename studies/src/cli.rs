@@ -2,6 +2,7 @@
 //! back what there is to say.
 
 mod elements;
+mod estimates;
 mod extremes;
 mod figures;
 mod jobs;
@@ -17,7 +18,7 @@ use miette::{IntoDiagnostic, WrapErr};
 use stickslip::linear::process;
 use stickslip::report::write_file;
 
-/// The paper's tables and figures, computed again, and a suite of scenes at the limits
+/// The paper's tables and figures, computed again, a suite of scenes at the limits, and what estimates are worth
 #[derive(Parser)]
 #[command(version)]
 struct Cli {
@@ -35,6 +36,8 @@ enum Study {
     Elements(elements::ElementsArgs),
     /// Run the suite of extreme scenes
     Extremes(extremes::ExtremesArgs),
+    /// Compare the estimates of a run with what is true
+    Estimates(estimates::EstimatesArgs),
 }
 
 /// What a study ends with.
@@ -56,6 +59,7 @@ pub(crate) fn main() -> ExitCode {
         Study::Figures(args) => figures::figures(args),
         Study::Elements(args) => elements::elements(args),
         Study::Extremes(args) => extremes::extremes(args),
+        Study::Estimates(args) => estimates::estimates(args),
     };
     match answer.and_then(|answer| print(&answer.lines).map(|()| answer.sound)) {
         Ok(true) => ExitCode::SUCCESS,

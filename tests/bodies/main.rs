@@ -28,6 +28,7 @@ mod obstacles;
 mod outputs;
 mod patch_hex8;
 mod patch_quad4;
+mod patches;
 mod prisms;
 mod published;
 mod rubber;

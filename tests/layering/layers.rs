@@ -79,7 +79,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     ("auto", &["formulation", "history", "linear", "problem"]),
-    ("estimate", &["contact", "fem", "mesh", "model", "problem", "sets", "vector"]),
+    ("estimate", &["contact", "description", "fem", "mesh", "model", "problem", "sets", "vector"]),
     (
         "report",
         &[

@@ -1,6 +1,7 @@
 //! The tables and figures of the paper, the suite of extremes, and the program that computes them.
 #![allow(clippy::unwrap_used)]
 
+mod estimates;
 mod extremes;
 mod figures;
 mod program;

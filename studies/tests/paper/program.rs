@@ -8,11 +8,11 @@ use serde_json::Value;
 
 use super::svg::texts;
 
-fn studies(args: &[&str]) -> Output {
+pub fn studies(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_stickslip-studies")).args(args).output().unwrap()
 }
 
-fn stdout(output: &Output) -> &str {
+pub fn stdout(output: &Output) -> &str {
     std::str::from_utf8(&output.stdout).unwrap()
 }
 

@@ -1,0 +1,80 @@
+//! The largest contact pressure of a history.
+
+use serde::{Deserialize, Serialize};
+
+use crate::estimate::{ContactGraph, PeakOf};
+use crate::model::Model;
+use crate::problem::State;
+
+/// The largest contact pressure of a history.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct LargestPressure {
+    /// `σ_n = p_n / l` (32) of a node, on linear tetrahedra of a node and its neighbours together, Pa; none where the contact zone has so
+    /// few tetrahedra across that neither is the peak.
+    pub pressure: Option<f64>,
+    /// Which of the two it is.
+    pub peak_of: Option<PeakOf>,
+    /// The boundary of the node.
+    pub boundary: String,
+    /// The node's position, m.
+    pub position: [f64; 3],
+    /// The time, s.
+    pub time: f64,
+}
+
+/// The largest pressure so far, and what it belongs to.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Peak {
+    /// Pa.
+    pressure: f64,
+    /// The places of its boundary and of its contact node.
+    at: [usize; 2],
+    /// s.
+    time: f64,
+    /// The normal contact forces then, N.
+    p_n: Vec<f64>,
+}
+
+impl Peak {
+    /// The larger one of `before` and what a `state` at `time` (s) has, by the pressures `of` nodes or patches.
+    pub(super) fn see(
+        before: &mut Option<Self>,
+        model: &Model,
+        graph: &ContactGraph,
+        of: PeakOf,
+        time: f64,
+        state: &State,
+    ) {
+        let pressures = match of {
+            PeakOf::Nodes => model.contact_pressures(state),
+            PeakOf::Patches => graph.patch_pressures(model, &state.p_n),
+        };
+        let nodes = model.contact_boundaries.iter().enumerate();
+        let pairs = nodes.flat_map(|(b, boundary)| boundary.nodes.iter().map(move |&i| [b, i]));
+        let least = before.as_ref().map_or(0.0, |peak| peak.pressure);
+        // The first of those that are as large.
+        let largest = pairs.fold((least, None), |(most, at), pair| match pressures[pair[1]] {
+            pressure if pressure > most => (pressure, Some(pair)),
+            _ => (most, at),
+        });
+        if let (pressure, Some(at)) = largest {
+            let mut p_n = before.take().map_or(Vec::new(), |peak| peak.p_n);
+            p_n.clone_from(&state.p_n);
+            *before = Some(Peak { pressure, at, time, p_n });
+        }
+    }
+
+    /// What there is to tell of it.
+    pub(super) fn told(&self, model: &Model, graph: &ContactGraph) -> LargestPressure {
+        let [boundary, i] = self.at;
+        let peak_of = PeakOf::at(model, graph, &self.p_n, i);
+        LargestPressure {
+            pressure: peak_of.map(|_| self.pressure),
+            peak_of,
+            boundary: model.contact_boundaries[boundary].name.clone(),
+            position: model.contacts[i].position,
+            time: self.time,
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! What the estimates of a run say beside what is true: contact zones of few nodes against Hertz, elements that lock against fine ones.
+
+mod hertz;
+mod locking;
+
+use std::fmt;
+
+use stickslip::description::Description;
+use stickslip::fault::Fault;
+use stickslip::history::{Method, Solver, Status};
+use stickslip::mesh::CellKind;
+use stickslip::model::{Model, ModelError};
+use stickslip::report::RunReport;
+use stickslip::run::{Run, RunError};
+
+pub use hertz::{lines, spheres};
+pub use locking::{cantilevers, pressed};
+
+/// Why a state was not computed.
+#[derive(Debug, thiserror::Error)]
+pub enum EstimateError {
+    /// The body cannot be.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// It cannot be solved.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// It was not solved.
+    #[error("a state of the suite ended with the verdict {0}")]
+    Verdict(String),
+    /// A mesh of the suite cannot be.
+    #[error(transparent)]
+    Mesh(#[from] Fault),
+}
+
+/// What is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Subject {
+    /// The peak pressure under a cylinder.
+    Line,
+    /// The same under a sphere.
+    Sphere,
+    /// The stiffness of a block that is pressed.
+    Pressed,
+    /// The stiffness of a beam that is bent.
+    Cantilever,
+}
+
+impl fmt::Display for Subject {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Subject::Line => "line",
+            Subject::Sphere => "sphere",
+            Subject::Pressed => "pressed",
+            Subject::Cantilever => "cantilever",
+        })
+    }
+}
+
+/// An estimate beside the truth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// What is estimated.
+    pub subject: Subject,
+    /// The cells.
+    pub kind: CellKind,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Nodes across the contact, or elements across the body.
+    pub across: usize,
+    /// The true error, as a share: of the peak pressure for the force that was found, or by how much the body is too stiff.
+    pub error: f64,
+    /// What the run says of it.
+    pub estimate: f64,
+}
+
+/// Many states of one kind.
+pub struct Task {
+    /// What is computed.
+    pub name: String,
+    work: Box<dyn Fn() -> Result<Vec<Row>, EstimateError> + Sync + Send>,
+}
+
+impl Task {
+    /// Computes them.
+    ///
+    /// # Errors
+    /// The first state that was not computed.
+    pub fn rows(&self) -> Result<Vec<Row>, EstimateError> {
+        (self.work)()
+    }
+}
+
+/// The report of a body, which has to converge.
+fn solved(description: &Description) -> Result<RunReport, EstimateError> {
+    let model = Model::build(description)?;
+    let report = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN))?.solve(&mut ())?;
+    if report.status == Status::Converged { Ok(report) } else { Err(EstimateError::Verdict(report.status.to_string())) }
+}
