@@ -10,6 +10,9 @@
 //! tells how much: with θ_m the mean over a quadrilateral or hexahedron, and over the corners of a triangle or tetrahedron, where
 //! θ is the mean of the cells around. A body is too stiff by about `c s / (1 - s)`.
 //!
+//! Elements that cannot deform at all without their volume hardly show it: θ is 0 in each, and s with it. But then their pressures κ θ vary
+//! more than anything shears them. Where these are so, the body is as much too stiff as is expected before a run, if that is more.
+//!
 //! Where a force or a contact presses a single node strains are singular, so that θ varies however fine the mesh is. Cells that are next
 //! to such a node, and those next to these, are left out.
 
@@ -17,7 +20,7 @@ use super::places::Places;
 use super::strains::{Strains, dilatation};
 use crate::description::{Action, Load, Where};
 use crate::fem::{Elasticity, Element, cell_volume};
-use crate::mesh::{CellKind, Geometry};
+use crate::mesh::{Cell, CellKind, Geometry};
 use crate::model::Model;
 use crate::vector::{minus, norm};
 
@@ -56,8 +59,10 @@ pub(super) fn locking(model: &Model, places: &Places, strains: &Strains, pressed
     let simplices = model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
     let means = simplices.then(|| places.means(strains.volumes(), |e, _| [strains.mean_dilatation(e)]));
     let singular = around(model, pressed);
-    // By law: energy, what of it locks, and that times c.
-    let mut laws: Vec<[f64; 3]> = Vec::new();
+    // By law: energy, what of it locks, that times c, and what pressures that vary would have as shear stresses.
+    let mut laws: Vec<[f64; 4]> = Vec::new();
+    let mut foreseen: Vec<f64> = Vec::new();
+    let across = across(model);
     for (e, (cell, law)) in model.mesh.cells.iter().zip(model.materials()).enumerate() {
         if singular.get(e) == Some(&true) {
             continue;
@@ -73,13 +78,24 @@ pub(super) fn locking(model: &Model, places: &Places, strains: &Strains, pressed
         let [c, _] = measured(cell.kind)?;
         let locked = 0.5 * law.bulk() * varies;
         let number = places.laws()[e];
-        laws.resize(laws.len().max(number + 1), [0.0; 3]);
-        let add = [strains.energies()[e], locked, c * locked];
+        if number >= laws.len() {
+            laws.resize(number + 1, [0.0; 4]);
+            foreseen.resize(number + 1, 0.0);
+        }
+        if laws[number][0] == 0.0 {
+            foreseen[number] = expected(cell.kind, across, law).unwrap_or(0.0);
+        }
+        let add = [strains.energies()[e], locked, c * locked, law.bulk() / law.mu * locked];
         laws[number].iter_mut().zip(add).for_each(|(sum, x)| *sum += x);
     }
     let all: f64 = laws.iter().map(|[energy, ..]| energy).sum();
-    let count = laws.into_iter().filter(|[energy, ..]| *energy > COUNTS * all);
-    count.map(|[energy, locked, weighted]| weighted / (energy - locked)).reduce(f64::max)
+    let share = |([energy, locked, weighted, pressures], foreseen): ([f64; 4], f64)| match weighted / (energy - locked)
+    {
+        share if pressures > energy => share.max(foreseen),
+        share => share,
+    };
+    let count = laws.into_iter().zip(foreseen).filter(|([energy, ..], _)| *energy > COUNTS * all);
+    count.map(share).reduce(f64::max)
 }
 
 /// Whether each cell is next to a node that a point force acts on, or to one of those `pressed`, or next to such a cell. None is where
@@ -113,31 +129,40 @@ fn around(model: &Model, pressed: &[usize]) -> Vec<bool> {
     if cells.contains(&false) { cells } else { Vec::new() }
 }
 
-/// What [`locking`] is expected to be before a run: `c m^-1.4 (1 - 2ν)^-0.75` with m elements across the smaller side of the body;
-/// none where Poisson's ratio is below 0.45, as it was measured for blocks that are pressed with ratios from there on.
+/// What [`locking`] is expected to be before a run, of the law with the largest of Poisson's ratios.
 pub(crate) fn expected_locking(model: &Model) -> Option<f64> {
+    let kind = model.mesh.cells.first()?.kind;
+    let law = model.materials().iter().max_by(|a, b| poisson(a).total_cmp(&poisson(b)))?;
+    expected(kind, across(model), law).filter(|_| can_lock(model))
+}
+
+/// `c m^-1.4 (1 - 2ν)^-0.75` with m elements `across` the smaller side of the body; none where Poisson's ratio is below 0.45, as it was
+/// measured for blocks that are pressed with ratios from there on.
+fn expected(kind: CellKind, across: f64, law: &Elasticity) -> Option<f64> {
+    let [_, c] = measured(kind)?;
+    let poisson = poisson(law);
+    let about = || c * across.powf(-1.4) * (1.0 - 2.0 * poisson.min(MEASURED[1])).powf(-0.75);
+    (poisson >= MEASURED[0] - ROUNDING).then(about)
+}
+
+fn poisson(law: &Elasticity) -> f64 {
+    0.5 * law.lambda / (law.lambda + law.mu)
+}
+
+/// The elements across the smaller side of the body; two triangles make up a square, two prisms or six tetrahedra a cube.
+fn across(model: &Model) -> f64 {
     let mesh = &model.mesh;
-    let kind = mesh.cells.first()?.kind;
-    let [_, c] = measured(kind).filter(|_| can_lock(model))?;
-    let poisson = |law: &Elasticity| 0.5 * law.lambda / (law.lambda + law.mu);
-    let poisson = model.materials().iter().map(poisson).fold(0.0, f64::max);
-    if poisson < MEASURED[0] - ROUNDING {
-        return None;
-    }
     let d = mesh.dimension;
-    let extent = &mesh.extent()[..d];
-    let smaller = extent.iter().copied().fold(f64::INFINITY, f64::min);
-    let cells = mesh.cells.iter();
+    let smaller = mesh.extent()[..d].iter().copied().fold(f64::INFINITY, f64::min);
     // Of a body of revolution the section counts.
-    let cells = cells.filter_map(|cell| cell_volume(cell.kind, Geometry::Cartesian, &mesh.points(&cell.nodes)));
-    // Two triangles make up a square, two prisms or six tetrahedra a cube.
-    let together = match kind {
-        CellKind::Triangle | CellKind::Prism => 2.0,
-        CellKind::Tetrahedron => 6.0,
+    let volume = |cell: &Cell| cell_volume(cell.kind, Geometry::Cartesian, &mesh.points(&cell.nodes));
+    let together = match mesh.cells.first().map(|cell| cell.kind) {
+        Some(CellKind::Triangle | CellKind::Prism) => 2.0,
+        Some(CellKind::Tetrahedron) => 6.0,
         _ => 1.0,
     };
-    let size = (together * cells.sum::<f64>() / mesh.cells.len() as f64).powf(1.0 / d as f64);
-    Some(c * (smaller / size).powf(-1.4) * (1.0 - 2.0 * poisson.min(MEASURED[1])).powf(-0.75))
+    let size = together * mesh.cells.iter().filter_map(volume).sum::<f64>() / mesh.cells.len() as f64;
+    smaller / size.powf(1.0 / d as f64)
 }
 
 /// What is computed back from Lamé's constants may miss Poisson's ratio by as much.

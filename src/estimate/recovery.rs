@@ -9,7 +9,7 @@ use super::places::Places;
 use super::strains::Strains;
 use crate::mesh::{CellKind, Geometry, quadrature_of, shape, stiffness_rule};
 use crate::model::Model;
-use crate::vector::{minus, norm};
+use crate::vector::minus;
 
 /// So many more strains than coefficients a polynomial is fitted to.
 const SPARE: usize = 2;
@@ -91,8 +91,8 @@ fn solve(rows: &mut [[f64; COLUMNS]]) -> Option<()> {
 /// A polynomial of second degree for each strain, about a point.
 struct Polynomial {
     about: [f64; 3],
-    /// The size of the patch, m: coordinates are measured by it.
-    size: f64,
+    /// The size of the patch along each axis, m: coordinates are measured by it, for cells may be much longer than high.
+    size: [f64; 3],
     dimension: usize,
     /// Of each monomial.
     coefficients: Vec<[f64; 6]>,
@@ -109,6 +109,11 @@ fn monomials([x, y, z]: [f64; 3], dimension: usize) -> [f64; MONOMIALS] {
     }
 }
 
+/// The components of `x` in those of `size`.
+fn scaled(x: [f64; 3], size: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|c| x[c] / size[c])
+}
+
 impl Polynomial {
     /// The nearest, in the mean square, to these strains; none where they do not determine one.
     fn new(about: [f64; 3], samples: &[([f64; 3], [f64; 6])], dimension: usize) -> Option<Self> {
@@ -116,11 +121,15 @@ impl Polynomial {
         if samples.len() < count + SPARE {
             return None;
         }
-        let size = samples.iter().map(|(x, _)| norm(minus(*x, about))).fold(0.0, f64::max);
+        let reach = |c: usize| samples.iter().map(|(x, _)| (x[c] - about[c]).abs()).fold(0.0, f64::max);
+        let size = [0, 1, 2].map(|c| if c < dimension { reach(c) } else { 1.0 });
+        if size.contains(&0.0) {
+            return None;
+        }
         let mut rows = [[0.0; COLUMNS]; MONOMIALS];
         let rows = &mut rows[..count];
         for (x, strain) in samples {
-            let q = monomials(minus(*x, about).map(|c| c / size), dimension);
+            let q = monomials(scaled(minus(*x, about), size), dimension);
             for (row, a) in rows.iter_mut().zip(&q) {
                 let a = a / samples.len() as f64;
                 row.iter_mut().zip(q[..count].iter().chain(strain)).for_each(|(sum, b)| *sum += a * b);
@@ -132,7 +141,7 @@ impl Polynomial {
     }
 
     fn at(&self, x: [f64; 3]) -> [f64; 6] {
-        let q = monomials(minus(x, self.about).map(|c| c / self.size), self.dimension);
+        let q = monomials(scaled(minus(x, self.about), self.size), self.dimension);
         let mut strain = [0.0; 6];
         for (q, of) in q.iter().zip(&self.coefficients) {
             strain.iter_mut().zip(of).for_each(|(strain, of)| *strain += q * of);

@@ -111,6 +111,9 @@ const EDGE_FROM: usize = 4;
 /// A pressure that is larger at the edge by less is not singular but uniform, to rounding and to the roughness of meshes.
 const UNIFORM: f64 = 0.1;
 
+/// A smaller share of the force at the edge is not worth a word, however large the pressure is there.
+const NEGLIGIBLE: f64 = 0.01;
+
 /// The largest error of the peak pressure of a zone that is `n` nodes across, as a share.
 pub fn peak_error(n: usize) -> f64 {
     2.0 / (n as f64).powf(1.5)
@@ -171,7 +174,10 @@ impl ContactEstimate {
             peak_error,
             width_error: nodes_across.map(|n| 2.0 * self::peak_error(n)),
             edge_share: sum(&edge) / sum(heaviest),
-            singular_edge: wide && !inside.is_empty() && most(&edge) > (1.0 + UNIFORM) * most(&inside),
+            singular_edge: wide
+                && !inside.is_empty()
+                && sum(&edge) > NEGLIGIBLE * sum(heaviest)
+                && most(&edge) > (1.0 + UNIFORM) * most(&inside),
             edge_ratio: edge_ratio(model, graph, heaviest),
             stick: nodes_across.and_then(|n| stick_zone(model, heaviest, statuses, n)),
             hertz: (nodes_across.is_some_and(|n| n <= NOTHING))
