@@ -12,7 +12,9 @@ mod kinematics;
 mod kkt;
 mod motion;
 mod obstacle;
+mod obstacle_error;
 mod range;
+mod revolution;
 mod surface;
 mod triangles;
 
@@ -25,6 +27,7 @@ pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
 pub(crate) use kkt::{judge, rounding_level, statuses_of};
 pub use motion::{ObstacleMotion, Rates};
 pub(crate) use obstacle::Round;
-pub use obstacle::{Facing, ObstacleError, PlacedObstacle};
+pub use obstacle::{Facing, PlacedObstacle};
+pub use obstacle_error::ObstacleError;
 pub use range::{DeformedNode, RangeLeft, TOLERATED_SHARE, range_left};
 pub use triangles::SurfaceError;

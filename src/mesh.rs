@@ -12,6 +12,7 @@ mod kind;
 mod midsides;
 mod quadrature;
 mod rules;
+mod section;
 mod sides;
 mod simplices;
 mod source;

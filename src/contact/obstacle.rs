@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use super::cone::Cone;
 use super::description::{GapDirection, Obstacle, Place, Rotation, SKEW, Shape};
-use super::gap_table::{GapTable, TableError};
+use super::gap_table::GapTable;
+use super::obstacle_error::ObstacleError;
+use super::revolution::{centred, is_about_axis, moves_along_axis};
 use super::surface::Surface;
-use super::triangles::{SurfaceError, Triangles};
+use super::triangles::Triangles;
 use crate::mesh::{Boundary, Geometry, Mesh};
 use crate::vector::{Vector, across, axis_across, cross, dot, minus, norm, plus, unit};
 
@@ -43,82 +45,6 @@ impl Facing {
     /// The slope of the surface in front of the node, against its normal: the tangent of the angle.
     pub fn slope(&self) -> f64 {
         norm(minus(self.inward, self.normal))
-    }
-}
-
-/// Why an obstacle does not fit its boundary.
-#[derive(Debug, thiserror::Error)]
-pub enum ObstacleError {
-    /// The boundary is closed or symmetric.
-    #[error("the boundary has no mean normal to face an obstacle with")]
-    NoNormal,
-    /// In two dimensions everything lies in the plane.
-    #[error("{0} of the obstacle leaves the plane of the body, which has two dimensions")]
-    OutOfPlane(&'static str),
-    /// In three dimensions vectors have three components.
-    #[error("{0} of the obstacle has two components, but the body has three dimensions")]
-    PlaneVector(&'static str),
-    /// A sphere, say, in two dimensions.
-    #[error("the obstacle is a {0}, but the body has two dimensions")]
-    OnlyInSpace(&'static str),
-    /// A cylinder, bore or wedge in space needs an axis.
-    #[error("a cylinder, bore or wedge in three dimensions needs an axis")]
-    NoAxis,
-    /// An axis that is not at right angles to the normal.
-    #[error("the axis of the obstacle is not at right angles to its normal")]
-    SkewAxis,
-    /// A cone that opens towards the body.
-    #[error("the axis of the cone points into the body, or along its surface")]
-    ConeTowardsBody,
-    /// A sphere, socket or cone in front of a body of revolution that is none about the same axis.
-    #[error("the obstacle is a {0} that is not about the axis x = 0 of the body")]
-    OffAxis(&'static str),
-    /// An obstacle in front of a body of revolution that would not stay one, or rub across the section.
-    #[error("the obstacle turns, but the body is axisymmetric")]
-    TurnsRound,
-    /// An obstacle of revolution whose radius would change.
-    #[error("the obstacle moves away from the axis of the body, or towards it, by its {0}")]
-    MovesAside(&'static str),
-    /// A table that cannot be used.
-    #[error(transparent)]
-    Table(#[from] TableError),
-    /// A file of triangles that cannot be used.
-    #[error(transparent)]
-    Surface(#[from] SurfaceError),
-}
-
-impl ObstacleError {
-    /// What mends the fault, in words.
-    pub fn help(&self) -> &'static str {
-        match self {
-            ObstacleError::NoNormal => "give the obstacle a `normal`",
-            ObstacleError::OutOfPlane(_) => "let vectors have two components, and axes be [0, 0, 1] or left out",
-            ObstacleError::PlaneVector(_) => "give [x, y, z], and points of a translation as [time, x, y, z]",
-            ObstacleError::OnlyInSpace(_) => {
-                "use a cylinder, bore or wedge, whose axis is across the plane, or a table"
-            }
-            ObstacleError::NoAxis => "give an axis, such as [0, 1, 0]",
-            ObstacleError::SkewAxis => "turn the axis, or give the obstacle a normal at right angles to it",
-            ObstacleError::ConeTowardsBody => "let the axis point from the tip into the cone, out of the body",
-            ObstacleError::OffAxis(_) => {
-                "give a point of the axis, [0, y], for its `center` or `apex`, and a cone the axis [0, 1] or [0, -1]; a cylinder, \
-                 bore or wedge may be anywhere, and is a ring"
-            }
-            ObstacleError::TurnsRound => {
-                "remove motion.rotation: what turns about the axis rubs across the section, which is not computed, and what turns \
-                 about anything else is no obstacle of revolution"
-            }
-            ObstacleError::MovesAside(_) => {
-                "let it move along y: by motion.translation, or by approach with the normal [0, 1] or [0, -1]; an interference of \
-                 radii is a negative gap"
-            }
-            ObstacleError::Table(_) => {
-                "give a CSV file with the header x,gap or x,y,gap and numbers in m or as [units] says"
-            }
-            ObstacleError::Surface(_) => {
-                "give an STL file or a Gmsh file (MSH 4.1, ASCII) whose faces are counterclockwise seen from the body"
-            }
-        }
     }
 }
 
@@ -363,28 +289,6 @@ impl PlacedObstacle {
             _ => None,
         }
     }
-}
-
-/// Whether an obstacle of revolution stays one as it moves, and keeps its radius; `normal` is its own.
-fn moves_along_axis(given: &Obstacle, normal: [f64; 3]) -> Result<(), ObstacleError> {
-    if given.rotation.is_some() {
-        return Err(ObstacleError::TurnsRound);
-    }
-    if given.translation.iter().flatten().any(|(_, to)| to.components()[0] != 0.0) {
-        return Err(ObstacleError::MovesAside("translation"));
-    }
-    let moves = given.approach.iter().flatten().any(|point| point[1] != 0.0);
-    if moves && normal[0].abs() > SKEW { Err(ObstacleError::MovesAside("approach")) } else { Ok(()) }
-}
-
-/// Whether a sphere or socket is about the axis x = 0.
-fn centred(apex: [f64; 3], radius: f64, normal: [f64; 3]) -> bool {
-    plus(apex, radius, normal)[0].abs() <= SKEW * radius.abs()
-}
-
-/// Whether a cone is.
-fn is_about_axis(apex: Vector, axis: [f64; 3]) -> bool {
-    apex.components()[0] == 0.0 && axis[0].abs() <= SKEW
 }
 
 /// Refuses vectors of an obstacle of a plane body that leave its plane.
