@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::cone::Cone;
 use super::description::{GapDirection, Obstacle, Place, Rotation, SKEW, Shape};
 use super::gap_table::GapTable;
-use super::misfit::ObstacleError;
+use super::obstacle_error::ObstacleError;
+use super::revolution::{centred, is_about_axis, moves_along_axis};
 use super::surface::Surface;
 use super::triangles::Triangles;
 use crate::mesh::{Boundary, Geometry, Mesh};
@@ -278,28 +279,6 @@ impl PlacedObstacle {
             _ => None,
         }
     }
-}
-
-/// Whether an obstacle of revolution stays one as it moves, and keeps its radius; `normal` is its own.
-fn moves_along_axis(given: &Obstacle, normal: [f64; 3]) -> Result<(), ObstacleError> {
-    if given.rotation.is_some() {
-        return Err(ObstacleError::TurnsRound);
-    }
-    if given.translation.iter().flatten().any(|(_, to)| to.components()[0] != 0.0) {
-        return Err(ObstacleError::MovesAside("translation"));
-    }
-    let moves = given.approach.iter().flatten().any(|point| point[1] != 0.0);
-    if moves && normal[0].abs() > SKEW { Err(ObstacleError::MovesAside("approach")) } else { Ok(()) }
-}
-
-/// Whether a sphere or socket is about the axis x = 0.
-fn centred(apex: [f64; 3], radius: f64, normal: [f64; 3]) -> bool {
-    plus(apex, radius, normal)[0].abs() <= SKEW * radius.abs()
-}
-
-/// Whether a cone is.
-fn is_about_axis(apex: Vector, axis: [f64; 3]) -> bool {
-    apex.components()[0] == 0.0 && axis[0].abs() <= SKEW
 }
 
 /// Refuses vectors of an obstacle of a plane body that leave its plane.

@@ -1,4 +1,4 @@
-//! Half sections of bodies of revolution.
+//! The half sections of bodies of revolution.
 
 use super::{Geometry, Mesh, MeshFault};
 

@@ -1,4 +1,4 @@
-//! Why an obstacle does not fit its boundary.
+//! Why there is no such obstacle.
 
 use super::gap_table::TableError;
 use super::triangles::SurfaceError;
