@@ -17,10 +17,10 @@
 //! to such a node, and those next to these, are left out.
 
 use super::places::Places;
-use super::strains::{Strains, dilatation};
+use super::strains::{Strains, dilatation, volume};
 use crate::description::{Action, Load, Where};
-use crate::fem::{Elasticity, Element, cell_volume};
-use crate::mesh::{Cell, CellKind, Geometry};
+use crate::fem::{Elasticity, Element};
+use crate::mesh::CellKind;
 use crate::model::Model;
 use crate::vector::{minus, norm};
 
@@ -59,10 +59,7 @@ pub(super) fn locking(model: &Model, places: &Places, strains: &Strains, pressed
     let simplices = model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
     let means = simplices.then(|| places.means(strains.volumes(), |e, _| [strains.mean_dilatation(e)]));
     let singular = around(model, pressed);
-    // By law: energy, what of it locks, that times c, and what pressures that vary would have as shear stresses.
-    let mut laws: Vec<[f64; 4]> = Vec::new();
-    let mut foreseen: Vec<f64> = Vec::new();
-    let across = across(model);
+    let mut laws: Vec<Option<OfLaw>> = Vec::new();
     for (e, (cell, law)) in model.mesh.cells.iter().zip(model.materials()).enumerate() {
         if singular.get(e) == Some(&true) {
             continue;
@@ -79,23 +76,40 @@ pub(super) fn locking(model: &Model, places: &Places, strains: &Strains, pressed
         let locked = 0.5 * law.bulk() * varies;
         let number = places.laws()[e];
         if number >= laws.len() {
-            laws.resize(number + 1, [0.0; 4]);
-            foreseen.resize(number + 1, 0.0);
+            laws.resize(number + 1, None);
         }
-        if laws[number][0] == 0.0 {
-            foreseen[number] = expected(cell.kind, across, law).unwrap_or(0.0);
-        }
-        let add = [strains.energies()[e], locked, c * locked, law.bulk() / law.mu * locked];
-        laws[number].iter_mut().zip(add).for_each(|(sum, x)| *sum += x);
+        let sums =
+            laws[number].get_or_insert(OfLaw { kind: cell.kind, law: *law, energy: 0.0, locked: 0.0, weighted: 0.0 });
+        sums.energy += strains.energies()[e];
+        sums.locked += locked;
+        sums.weighted += c * locked;
     }
-    let all: f64 = laws.iter().map(|[energy, ..]| energy).sum();
-    let share = |([energy, locked, weighted, pressures], foreseen): ([f64; 4], f64)| match weighted / (energy - locked)
-    {
-        share if pressures > energy => share.max(foreseen),
-        share => share,
-    };
-    let count = laws.into_iter().zip(foreseen).filter(|([energy, ..], _)| *energy > COUNTS * all);
-    count.map(share).reduce(f64::max)
+    let all: f64 = laws.iter().flatten().map(|sums| sums.energy).sum();
+    let count = laws.iter().flatten().filter(|sums| sums.energy > COUNTS * all);
+    count.map(|sums| sums.locking(model)).reduce(f64::max)
+}
+
+/// What the cells of one law sum up to.
+#[derive(Clone)]
+struct OfLaw {
+    kind: CellKind,
+    law: Elasticity,
+    /// Their strain energy, J.
+    energy: f64,
+    /// What of it is in dilatation about its mean, J.
+    locked: f64,
+    /// That times c, J.
+    weighted: f64,
+}
+
+impl OfLaw {
+    fn locking(&self, model: &Model) -> f64 {
+        let OfLaw { kind, law, energy, locked, weighted } = self;
+        let share = weighted / (energy - locked);
+        // The energy that shear stresses of the size of what pressures vary by would have.
+        let pressures = law.bulk() / law.mu * locked;
+        if pressures > *energy { share.max(expected(model, *kind, law).unwrap_or(0.0)) } else { share }
+    }
 }
 
 /// Whether each cell is next to a node that a point force acts on, or to one of those `pressed`, or next to such a cell. None is where
@@ -133,15 +147,15 @@ fn around(model: &Model, pressed: &[usize]) -> Vec<bool> {
 pub(crate) fn expected_locking(model: &Model) -> Option<f64> {
     let kind = model.mesh.cells.first()?.kind;
     let law = model.materials().iter().max_by(|a, b| poisson(a).total_cmp(&poisson(b)))?;
-    expected(kind, across(model), law).filter(|_| can_lock(model))
+    if can_lock(model) { expected(model, kind, law) } else { None }
 }
 
-/// `c m^-1.4 (1 - 2ν)^-0.75` with m elements `across` the smaller side of the body; none where Poisson's ratio is below 0.45, as it was
+/// `c m^-1.4 (1 - 2ν)^-0.75` with m elements across the smaller side of the body; none where Poisson's ratio is below 0.45, as it was
 /// measured for blocks that are pressed with ratios from there on.
-fn expected(kind: CellKind, across: f64, law: &Elasticity) -> Option<f64> {
+fn expected(model: &Model, kind: CellKind, law: &Elasticity) -> Option<f64> {
     let [_, c] = measured(kind)?;
     let poisson = poisson(law);
-    let about = || c * across.powf(-1.4) * (1.0 - 2.0 * poisson.min(MEASURED[1])).powf(-0.75);
+    let about = || c * across(model).powf(-1.4) * (1.0 - 2.0 * poisson.min(MEASURED[1])).powf(-0.75);
     (poisson >= MEASURED[0] - ROUNDING).then(about)
 }
 
@@ -154,14 +168,12 @@ fn across(model: &Model) -> f64 {
     let mesh = &model.mesh;
     let d = mesh.dimension;
     let smaller = mesh.extent()[..d].iter().copied().fold(f64::INFINITY, f64::min);
-    // Of a body of revolution the section counts.
-    let volume = |cell: &Cell| cell_volume(cell.kind, Geometry::Cartesian, &mesh.points(&cell.nodes));
     let together = match mesh.cells.first().map(|cell| cell.kind) {
         Some(CellKind::Triangle | CellKind::Prism) => 2.0,
         Some(CellKind::Tetrahedron) => 6.0,
         _ => 1.0,
     };
-    let size = together * mesh.cells.iter().filter_map(volume).sum::<f64>() / mesh.cells.len() as f64;
+    let size = together * volume(mesh) / mesh.cells.len() as f64;
     smaller / size.powf(1.0 / d as f64)
 }
 

@@ -1,7 +1,7 @@
 //! The strains of a body at the points of rules.
 
 use crate::fem::{Element, with_dilatation};
-use crate::mesh::{CellKind, Geometry, MOST_NODES, ReferenceCell, ReferenceCells, ReferencePoint};
+use crate::mesh::{CellKind, Geometry, MOST_NODES, Mesh, ReferenceCell, ReferenceCells, ReferencePoint};
 use crate::model::Model;
 use crate::vector::cross;
 
@@ -158,6 +158,22 @@ fn strain_at<const D: usize>(
     // No point of a rule is on the axis.
     strain[2] = aside(moved) / r;
     (area * geometry.depth([r, 0.0, 0.0]), strain)
+}
+
+/// The volume of a body, m³; in two dimensions the area of its section, m².
+pub(super) fn volume(mesh: &Mesh) -> f64 {
+    let kinds = ReferenceCells::new(mesh);
+    let mut all = 0.0;
+    let at = if mesh.dimension == 2 { strain_at::<2> } else { strain_at::<3> };
+    for cell in &mesh.cells {
+        let Some(reference) = kinds.get(cell.kind) else { continue };
+        let mut nodes = [[0.0; 3]; MOST_NODES];
+        nodes.iter_mut().zip(&cell.nodes).for_each(|(x, &node)| *x = mesh.nodes[node]);
+        let nodes = &nodes[..cell.nodes.len()];
+        let points = reference.of(cell.kind, nodes).iter();
+        all += points.map(|point| at(point, Geometry::Cartesian, nodes, nodes).0).sum::<f64>();
+    }
+    all
 }
 
 /// `tr ε`.
