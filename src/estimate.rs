@@ -47,8 +47,11 @@ impl ElementEstimate {
 
     /// The same of displacements that fit, with the `factors` of [`Model::thermal_factors`], and the nodes that a contact presses alone.
     pub(crate) fn new(model: &Model, factors: &[f64], displacements: &[[f64; 3]], pressed: &[usize]) -> Self {
-        let places = Places::new(model);
         let strains = Strains::new(model, factors, displacements);
+        if strains.are_rounding(displacements) {
+            return ElementEstimate { locking: None, discretisation: None };
+        }
+        let places = Places::new(model);
         ElementEstimate {
             locking: locking::locking(model, &places, &strains, pressed),
             discretisation: DiscretisationError::new(model, &places, &strains),

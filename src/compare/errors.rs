@@ -71,6 +71,9 @@ impl End {
     }
 }
 
+/// A difference that is a smaller share of the normal forces, or of the strain energy, is what rounding leaves.
+const NOTHING: f64 = 1e-10;
+
 impl TimeErrors {
     /// The errors of `end` against `reference`, both with the integration weights `l`.
     pub fn new(end: &End, reference: &End, weight: &[f64]) -> Self {
@@ -80,11 +83,12 @@ impl TimeErrors {
             [square(&difference, weight), square(exact, weight)]
         });
         let p_t = [p_t[0] + p_o[0], p_t[1] + p_o[1]];
+        let work = end.work - reference.work;
         TimeErrors {
             p_n: relative(p_n[0].sqrt(), p_n[1].sqrt()),
-            p_t: relative(p_t[0].sqrt(), p_t[1].sqrt()),
+            p_t: if p_t[0] <= NOTHING * NOTHING * p_n[1] { 0.0 } else { relative(p_t[0].sqrt(), p_t[1].sqrt()) },
             forces: relative((p_n[0] + p_t[0]).sqrt(), (p_n[1] + p_t[1]).sqrt()),
-            work: relative(end.work - reference.work, reference.work),
+            work: if work.abs() <= NOTHING * reference.energy.abs() { 0.0 } else { relative(work, reference.work) },
         }
     }
 }

@@ -12,6 +12,8 @@ pub struct ObstacleMotion {
     /// Directions, and points `[time (s), distance (m)]`.
     translations: Vec<([f64; 3], Vec<[f64; 2]>)>,
     rotation: Option<Turning>,
+    /// Whether the rotation leaves the obstacle where it is.
+    in_itself: bool,
 }
 
 /// A rotation about an axis that stands still.
@@ -54,7 +56,13 @@ impl ObstacleMotion {
             through: rotation.through.components(),
             history: within(end, &rotation.history),
         });
-        ObstacleMotion { translations, rotation }
+        ObstacleMotion { translations, rotation, in_itself: false }
+    }
+
+    /// The same of this `obstacle`: a round one that turns about its own axis stays where it is, however steeply a node sees it.
+    #[must_use]
+    pub fn of(self, obstacle: &PlacedObstacle) -> Self {
+        ObstacleMotion { in_itself: !self.turns(obstacle), ..self }
     }
 
     /// Adds what a body that is carried along by `carried` (m) times the factor of `history` sees: the obstacle comes the other way.
@@ -88,7 +96,11 @@ impl ObstacleMotion {
         let mut motions: Vec<_> =
             self.translations.iter().map(|(direction, history)| (of(&|_| *direction), history.clone())).collect();
         if let Some(Turning { axis, through, history }) = &self.rotation {
-            motions.push((of(&|x| cross(*axis, minus(x, *through))), history.clone()));
+            let mut rates = of(&|x| cross(*axis, minus(x, *through)));
+            if self.in_itself {
+                rates.iter_mut().for_each(|rates| rates.gap = 0.0);
+            }
+            motions.push((rates, history.clone()));
         }
         motions
     }

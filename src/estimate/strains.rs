@@ -3,10 +3,13 @@
 use crate::fem::{Element, with_dilatation};
 use crate::mesh::{CellKind, Geometry, MOST_NODES, Mesh, ReferenceCell, ReferenceCells, ReferencePoint};
 use crate::model::Model;
-use crate::vector::cross;
+use crate::vector::{cross, dot};
 
 /// A volume (m³; in two dimensions an area, m²) and the strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` there.
 pub(super) type Sample = (f64, [f64; 6]);
+
+/// Strains that are smaller, as a share of the displacements by the size of the body, are those of rounding.
+const ROUNDING: f64 = 1e-10;
 
 /// The elastic strains of a body.
 pub(super) struct Strains<'a> {
@@ -47,6 +50,14 @@ impl<'a> Strains<'a> {
     /// Volume and strain at the points of cell `e` that integrate the stiffness.
     pub(super) fn of_cell(&self, e: usize) -> &[Sample] {
         &self.points[self.begins[e]..self.begins[e + 1]]
+    }
+
+    /// Whether the body is strained by no more than what rounding leaves of its `displacements` (m), or nothing moves at all.
+    pub(super) fn are_rounding(&self, displacements: &[[f64; 3]]) -> bool {
+        let model = self.body.model;
+        let moved = displacements.iter().flatten().fold(0.0_f64, |most, u| most.max(u.abs())) / model.mesh.size();
+        let with_moved: f64 = self.volumes.iter().zip(model.materials()).map(|(volume, law)| volume * law.mu).sum();
+        self.energies.iter().sum::<f64>() <= with_moved * (ROUNDING * moved).powi(2)
     }
 
     /// The volumes of the cells.
@@ -144,11 +155,14 @@ fn strain_at<const D: usize>(
         j[2] = [0.0, 0.0, 1.0];
     }
     let cofactors = [cross(j[1], j[2]), cross(j[2], j[0]), cross(j[0], j[1])];
-    let times = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let determinant = times(j[0], cofactors[0]);
+    let determinant = dot(j[0], cofactors[0]);
+    let inverse = 1.0 / determinant;
     // ∂u_c/∂x_k.
-    let d = |c: usize, k: usize| times(cofactors.map(|row| row[k]), h.map(|row| row[c])) / determinant;
-    let mut strain = [d(0, 0), d(1, 1), d(2, 2), d(0, 1) + d(1, 0), d(1, 2) + d(2, 1), d(2, 0) + d(0, 2)];
+    let d = |c: usize, k: usize| inverse * (0..D).map(|r| cofactors[r][k] * h[r][c]).sum::<f64>();
+    let mut strain = [d(0, 0), d(1, 1), 0.0, d(0, 1) + d(1, 0), 0.0, 0.0];
+    if D == 3 {
+        (strain[2], strain[4], strain[5]) = (d(2, 2), d(1, 2) + d(2, 1), d(2, 0) + d(0, 2));
+    }
     let area = determinant * point.weight;
     if geometry == Geometry::Cartesian {
         return (area, strain);

@@ -215,7 +215,7 @@ fn placed(
         let obstacle = PlacedObstacle::new(mesh, boundary, given).map_err(|error| {
             Fault::new(contact.obstacle_key(k, j), format!("contact at `{name}`: {error}"), error.help())
         })?;
-        let motion = ObstacleMotion::new(given, obstacle.normal, end);
+        let motion = ObstacleMotion::new(given, obstacle.normal, end).of(&obstacle);
         Ok((obstacle, motion))
     };
     contact.obstacles.iter().enumerate().map(place).collect()

@@ -60,13 +60,8 @@ impl Body<'_> {
                         vec![(node(mesh, *point, &description.system(mesh.dimension), &key)?, force)]
                     }
                     Where::Boundary(name) => {
-                        let boundary = boundary(name)?;
-                        let area = area(mesh, boundary);
-                        if area == 0.0 {
-                            let message = format!("`{name}` is the axis of the body, which has no area for a force");
-                            return Err(Fault::new(at("boundary"), message, "name another boundary, or a point"));
-                        }
-                        uniform_traction(mesh, boundary, force.map(|f| f / area))
+                        let boundary = with_area(mesh, name, &at("boundary"), boundary(name)?, "a force")?;
+                        uniform_traction(mesh, boundary, force.map(|f| f / area(mesh, boundary)))
                     }
                 }
             }
@@ -130,9 +125,27 @@ impl Body<'_> {
     }
 }
 
+/// The `boundary`, which is called `name` at `key`, if there is an area for what is to act on it: the axis of a body of revolution has none.
+fn with_area<'a>(
+    mesh: &Mesh,
+    name: &str,
+    key: &str,
+    boundary: &'a Boundary,
+    what: &str,
+) -> Result<&'a Boundary, Fault> {
+    if area(mesh, boundary) > 0.0 {
+        return Ok(boundary);
+    }
+    let message = format!("`{name}` is the axis of the body, which has no area for {what}");
+    Err(Fault::new(key, message, "name another boundary, or a point"))
+}
+
 /// The springs of each bed of `description`.
 pub(super) fn springs(description: &Description, mesh: &Mesh) -> Result<Vec<Vec<Spring>>, Fault> {
     let units = description.system(mesh.dimension);
+    let bedded = |name: &str, key: &str| {
+        with_area(mesh, name, &format!("{key}.boundary"), find(mesh, name, key)?, "a foundation")
+    };
     let of_bed = |(k, bed): (usize, &Bed)| {
         let key = format!("spring[{k}]");
         match bed {
@@ -141,13 +154,13 @@ pub(super) fn springs(description: &Description, mesh: &Mesh) -> Result<Vec<Vec<
                 match at {
                     Where::Point(point) => Ok(vec![Spring::at_node(node(mesh, *point, &units, &key)?, stiffness)]),
                     Where::Boundary(name) => {
-                        Ok(Spring::foundation(mesh, find(mesh, name, &key)?, Bedding::Axes(stiffness)))
+                        Ok(Spring::foundation(mesh, bedded(name, &key)?, Bedding::Axes(stiffness)))
                     }
                 }
             }
             Bed::Surface { boundary, normal, tangential } => {
                 let bedding = Bedding::Surface { normal: *normal, tangential: *tangential };
-                Ok(Spring::foundation(mesh, find(mesh, boundary, &key)?, bedding))
+                Ok(Spring::foundation(mesh, bedded(boundary, &key)?, bedding))
             }
         }
     };

@@ -35,6 +35,13 @@ increments = 1
 
 const FAULTS: &[Fault] = &[
     (
+        "boundary = \"right\"\ntraction = [0.0, -1.0]",
+        "boundary = \"right\"\ntraction = [0.0, -1.0]\n[[spring]]\nboundary = \"left\"\nnormal = 1e6",
+        "boundary = \"left\"",
+        &["is the axis of the body", "no area for a foundation"],
+        "another boundary",
+    ),
+    (
         "elements = [2, 2]",
         "elements = [2, 2]\norigin = [-0.5, 0]",
         "plane =",

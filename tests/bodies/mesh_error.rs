@@ -4,12 +4,14 @@
 use std::f64::consts::PI;
 
 use crate::common::solve;
-use stickslip::description::{Action, Axis, Description, Field, Support};
+use stickslip::description::{Action, Axis, Description, Field, Load, Support};
 use stickslip::estimate::ElementEstimate;
-use stickslip::fem::{Elasticity, Element, Material, assemble, gradients, strain_at};
+use stickslip::fem::{Elasticity, Element, Material, Plane, assemble, gradients, strain_at};
 use stickslip::formula::Formula;
+use stickslip::history::Solver;
 use stickslip::mesh::{Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, shape};
 use stickslip::model::Model;
+use stickslip::run::Run;
 
 use super::estimates::solved;
 
@@ -309,4 +311,25 @@ fn the_error_of_tetrahedra_of_ten_nodes_is_met() {
     println!("{kind:?}: error {found:.8e}, estimate / error {:.6}", estimate / found);
     assert!((found / 8.819e-2 - 1.0).abs() < 1e-3, "{found}");
     assert!((estimate / found - 1.0).abs() < 0.01, "{estimate} {found}");
+}
+
+/// A disc that grows with its warmth, and a body that is pushed off, are strained by what rounding leaves: nothing is told of it.
+#[test]
+fn rounding_is_no_strain() {
+    for plane in [Plane::Axisymmetric, Plane::Strain] {
+        let material = Material { expansion: Some(1e-5), ..Material::new(1e7, 0.3) }.in_plane(plane);
+        let body = Description::new(MeshSource::block([0.1, 0.1], [8, 8]), material, vec![1.0]);
+        let body = match plane {
+            Plane::Axisymmetric => body
+                .held(Support::new("", &[Axis::Y]).at([0.0, 0.0]))
+                .load(Load::from(Action::Temperature(Field::Uniform(100.0)))),
+            _ => {
+                body.held(Support::along("bottom", [0.0, 1.0], 1e-3)).held(Support::new("", &[Axis::X]).at([0.0, 0.0]))
+            }
+        };
+        let model = Model::build(&body).unwrap();
+        let report = Run::of(&model, vec![1.0], Solver::default()).unwrap().solve(&mut ()).unwrap();
+        assert_eq!((report.estimates.locking, report.estimates.discretisation), (None, None), "{plane:?}");
+        assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+    }
 }

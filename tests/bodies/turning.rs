@@ -8,6 +8,7 @@ use crate::common::faults::{line_of, verify};
 use crate::common::scratch::Scratch;
 use stickslip::contact::{Facing, Obstacle, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape};
 use stickslip::formula::Formula;
+use stickslip::history::Status;
 use stickslip::mesh::{Mesh, block};
 use stickslip::model::{Model, ModelError};
 use stickslip::report::{Warning, WarningKind};
@@ -240,4 +241,24 @@ fn planes_that_stand_upright() {
     let found = ["", "-"].map(|sense| upright("[-0.5, 0.0]", sense).map(|_| ()).map_err(|error| error.to_string()));
     let refused: Vec<&String> = found.iter().filter_map(|found| found.as_ref().err()).collect();
     assert!(refused.len() == 1 && refused[0].contains("turns its back"), "{found:?}");
+}
+
+/// A smooth roller that turns about its own axis is where it was, also for nodes that see it steeply, or not at all.
+#[test]
+fn a_roller_that_turns_about_itself() {
+    let forces = [0.0, 1.5, 30.0].map(|angle| {
+        let text = format!(
+            "[mesh]\nkind = \"block\"\nsize = [0.2, 0.1]\nelements = [32, 16]\n\
+             [material]\nyoung = 1e7\npoisson = 0.3\n[[support]]\nboundary = \"top\"\nfix = [\"x\", \"y\"]\n\
+             [[contact]]\nboundary = \"bottom\"\nfriction = 0\n\
+             obstacle = {{ kind = \"cylinder\", radius = 0.02, center = [0.1, -0.019], \
+             motion = {{ rotation = {{ through = [0.1, -0.019], history = [[0, 0], [1, {angle}]] }} }} }}\n\
+             [time]\nend = 1.0\nincrements = 3\n"
+        );
+        let scene = Scene::parse("roller.toml", &text, &[]).unwrap();
+        let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
+        assert_eq!(report.status, Status::Converged);
+        report.end.sum_p_n
+    });
+    assert!(forces[0] > 1000.0 && forces.iter().all(|force| (force / forces[0] - 1.0).abs() < 1e-9), "{forces:?}");
 }
