@@ -19,7 +19,7 @@ const MEASURES: [Measure; 4] = [
     Measure { name: "normal force", error: |errors| errors.sum_p_n, estimate: None, targets: [1e-2, 1e-3] },
     Measure {
         name: "energy norm",
-        error: |errors| errors.norm(),
+        error: MeshErrors::norm,
         estimate: Some(|estimates| estimates.discretisation),
         targets: [1e-1, 1e-2],
     },
@@ -27,7 +27,7 @@ const MEASURES: [Measure; 4] = [
     Measure {
         name: "peak pressure",
         error: |errors| errors.peak,
-        estimate: Some(|estimates| estimates.peak_error()),
+        estimate: Some(Estimates::peak_error),
         targets: [1e-1, 1e-2],
     },
 ];

@@ -95,21 +95,16 @@ impl FromStr for ElementChoice {
         fn named<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, serde::de::value::Error> {
             T::deserialize(text.into_deserializer())
         }
-        let told = |error: serde::de::value::Error| error.to_string();
-        match text.split_once(':') {
-            Some((cells, element)) => {
-                let cells = Some(named(cells).map_err(told)?);
-                Ok(ElementChoice { cells, element: named(element).map_err(told)? })
-            }
-            None => match named(text) {
-                Ok(element) => Ok(ElementChoice { cells: None, element }),
-                Err(_) => {
-                    let cells =
-                        Some(named(text).map_err(|error| format!("{error}, `bilinear`, `b-bar`, `nodal-volume`"))?);
-                    Ok(ElementChoice { cells, element: Element::Bilinear })
-                }
-            },
+        if let Some((cells, element)) = text.split_once(':') {
+            let told = |error: serde::de::value::Error| error.to_string();
+            let cells = Some(named(cells).map_err(told)?);
+            return Ok(ElementChoice { cells, element: named(element).map_err(told)? });
         }
+        if let Ok(element) = named(text) {
+            return Ok(ElementChoice { cells: None, element });
+        }
+        let cells = named(text).map_err(|error| format!("{error}, `bilinear`, `b-bar`, `nodal-volume`"))?;
+        Ok(ElementChoice { cells: Some(cells), element: Element::Bilinear })
     }
 }
 

@@ -98,7 +98,9 @@ impl ObstacleMotion {
         if let Some(Turning { axis, through, history }) = &self.rotation {
             let mut rates = of(&|x| cross(*axis, minus(x, *through)));
             if self.in_itself {
-                rates.iter_mut().for_each(|rates| rates.gap = 0.0);
+                for rates in &mut rates {
+                    rates.gap = 0.0;
+                }
             }
             motions.push((rates, history.clone()));
         }

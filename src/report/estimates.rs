@@ -6,6 +6,7 @@ use super::peak::{LargestPressure, Peak};
 use super::warnings::{Warning, WarningKind};
 use crate::contact::ContactStatus;
 use crate::estimate::{ContactEstimate, ContactGraph, ElementEstimate, HertzContact, PeakOf, peak_error};
+use crate::fem::Element;
 use crate::history::{Status, Step};
 use crate::model::Model;
 use crate::problem::State;
@@ -22,6 +23,8 @@ pub struct Estimates {
     pub locking: Option<f64>,
     /// The error of the mesh in the energy norm then, as a share of the solution; none where it cannot be told.
     pub discretisation: Option<f64>,
+    /// The error of the stresses then, as a share; none where Poisson's ratio is below 0.45, for there it is about that of the mesh.
+    pub stresses: Option<f64>,
 }
 
 /// Watches the converged increments of a history: each contact surface counts when its force is largest.
@@ -68,6 +71,10 @@ const FINE_FOR_STICK: usize = 40;
 
 /// Meshes with a larger error in the energy norm are told: a tenth of the energy.
 const COARSE: f64 = 0.3;
+
+/// Stresses with a larger error are told, where it is so many times that of the mesh.
+const ROUGH: f64 = 0.1;
+const FAR: f64 = 3.0;
 
 /// A scatter of the peak that is smaller is none.
 const SMOOTH: f64 = 0.1;
@@ -129,7 +136,11 @@ impl EstimateWatch {
         Estimates {
             contact: self.heaviest.iter().enumerate().filter_map(contact).collect(),
             locking: elements.as_ref().and_then(|elements| elements.locking),
-            discretisation: elements.and_then(|elements| elements.discretisation).map(|error| error.whole),
+            discretisation: elements
+                .as_ref()
+                .and_then(|elements| elements.discretisation.as_ref())
+                .map(|error| error.whole),
+            stresses: elements.and_then(|elements| elements.discretisation?.stresses),
         }
     }
 }
@@ -151,7 +162,28 @@ impl Estimates {
         let simplices = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
         let contact = self.contact.iter().flat_map(|contact| of_contact(contact, &units, simplices));
         let locking = self.locking.and_then(|share| Warning::of_locking(model, share));
-        contact.chain(locking).chain(self.discretisation.and_then(coarse)).collect()
+        contact.chain(locking).chain(self.discretisation.and_then(coarse)).chain(self.rough(model)).collect()
+    }
+}
+
+impl Estimates {
+    /// That pressures within the body are far worse than displacements are.
+    fn rough(&self, model: &Model) -> Option<Warning> {
+        let (stresses, whole) = (self.stresses?, self.discretisation?);
+        let cure = match model.element() {
+            Element::Bilinear if model.mesh.cells.iter().all(|cell| !cell.kind.is_simplex()) => {
+                "use mesh.element = \"b-bar\""
+            }
+            Element::Bilinear => "use mesh.element = \"nodal-volume\"",
+            Element::BBar | Element::NodalVolume => "refine the mesh",
+        };
+        let message = format!(
+            "stresses in the body may be off by about {:.0} %, in its fields and at its probes, though the error of the mesh is {:.0} % in the energy \
+             norm: pressures of elements that hardly change their volume vary from one to the next; {cure}, or keep to forces and displacements",
+            100.0 * stresses,
+            100.0 * whole
+        );
+        (stresses > ROUGH && stresses > FAR * whole).then_some(Warning { kind: WarningKind::RoughStresses, message })
     }
 }
 

@@ -41,6 +41,8 @@ pub enum WarningKind {
     NotUnique,
     /// A mesh that is too coarse for the body itself.
     CoarseMesh,
+    /// Stresses of a body that hardly changes its volume, far worse than its displacements.
+    RoughStresses,
     /// A contact zone of a few nodes, or of isolated ones.
     ContactUnresolved,
     /// A contact zone that is fewer than eight nodes across.
@@ -69,6 +71,7 @@ impl WarningKind {
             | WarningKind::GapsOutOfRange
             | WarningKind::NotUnique
             | WarningKind::CoarseMesh
+            | WarningKind::RoughStresses
             | WarningKind::ContactUnresolved
             | WarningKind::ContactCoarse
             | WarningKind::PeakScatter
