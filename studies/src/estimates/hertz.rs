@@ -20,7 +20,7 @@ const SIZE: f64 = 2.0;
 /// Where in an element the apex is, as a share of its size from a node.
 const PLACES: [f64; 3] = [0.0, 0.25, 0.5];
 
-/// The peak under a cylinder, with so many elements in [`REACH`], and approaches (m).
+/// The peak under a cylinder, with so many elements in `REACH`, and approaches (m).
 pub fn lines(kinds: &[CellKind], elements: &[usize], approaches: &[f64]) -> Vec<Task> {
     let each = kinds.iter().flat_map(|&kind| elements.iter().map(move |&n| (kind, n)));
     each.map(|(kind, n)| {
