@@ -3,6 +3,7 @@
 
 mod cone;
 pub mod coulomb;
+mod coupled;
 mod crossing;
 mod description;
 mod friction;
@@ -10,6 +11,7 @@ mod front;
 mod gap_table;
 mod kinematics;
 mod kkt;
+mod mortar;
 mod motion;
 mod obstacle;
 mod obstacle_error;
@@ -18,13 +20,15 @@ mod revolution;
 mod surface;
 mod triangles;
 
+pub use coupled::{coupled_nodes, relative};
 pub use description::{GapDirection, Obstacle, Place, Rotation, Shape};
 pub use friction::Friction;
 pub use front::{Meeting, Unclear, meetings};
 pub use gap_table::{GapTable, TableError};
-pub use kinematics::{ContactBoundary, ContactNode, End, Row, Term, contact_nodes, share_edges, unreachable};
+pub use kinematics::{ContactBoundary, ContactNode, Counterpart, Coupled, End, Row, Term, contact_nodes, share_edges, unreachable};
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
 pub(crate) use kkt::{judge, rounding_level, statuses_of};
+pub use mortar::{Asked, Mortar, MortarFault, MortarRow, preferred_slave};
 pub use motion::{ObstacleMotion, Rates};
 pub(crate) use obstacle::Round;
 pub use obstacle::{Facing, PlacedObstacle};

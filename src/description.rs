@@ -31,6 +31,7 @@ mod check;
 mod field;
 mod formulas;
 mod load;
+mod opposite;
 mod probe;
 mod spring;
 mod support;
@@ -38,6 +39,7 @@ mod units;
 
 pub use field::Field;
 pub use load::{Action, Load, Where};
+pub use opposite::{FirstGap, Opposite, Slave};
 pub use probe::{Probe, ProbePlace};
 pub use spring::Bed;
 pub use support::{Direction, Held, Support};
@@ -49,7 +51,7 @@ use crate::fem::{Element, Material};
 use crate::mesh::MeshSource;
 use crate::units::{UnitSystem, Units};
 
-/// One elastic body, what holds, meets and loads it, and the ends of the increments of its history. Checked when a
+/// One elastic body or several, what holds, meets and loads them, and the ends of the increments of its history. Checked when a
 /// model is made of it, or by [`Description::check`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
@@ -96,15 +98,46 @@ pub struct Contact {
     /// Points `[time (s), factor]` with increasing times, by which the coefficient is multiplied: linear between, constant outside, and
     /// above 0. Without them the friction stays as it is.
     pub friction_history: Option<Vec<[f64; 2]>>,
-    /// The obstacles in front of it, at least one. A node meets the one that is nearest when the history begins, of those that
-    /// its outside faces; it never feels another.
-    pub obstacles: Vec<Obstacle>,
+    /// What is in front of it.
+    pub against: Against,
+}
+
+/// What is in front of a boundary.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Against {
+    /// Rigid obstacles, at least one. A node meets the one that is nearest when the history begins, of those that its outside
+    /// faces; it never feels another.
+    Obstacles(Vec<Obstacle>),
+    /// Another boundary, of another body as a rule.
+    Boundary(Opposite),
+}
+
+impl<T: Into<Vec<Obstacle>>> From<T> for Against {
+    fn from(obstacles: T) -> Self {
+        Against::Obstacles(obstacles.into())
+    }
 }
 
 impl Contact {
+    /// The obstacles in front of it; none in front of another boundary.
+    pub fn obstacles(&self) -> &[Obstacle] {
+        match &self.against {
+            Against::Obstacles(obstacles) => obstacles,
+            Against::Boundary(_) => &[],
+        }
+    }
+
+    /// The boundary that it is against, if it is.
+    pub fn opposite(&self) -> Option<&Opposite> {
+        match &self.against {
+            Against::Obstacles(_) => None,
+            Against::Boundary(opposite) => Some(opposite),
+        }
+    }
+
     /// The key of obstacle `j` of this contact, which has the number `k`.
     pub(crate) fn obstacle_key(&self, k: usize, j: usize) -> String {
-        match self.obstacles.len() {
+        match self.obstacles().len() {
             1 => format!("contact[{k}].obstacle"),
             _ => format!("contact[{k}].obstacle[{j}]"),
         }
@@ -161,10 +194,26 @@ impl Description {
         friction: impl Into<Friction>,
         obstacles: impl Into<Vec<Obstacle>>,
     ) -> Self {
-        let (friction, obstacles) = (friction.into(), obstacles.into());
+        let (friction, against) = (friction.into(), Against::Obstacles(obstacles.into()));
         let boundary = boundary.to_string();
-        self.contacts.push(Contact { boundary, friction, friction_history: None, obstacles });
+        self.contacts.push(Contact { boundary, friction, friction_history: None, against });
         self
+    }
+
+    /// With `boundary` in front of another; `friction` is Coulomb's coefficient, a number or a formula.
+    #[must_use]
+    pub fn pair(mut self, boundary: &str, friction: impl Into<Friction>, against: impl Into<Opposite>) -> Self {
+        let (boundary, friction) = (boundary.to_string(), friction.into());
+        let against = Against::Boundary(against.into());
+        self.contacts.push(Contact { boundary, friction, friction_history: None, against });
+        self
+    }
+
+    /// With `boundary` glued to another.
+    #[must_use]
+    pub fn glued(self, boundary: &str, against: impl Into<Opposite>) -> Self {
+        let opposite = Opposite { glued: true, ..against.into() };
+        self.pair(boundary, 0.0, opposite)
     }
 
     /// With one more load.

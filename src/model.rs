@@ -6,6 +6,7 @@ mod element;
 mod energy;
 mod load;
 mod meridian;
+mod pair;
 mod place;
 mod range;
 mod recovery;
@@ -13,6 +14,7 @@ mod stress;
 mod support;
 
 pub use balance::{Balance, Wrench};
+pub use pair::Pair;
 
 use std::sync::Arc;
 
@@ -32,6 +34,7 @@ use crate::units::{Scaling, UnitSystem};
 use balance::Statics;
 use contact::Contacts;
 use load::{Body, FreeStrain};
+use pair::Pairs;
 use recovery::Recovery;
 use support::Moved;
 
@@ -54,6 +57,8 @@ pub struct Model {
     pub contact_boundaries: Vec<ContactBoundary>,
     /// The obstacles in front of these boundaries, and how they move.
     pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
+    /// The boundaries in front of each other.
+    pub pairs: Vec<Pair>,
     /// The algebraic problem.
     pub problem: ContactProblem,
     /// The loads and gaps over time.
@@ -127,13 +132,15 @@ impl Model {
         let dofs = support::dofs(&mesh, &holdings)?;
         let element = element::element(description, &mesh)?;
         let materials = description.material.laws(&mesh)?;
+        let mut pairs = Pairs::new(description, &mesh, &dofs, &materials)?;
+        let dofs = pairs.dofs(description, &mesh, dofs)?;
         let volumes = NodalVolumes::new(&mesh, element, |e| materials[e])?;
         let beds = load::springs(description, &mesh)?;
         let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
         let (stiffness, rows) = HeldRows::beside(&mesh, &dofs, element, &volumes, |e| materials[e], &springs)?;
         let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows)?;
 
-        let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved)?;
+        let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved, &pairs)?;
         let friction = contacts.friction_history(description)?;
         let Contacts { nodes: mut contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
         let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
@@ -166,11 +173,14 @@ impl Model {
         }
         let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&mesh, &springs)).collect();
         let statics = Statics::new(&mesh, rows.clone(), support::shares(&holdings, &rows), beds, &forces, &on_springs);
-        let gap = contacts.iter().map(|contact| contact.gap_at_rest(&obstacles[contact.obstacle].0)).collect();
+        let gap = |contact: &ContactNode| {
+            contact.obstacle().map_or(contact.facing.gap, |k| contact.gap_at_rest(&obstacles[k].0))
+        };
+        let gap = contacts.iter().map(gap).collect();
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries);
-        let rigid_motions = unresisted_motions(&mesh, &dofs, &springs);
+        let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &pairs.ties(&dofs, mesh.dimension));
         let problem = ContactProblem::new(Parts {
             stiffness,
             c_n: map(&contacts, |contact| &contact.normal),
@@ -195,6 +205,7 @@ impl Model {
             contacts,
             contact_boundaries,
             obstacles,
+            pairs: pairs.all,
             problem,
             loading,
             rigid_motions,
@@ -237,8 +248,8 @@ impl Model {
 
     /// The key of obstacle `k` of [`Model::obstacles`] in a scene, as `contact[0].obstacle[1]`.
     pub fn obstacle_key(&self, k: usize) -> String {
-        let contact = self.contact_boundaries.iter().position(|boundary| boundary.obstacles.contains(&k)).unwrap_or(0);
-        let first = self.contact_boundaries.get(contact).map_or(0, |boundary| boundary.obstacles.start);
+        let boundary = self.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
+        let (contact, first) = boundary.map_or((0, 0), |boundary| (boundary.contact, boundary.obstacles.start));
         self.description.contacts[contact].obstacle_key(contact, k - first)
     }
 

@@ -171,8 +171,9 @@ fn body(scene: &Scene, model: &Model) {
 }
 
 fn contacts(scene: &Scene, model: &Model) {
-    for (contact, boundary) in scene.description.contacts.iter().zip(&model.contact_boundaries) {
-        let several = contact.obstacles.len() > 1;
+    for boundary in &model.contact_boundaries {
+        let contact = &scene.description.contacts[boundary.contact];
+        let several = contact.obstacles().len() > 1;
         let mu = match &contact.friction {
             Friction::Uniform(mu) => mu.to_string(),
             Friction::Formula(formula) => formula.text().to_string(),
@@ -180,15 +181,15 @@ fn contacts(scene: &Scene, model: &Model) {
         let changing = contact.friction_history.as_ref().map(|history| points(history, |factor| factor[0].to_string()));
         let mu = changing.map_or(mu.clone(), |factors| format!("{mu}, times {factors}"));
         if several {
-            say!("contact      {}: {} obstacles, mu = {mu}", contact.boundary, contact.obstacles.len());
+            say!("contact      {}: {} obstacles, mu = {mu}", contact.boundary, contact.obstacles().len());
         }
-        for (given, k) in contact.obstacles.iter().zip(boundary.obstacles.clone()) {
+        for (given, k) in contact.obstacles().iter().zip(boundary.obstacles.clone()) {
             let placed = &model.obstacles[k].0;
             let mut obstacle = vec![shape(model, given, placed)];
             obstacle.extend(motions(model, given));
             let obstacle = obstacle.join(", ");
             if several {
-                let met = model.contacts.iter().filter(|contact| contact.obstacle == k).count();
+                let met = model.contacts.iter().filter(|contact| contact.obstacle() == Some(k)).count();
                 say!("             {obstacle}, met by {met} nodes");
             } else {
                 say!("contact      {}: {obstacle}, mu = {mu}", contact.boundary);

@@ -19,9 +19,9 @@ use std::ops::Range;
 use super::front::Meeting;
 use super::motion::ObstacleMotion;
 use super::obstacle::{Facing, PlacedObstacle};
-use crate::fem::{Dofs, bernstein, facet_weights};
+use crate::fem::{Dofs, bernstein, facet_weights, merged};
 use crate::mesh::{Boundary, Mesh};
-use crate::vector::{cross, dot, plus, unit};
+use crate::vector::{cross, dot, norm, plus, unit};
 
 /// A normal that is turned round but for as much, by its cosine plus 1.
 const TURNED_BACK: f64 = 1e-9;
@@ -43,15 +43,35 @@ pub struct ContactNode {
     /// The rows of `C_t` and `C_o`, along orthonormal tangents. A row is empty where there is no such
     /// direction to slide in: the first before the second never.
     pub tangents: [Row; 2],
-    /// The number of the obstacle that it meets.
-    pub obstacle: usize,
-    /// What the node sees of the obstacle; the tangents are those of `C_t` and `C_o`, 0 where there is none.
+    /// What it is in front of.
+    pub counterpart: Counterpart,
+    /// What the node sees of the obstacle, or of the other body; the tangents are those of `C_t` and `C_o`, 0 where there is none.
     pub facing: Facing,
     /// The obstacle's own tangents, along which results are told: they are the same for all nodes in front of a plane.
     pub frame: [[f64; 3]; 2],
     /// The share of the node in the contact boundaries, `∫ N dA`: m in two dimensions (the trapezoidal rule), m² in three, and of a
     /// body of revolution all around; on boundaries of second order `∫ Ñ dA`.
     pub weight: f64,
+}
+
+/// What a contact node is in front of.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Counterpart {
+    /// An obstacle, by its number.
+    Obstacle(usize),
+    /// The boundary of a body.
+    Boundary(Coupled),
+}
+
+/// How the nodes of two boundaries make up the rows of a contact node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coupled {
+    /// The number of the pair of boundaries.
+    pub pair: usize,
+    /// Whether its displacement is an unknown of its own, see [`crate::fem::Relative`].
+    pub relative: bool,
+    /// The nodes in its rows, with their positions (m) and coefficients: those of the node's own side add up to 1, the others to -1.
+    pub nodes: Vec<(usize, [f64; 3], f64)>,
 }
 
 /// A corner at the end of the edge of a contact node.
@@ -83,14 +103,18 @@ pub struct Term {
 pub struct ContactBoundary {
     /// The name of the boundary.
     pub name: String,
+    /// The number of its contact in the description.
+    pub contact: usize,
     /// The nodes of the boundary among all contact nodes, in its order. A node may be of several boundaries.
     pub nodes: Vec<usize>,
     /// The share of each node in this boundary, as [`ContactNode::weight`], m or m².
     pub weights: Vec<f64>,
     /// How many of its nodes no obstacle ever reaches.
     pub beyond: usize,
-    /// The obstacles in front of it among all.
+    /// The obstacles in front of it among all; none in front of another boundary.
     pub obstacles: Range<usize>,
+    /// The pair of which it is the slave, if it is in front of another boundary.
+    pub pair: Option<usize>,
 }
 
 impl ContactBoundary {
@@ -136,14 +160,12 @@ pub fn contact_nodes(
                 ends,
                 normal: Row::new(),
                 tangents: none,
-                obstacle,
+                counterpart: Counterpart::Obstacle(obstacle),
                 facing,
                 frame,
                 weight,
             };
-            let normal = contact.row(dofs, |facing| facing.normal);
-            let tangents = [0, 1].map(|k| contact.row(dofs, |facing| facing.tangents[k]));
-            ContactNode { normal, tangents, ..contact }
+            contact.with_rows(dofs)
         })
         .filter(|contact| !row(dofs, contact.node, contact.facing.normal).is_empty())
         .collect()
@@ -166,20 +188,44 @@ fn row(dofs: &Dofs, node: usize, direction: [f64; 3]) -> Row {
 }
 
 impl ContactNode {
-    /// The nodes in its rows: itself, and the ends of its edge if it is between corners.
+    /// The same with the rows of `C_n`, `C_t` and `C_o` that follow from the rest.
+    pub(super) fn with_rows(self, dofs: &Dofs) -> Self {
+        let normal = self.row(dofs, |facing| facing.normal);
+        let tangents = [0, 1].map(|k| self.row(dofs, |facing| facing.tangents[k]));
+        ContactNode { normal, tangents, ..self }
+    }
+
+    /// The number of the obstacle that it meets, if it is in front of one.
+    pub fn obstacle(&self) -> Option<usize> {
+        match self.counterpart {
+            Counterpart::Obstacle(k) => Some(k),
+            Counterpart::Boundary(_) => None,
+        }
+    }
+
+    /// How it is coupled to the nodes of another boundary, if it is in front of one.
+    pub fn coupled(&self) -> Option<&Coupled> {
+        match &self.counterpart {
+            Counterpart::Obstacle(_) => None,
+            Counterpart::Boundary(coupled) => Some(coupled),
+        }
+    }
+
+    /// The nodes in its rows: in front of an obstacle itself, and the ends of its edge if it is between corners.
     pub fn terms(&self) -> impl Iterator<Item = Term> + '_ {
         let own = if self.ends.is_some() { 2.0 } else { 1.0 };
         let own = Term { coefficient: own, node: self.node, position: self.position, facing: self.facing };
         let of_end = |end: &End| Term { coefficient: -0.5, node: end.node, position: end.position, facing: end.facing };
-        [own].into_iter().chain(self.ends.iter().flatten().map(of_end))
+        let of_node =
+            |&(node, position, coefficient): &_| Term { coefficient, node, position, facing: self.facing };
+        let coupled = self.coupled();
+        let alone = coupled.is_none().then_some(own).into_iter().chain(self.ends.iter().flatten().map(of_end));
+        alone.chain(coupled.into_iter().flat_map(move |coupled| coupled.nodes.iter().map(of_node)))
     }
 
     /// `Σ coefficient · value` over the nodes in its rows.
     pub fn sum(&self, value: impl Fn(&Term) -> f64) -> f64 {
-        match self.ends {
-            None => self.terms().map(|term| value(&term)).sum(),
-            Some(_) => self.terms().map(|term| term.coefficient * value(&term)).sum(),
-        }
+        self.terms().map(|term| term.coefficient * value(&term)).sum()
     }
 
     /// The gap of its rows (m) where its nodes are at these distances (m) from `obstacle`. Where that is not in front of all of them
@@ -200,11 +246,15 @@ impl ContactNode {
 
     /// The row of its displacement along a direction of each node.
     fn row(&self, dofs: &Dofs, direction: impl Fn(&Facing) -> [f64; 3]) -> Row {
-        self.terms()
-            .flat_map(|Term { coefficient, node, facing, .. }| {
-                row(dofs, node, direction(&facing)).into_iter().map(move |(dof, c)| (dof, coefficient * c))
-            })
-            .collect()
+        if self.coupled().is_some_and(|coupled| coupled.relative) {
+            let row = dofs.relative_along(self.node, direction(&self.facing)).into_iter();
+            return row.filter(|&(_, c)| c != 0.0).collect();
+        }
+        let of_term = |Term { coefficient, node, facing, .. }| {
+            row(dofs, node, direction(&facing)).into_iter().map(move |(dof, c)| (dof, coefficient * c))
+        };
+        let row = self.terms().flat_map(of_term).collect();
+        if self.terms().any(|term| dofs.is_relative(term.node)) { merged(row) } else { row }
     }
 
     /// A tangential vector with the components `along` on the node's tangents, in components on its [`frame`].
@@ -240,9 +290,10 @@ pub fn share_edges(contacts: &mut [ContactNode], mu: &[f64], dofs: &Dofs) {
     for (node, sharing) in at_node.into_iter().filter(|(_, sharing)| sharing.len() > 1) {
         let free = dofs.node(node).iter().flatten().count() == 3;
         let edge = match sharing[..] {
-            [a, b] if free => unit(cross(contacts[a].facing.normal, contacts[b].facing.normal)),
+            [a, b] if free => cross(contacts[a].facing.normal, contacts[b].facing.normal),
             _ => [0.0; 3],
         };
+        let edge = if norm(edge) > 0.0 { unit(edge) } else { edge };
         let gap = |i: &usize| contacts[*i].facing.gap;
         let rough = sharing.iter().copied().filter(|&i| mu[i] > 0.0);
         let carrier = rough.min_by(|a, b| gap(a).total_cmp(&gap(b)));
@@ -260,7 +311,7 @@ pub fn share_edges(contacts: &mut [ContactNode], mu: &[f64], dofs: &Dofs) {
 /// - A plane, in two dimensions or where a support holds one component: the first tangent of the obstacle that lies
 ///   in the plane, otherwise the one direction of the plane that is tangential.
 /// - A line: none. Tangential motion is normal motion, nothing is left to slide.
-fn tangents(held: &[[f64; 3]], facing: &Facing) -> Vec<[f64; 3]> {
+pub(super) fn tangents(held: &[[f64; 3]], facing: &Facing) -> Vec<[f64; 3]> {
     match *held {
         [] => facing.tangents.to_vec(),
         [n] => {

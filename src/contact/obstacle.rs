@@ -327,7 +327,7 @@ fn mean_normal(mesh: &Mesh, boundary: &Boundary) -> Option<[f64; 3]> {
 
 /// The projection on the plane at right angles to `normal` of the axis that is closest to it, x before y
 /// before z.
-fn first_tangent(normal: [f64; 3]) -> [f64; 3] {
+pub(super) fn first_tangent(normal: [f64; 3]) -> [f64; 3] {
     let closest = [1, 2].into_iter().fold(0, |best, c| if normal[c].abs() < normal[best].abs() { c } else { best });
     axis_across(closest, normal)
 }

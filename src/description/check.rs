@@ -1,7 +1,7 @@
 //! Are the values of a description possible, each by itself and beside each other?
 
-use super::{Contact, Description};
-use crate::contact::Obstacle;
+use super::{Against, Contact, Description, Opposite};
+use crate::contact::{Friction, Obstacle};
 use crate::fault::{Fault, demand};
 use crate::fem::{Element, Plane};
 use crate::timeline::{check_points, check_times};
@@ -40,7 +40,9 @@ impl Description {
 impl Contact {
     /// Checks it beside those before it.
     fn check(&self, earlier: &[Contact]) -> Result<(), Fault> {
-        if earlier.iter().any(|other| other.boundary == self.boundary) {
+        // A boundary may be in front of several others, but not of those and of obstacles.
+        let alone = |other: &Contact| self.opposite().is_none() || other.opposite().is_none();
+        if earlier.iter().any(|other| other.boundary == self.boundary && alone(other)) {
             let message = format!("the boundary `{}` has a [[contact]] already", self.boundary);
             return Err(Fault::new("boundary", message, "keep one [[contact]] for each boundary"));
         }
@@ -51,7 +53,11 @@ impl Contact {
             let help = "a node has friction at all times or never: give a small factor, such as 1e-3, in place of 0";
             demand(sound, "friction_history", history, "of factors above 0", help)?;
         }
-        let whole = match &self.obstacles[..] {
+        let obstacles = match &self.against {
+            Against::Boundary(opposite) => return self.check_opposite(opposite),
+            Against::Obstacles(obstacles) => obstacles,
+        };
+        let whole = match &obstacles[..] {
             [] => {
                 let message = format!("there is no obstacle in front of `{}`", self.boundary);
                 return Err(Fault::new("obstacle", message, "give an obstacle, or remove the contact"));
@@ -63,5 +69,18 @@ impl Contact {
             obstacle.check().map_err(|fault| fault.under(&format!("obstacle[{j}]")))
         };
         whole.iter().enumerate().try_for_each(each)
+    }
+
+    fn check_opposite(&self, opposite: &Opposite) -> Result<(), Fault> {
+        opposite.check()?;
+        if opposite.boundary == self.boundary {
+            let message = format!("the boundary `{}` is against itself", self.boundary);
+            return Err(Fault::new("against", message, "name the boundary that is in front of it"));
+        }
+        if opposite.glued && (self.friction != Friction::Uniform(0.0) || self.friction_history.is_some()) {
+            let help = "remove the friction, or glue";
+            return Err(Fault::new("friction", "what is glued does not slide, so that it has no friction", help));
+        }
+        Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! All formulas of a description, and whether they suit the body.
 
-use super::{Action, Description, Field};
+use super::{Action, Description, Field, FirstGap, Opposite};
 use crate::contact::{Friction, Shape};
 use crate::fault::Fault;
 use crate::formula::Formula;
@@ -24,7 +24,10 @@ impl Description {
             if let Friction::Formula(formula) = &contact.friction {
                 formulas.push((format!("contact[{k}].friction"), formula));
             }
-            for (j, obstacle) in contact.obstacles.iter().enumerate() {
+            if let Some(Opposite { gap: FirstGap::Formula(formula), .. }) = contact.opposite() {
+                formulas.push((format!("contact[{k}].gap"), formula));
+            }
+            for (j, obstacle) in contact.obstacles().iter().enumerate() {
                 if let Shape::Formula(formula) = &obstacle.shape {
                     formulas.push((format!("{}.formula", contact.obstacle_key(k, j)), formula));
                 }

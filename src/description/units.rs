@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{Action, Bed, Contact, Description, Field, Held, Load, Probe, ProbePlace, Support, Where};
+use super::{
+    Action, Against, Bed, Contact, Description, Field, FirstGap, Held, Load, Opposite, Probe, ProbePlace, Support, Where,
+};
 use crate::contact::{Friction, Obstacle, Place, Rotation, Shape};
 use crate::fem::{Layer, Material, MaterialGroup};
 use crate::formula::{Formula, FormulaUnits};
@@ -188,13 +190,29 @@ impl Si {
     }
 
     fn contact(self, contact: Contact) -> Contact {
-        let Contact { boundary, friction, friction_history, obstacles } = contact;
+        let Contact { boundary, friction, friction_history, against } = contact;
         let friction = match friction {
             Friction::Uniform(coefficient) => Friction::Uniform(coefficient),
             Friction::Formula(formula) => Friction::Formula(self.formula(Quantity::Number, formula)),
         };
-        let obstacles = obstacles.into_iter().map(|obstacle| self.obstacle(obstacle)).collect();
-        Contact { boundary, friction, friction_history, obstacles }
+        let against = match against {
+            Against::Obstacles(all) => {
+                Against::Obstacles(all.into_iter().map(|obstacle| self.obstacle(obstacle)).collect())
+            }
+            Against::Boundary(opposite) => Against::Boundary(self.opposite(opposite)),
+        };
+        Contact { boundary, friction, friction_history, against }
+    }
+
+    fn opposite(self, opposite: Opposite) -> Opposite {
+        let Opposite { boundary, glued, search, gap, adjust, direction, slave } = opposite;
+        let gap = match gap {
+            FirstGap::Measured => FirstGap::Measured,
+            FirstGap::Uniform(gap) => FirstGap::Uniform(self.length(gap)),
+            FirstGap::Formula(formula) => FirstGap::Formula(self.formula(Quantity::Length, formula)),
+        };
+        let search = search.map(|x| self.length(x));
+        Opposite { boundary, glued, search, gap, adjust: self.length(adjust), direction, slave }
     }
 
     fn obstacle(self, obstacle: Obstacle) -> Obstacle {

@@ -39,9 +39,9 @@ impl HertzContact {
     /// What the forces `p_n` (N) on the `closed` contact nodes of a surface make under the obstacle before its node `peak`, where
     /// that is a cylinder or a sphere and the body is flat.
     pub(super) fn under(model: &Model, p_n: &[f64], closed: &[usize], peak: usize) -> Option<Self> {
-        let obstacle = model.contacts[peak].obstacle;
+        let obstacle = model.contacts[peak].obstacle()?;
         let Round { radius, centre, axis } = model.obstacles[obstacle].0.roundness()?;
-        let nodes: Vec<usize> = closed.iter().copied().filter(|&i| model.contacts[i].obstacle == obstacle).collect();
+        let nodes: Vec<usize> = closed.iter().copied().filter(|&i| model.contacts[i].obstacle() == Some(obstacle)).collect();
         let force: f64 = nodes.iter().map(|&i| p_n[i]).sum();
         let modulus = modulus(model, model.contacts[peak].node)?;
         if model.mesh.geometry == Geometry::Axisymmetric {

@@ -37,6 +37,13 @@ pub(super) fn assemble_watched(
     let mut k = Symmetric::of(dofs.free(), |take| {
         let cells = mesh.cells.iter().map(|cell| &cell.nodes[..]);
         for nodes in cells.chain(volumes.iter().map(NodalVolume::nodes)) {
+            if dofs.any_relative(nodes) {
+                let unknowns = dofs.unknowns_of(nodes);
+                for (k, &column) in unknowns.iter().enumerate() {
+                    unknowns[k..].iter().for_each(|&row| take(row, column));
+                }
+                continue;
+            }
             let unknowns = dofs.element(nodes);
             for &column in unknowns.iter().flatten() {
                 unknowns.iter().flatten().filter(|row| **row >= column).for_each(|&row| take(row, column));
@@ -46,6 +53,14 @@ pub(super) fn assemble_watched(
     let mut add = |nodes: &[usize], mut stiffness: Vec<Vec<f64>>| {
         watch(nodes, &stiffness);
         dofs.turn(nodes, &mut stiffness);
+        if dofs.any_relative(nodes) {
+            let (unknowns, stiffness) = dofs.expanded(nodes, &stiffness);
+            for (&row, values) in unknowns.iter().zip(&stiffness) {
+                let lower = unknowns.iter().zip(values).filter(|(column, _)| row >= **column);
+                lower.for_each(|(column, value)| k.raise(row, *column, *value));
+            }
+            return;
+        }
         let unknowns = dofs.element(nodes);
         for (row, values) in unknowns.iter().zip(&stiffness) {
             for (column, value) in unknowns.iter().zip(values) {

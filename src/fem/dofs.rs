@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::relative::Resolved;
 use crate::mesh::Mesh;
 use crate::vector::{axis, axis_across, cross, dot, minus, norm, unit};
 
@@ -18,8 +19,14 @@ pub struct Dofs {
     dimension: usize,
     /// Node by node, as many as there are dimensions.
     numbers: Vec<Option<usize>>,
+    /// Which of these supports hold.
+    held: Vec<bool>,
     /// The frames that are not those of coordinates.
     frames: BTreeMap<usize, Frame>,
+    /// The nodes whose unknowns are relative to others.
+    pub(super) relative: BTreeMap<usize, Resolved>,
+    /// The same, each after those that it is relative to.
+    pub(super) relative_order: Vec<usize>,
     free: usize,
 }
 
@@ -40,7 +47,15 @@ impl Dofs {
     /// dimensions of the plane. Directions that follow from others add nothing. The axis of a body of revolution holds its nodes along x.
     pub fn holding(mesh: &Mesh, mut held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
         let dimension = mesh.dimension;
-        let mut dofs = Dofs { dimension, numbers: Vec::new(), frames: BTreeMap::new(), free: 0 };
+        let mut dofs = Dofs {
+            dimension,
+            numbers: Vec::new(),
+            held: Vec::new(),
+            frames: BTreeMap::new(),
+            relative: BTreeMap::new(),
+            relative_order: Vec::new(),
+            free: 0,
+        };
         for node in 0..mesh.nodes.len() {
             let mut held = held(node);
             if mesh.is_on_axis(node) {
@@ -55,12 +70,35 @@ impl Dofs {
                 dofs.frames.insert(node, frame);
                 fixed
             };
-            for fixed in &fixed[..dimension] {
-                dofs.numbers.push((!fixed).then_some(dofs.free));
-                dofs.free += usize::from(!fixed);
-            }
+            dofs.held.extend(&fixed[..dimension]);
         }
+        dofs.leave_out(|_| false);
         dofs
+    }
+
+    /// Numbers what is not held, but for the nodes that are left out.
+    pub(super) fn leave_out(&mut self, left_out: impl Fn(usize) -> bool) {
+        (self.numbers, self.free) = (Vec::with_capacity(self.held.len()), 0);
+        for (k, held) in self.held.iter().enumerate() {
+            let counts = !held && !left_out(k / self.dimension);
+            self.numbers.push(counts.then_some(self.free));
+            self.free += usize::from(counts);
+        }
+    }
+
+    /// How many nodes there are.
+    pub fn nodes(&self) -> usize {
+        self.held.len() / self.dimension
+    }
+
+    /// Whether supports hold something of `node`.
+    pub fn is_held(&self, node: usize) -> bool {
+        self.held[self.dimension * node..self.dimension * (node + 1)].contains(&true)
+    }
+
+    /// Whether they hold it along axis `a` of its frame.
+    pub(super) fn is_held_along(&self, node: usize, a: usize) -> bool {
+        self.held[self.dimension * node + a]
     }
 
     /// The number of unknown displacements, n_u.
@@ -69,7 +107,7 @@ impl Dofs {
     }
 
     /// The unknowns of `node` along the axes of its frame: x, y and, in three dimensions, z, but for a node that an
-    /// oblique support holds; `None` where a support holds it.
+    /// oblique support holds; `None` where a support holds it, or it is tied to others. Those of a [`Relative`] node are relative.
     pub fn node(&self, node: usize) -> &[Option<usize>] {
         &self.numbers[self.dimension * node..self.dimension * (node + 1)]
     }
@@ -89,23 +127,42 @@ impl Dofs {
         nodes.iter().flat_map(|&node| self.node(node)).copied().collect()
     }
 
-    /// The components of `vector` along the unknowns of `node`, each with its number.
+    /// Whether some of `nodes` are relative to others.
+    pub(super) fn any_relative(&self, nodes: &[usize]) -> bool {
+        !self.relative.is_empty() && nodes.iter().any(|node| self.relative.contains_key(node))
+    }
+
+    /// The displacement of `node` along `vector` by the unknowns, each with its coefficient. One may stand several times.
     pub fn along(&self, node: usize, vector: [f64; 3]) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let components = match self.frame(node) {
+        let components = self.in_frame(node, vector);
+        let relative = self.relative.get(&node);
+        let own = relative.map_or(1.0, |relative| relative.own);
+        let own = (self.node(node).iter().zip(components))
+            .filter_map(move |(dof, component)| Some(((*dof)?, component / own)));
+        let beyond = relative.into_iter().flat_map(move |relative| {
+            let along = |(beyond, component): (&'_ Vec<(usize, f64)>, f64)| {
+                beyond.iter().map(|&(dof, c)| (dof, component * c)).collect::<Vec<_>>()
+            };
+            relative.beyond.iter().zip(components).filter(|(_, component)| *component != 0.0).flat_map(along)
+        });
+        own.chain(beyond)
+    }
+
+    /// The components of `vector` along the axes of the frame of `node`.
+    pub(super) fn in_frame(&self, node: usize, vector: [f64; 3]) -> [f64; 3] {
+        match self.frame(node) {
             None => vector,
             Some(frame) => frame.map(|axis| {
                 let along = dot(axis, vector);
                 if along.abs() <= ROUNDING * norm(vector) { 0.0 } else { along }
             }),
-        };
-        self.node(node).iter().zip(components).filter_map(|(dof, component)| Some(((*dof)?, component)))
+        }
     }
 
     /// The directions along which supports, or the axis of a body of revolution, hold `node`; in two dimensions z, which nothing moves along, too.
     pub fn held(&self, node: usize) -> impl Iterator<Item = [f64; 3]> + '_ {
         let frame = self.frame(node).copied().unwrap_or([0, 1, 2].map(axis));
-        let numbers = self.node(node);
-        (0..3).filter(|&c| numbers.get(c).is_none_or(Option::is_none)).map(move |c| frame[c])
+        (0..3).filter(move |&c| c >= self.dimension || self.is_held_along(node, c)).map(move |c| frame[c])
     }
 
     /// Forces (N) on the nodes that are named, as forces on the unknowns, n_u.
@@ -121,6 +178,11 @@ impl Dofs {
     pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 3]> {
         let node = |dofs: &[Option<usize>]| [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]));
         let mut displacements: Vec<[f64; 3]> = self.numbers.chunks_exact(self.dimension).map(node).collect();
+        for (&node, relative) in &self.relative {
+            for (own, beyond) in displacements[node].iter_mut().zip(&relative.beyond) {
+                *own = *own / relative.own + beyond.iter().map(|(dof, c)| c * u[*dof]).sum::<f64>();
+            }
+        }
         for (&node, frame) in &self.frames {
             let along = displacements[node];
             displacements[node] = [0, 1, 2].map(|c| (0..3).map(|k| along[k] * frame[k][c]).sum());

@@ -12,8 +12,8 @@ use crate::mesh::Mesh;
 use crate::sparse::{Csr, Symmetric};
 use crate::vector::{axis, dot, minus};
 
-/// The rows of the stiffness of a body, springs included, at the nodes that supports hold: as all nodes have them, with
-/// the components x, y and z.
+/// The rows of the stiffness of a body, springs included, at the nodes that supports hold, and at those that follow them as they are
+/// relative to such nodes: as all nodes have them, with the components x, y and z.
 #[derive(Debug, Clone)]
 pub struct HeldRows {
     nodes: Vec<usize>,
@@ -35,7 +35,8 @@ impl HeldRows {
         springs: &[Spring],
     ) -> Result<(Symmetric, Self), InvertedElement> {
         let d = mesh.dimension;
-        let holds = |node: &usize| dofs.node(*node).contains(&None);
+        let followers: std::collections::BTreeSet<usize> = dofs.followers().into_iter().collect();
+        let holds = |node: &usize| dofs.is_held(*node) || followers.contains(node);
         let nodes: Vec<usize> = (0..mesh.nodes.len()).filter(holds).collect();
         let place = |node: usize| nodes.binary_search(&node).ok();
         let mut rows = vec![Vec::new(); 3 * nodes.len()];

@@ -37,11 +37,7 @@ impl RigidMotion {
 
     /// The motion as a vector of unknowns, length n_u.
     pub fn displacements(&self, mesh: &Mesh, dofs: &Dofs) -> Vec<f64> {
-        let mut u = vec![0.0; dofs.free()];
-        for (node, &x) in mesh.nodes.iter().enumerate() {
-            dofs.along(node, self.at(x)).for_each(|(dof, value)| u[dof] = value);
-        }
-        u
+        dofs.unknowns(|node| self.at(mesh.nodes[node]))
     }
 
     /// The sum `Σ w_k motion_k` of motions about the same point.
@@ -108,11 +104,11 @@ impl fmt::Display for RigidMotion {
 /// along its axis, for what moves it aside or tilts it is no motion of its section. First the
 /// translations, then rotations about one axis of coordinates each, as far as there are such.
 pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
-    unresisted_motions(mesh, dofs, &[])
+    unresisted_motions(mesh, dofs, &[], &[])
 }
 
 /// Those of them that no spring of `springs` resists.
-pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring]) -> Vec<RigidMotion> {
+pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], _ties: &[Vec<(usize, [f64; 3])>]) -> Vec<RigidMotion> {
     let all = all_motions(mesh);
     let held = mesh.nodes.iter().enumerate().flat_map(|(node, _)| dofs.held(node).map(move |n| (node, n)));
     let felt = held.chain(springs.iter().flat_map(Spring::resisted));

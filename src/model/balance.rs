@@ -187,10 +187,8 @@ impl Model {
     /// its rows: on boundaries of second order these are made of other nodes, too.
     pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: f64) -> f64 {
         let contact = &self.contacts[i];
-        if contact.ends.is_none() {
-            return of_rows;
-        }
-        let (obstacle, motion) = &self.obstacles[contact.obstacle];
+        let (Some(k), Some(_)) = (contact.obstacle(), contact.ends) else { return of_rows };
+        let (obstacle, motion) = &self.obstacles[k];
         motion.exact_gap(obstacle, t, contact.position, &contact.facing) - self.beyond(i, t)
     }
 

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::find;
+use super::pair::Pairs;
 use super::support::Moved;
 use crate::contact::{
-    ContactBoundary, ContactNode, Facing, Meeting, ObstacleMotion, PlacedObstacle, Rates, Term, Unclear, contact_nodes,
+    ContactBoundary, ContactNode, Counterpart, Facing, Meeting, ObstacleMotion, PlacedObstacle, Rates, Term, Unclear, contact_nodes,
     meetings, unreachable,
 };
 use crate::description::{Contact, Description};
@@ -29,6 +30,7 @@ struct Body<'a> {
     dofs: &'a Dofs,
     rows: &'a HeldRows,
     moved: &'a [Moved],
+    pairs: &'a Pairs,
 }
 
 /// The contacts of a description.
@@ -54,13 +56,55 @@ impl Contacts {
         dofs: &Dofs,
         rows: &HeldRows,
         moved: &[Moved],
+        pairs: &Pairs,
     ) -> Result<Self, Fault> {
         let mut contacts = Contacts::default();
-        share_no_facet(description, mesh)?;
+        share_no_facet(description, mesh, pairs)?;
+        let body = Body { description, mesh, dofs, rows, moved, pairs };
         for k in 0..description.contacts.len() {
-            contacts.add(&Body { description, mesh, dofs, rows, moved }, k)?;
+            match pairs.of_contact(k) {
+                Some(pair) => contacts.add_pair(&body, k, pair)?,
+                None => contacts.add(&body, k)?,
+            }
         }
         Ok(contacts)
+    }
+
+    /// Adds what is in front of another boundary, unless it is glued to it.
+    fn add_pair(&mut self, body: &Body<'_>, k: usize, number: usize) -> Result<(), Fault> {
+        let Body { description, mesh, dofs, pairs, .. } = *body;
+        let (pair, contact) = (&pairs.all[number], &description.contacts[k]);
+        if pair.glued {
+            return Ok(());
+        }
+        let boundary = find(mesh, &pair.slave, &format!("contact[{k}]"))?;
+        let units = description.system(mesh.dimension);
+        // Along the boundary, as its nodes are told.
+        let mut nodes: BTreeMap<usize, ContactNode> =
+            pair.nodes(mesh, dofs, number).into_iter().map(|node| (node.node, node)).collect();
+        let nodes: Vec<ContactNode> = boundary.nodes().iter().filter_map(|node| nodes.remove(node)).collect();
+        let mut own_mu = Vec::with_capacity(nodes.len());
+        for node in &nodes {
+            own_mu.push(friction(contact, &units, node, k)?);
+        }
+        refuse_idle_history(contact, &own_mu, k)?;
+        let first = self.nodes.len();
+        self.boundaries.push(ContactBoundary {
+            name: pair.slave.clone(),
+            contact: k,
+            nodes: (first..first + nodes.len()).collect(),
+            weights: nodes.iter().map(|node| node.weight).collect(),
+            beyond: boundary.nodes().len() - nodes.len(),
+            obstacles: self.obstacles.len()..self.obstacles.len(),
+            pair: Some(number),
+        });
+        for (i, node) in nodes.iter().enumerate() {
+            self.at_node.entry(node.node).or_default().push(first + i);
+        }
+        self.mu.extend(&own_mu);
+        self.nodes.extend(nodes);
+        self.own_mu.push(own_mu);
+        Ok(())
     }
 
     fn add(&mut self, body: &Body<'_>, k: usize) -> Result<(), Fault> {
@@ -87,25 +131,23 @@ impl Contacts {
         self.obstacles.extend(obstacles);
         let mut own = ContactBoundary {
             name: contact.boundary.clone(),
+            contact: k,
             nodes: Vec::with_capacity(nodes.len()),
             weights: nodes.iter().map(|node| node.weight).collect(),
             beyond: boundary.nodes().len() - met.len(),
             obstacles: first..self.obstacles.len(),
+            pair: None,
         };
         let mut own_mu = Vec::with_capacity(nodes.len());
         let units = description.system(mesh.dimension);
         for node in nodes {
             let mu = friction(contact, &units, &node, k)?;
             own_mu.push(mu);
-            let node = ContactNode { obstacle: first + node.obstacle, ..node };
+            let met = node.obstacle().unwrap_or(0);
+            let node = ContactNode { counterpart: Counterpart::Obstacle(first + met), ..node };
             own.nodes.push(self.add_node(node, mu, &contact.boundary, &description.system(3), k)?);
         }
-        if contact.friction_history.is_some() && own_mu.iter().all(|mu| *mu == 0.0) {
-            let message =
-                format!("friction_history multiplies a friction that is 0 on the whole of `{}`", contact.boundary);
-            let help = "give the friction at factor 1, or remove the key";
-            return Err(Fault::new(format!("contact[{k}].friction_history"), message, help));
-        }
+        refuse_idle_history(contact, &own_mu, k)?;
         self.boundaries.push(own);
         self.own_mu.push(own_mu);
         Ok(())
@@ -117,13 +159,14 @@ impl Contacts {
         if contacts.iter().all(|contact| contact.friction_history.is_none()) {
             return Ok(None);
         }
-        let case = |((contact, boundary), own): ((&Contact, &ContactBoundary), &Vec<f64>)| {
+        let case = |(boundary, own): (&ContactBoundary, &Vec<f64>)| {
+            let contact = &contacts[boundary.contact];
             let mut mu = vec![0.0; self.nodes.len()];
             boundary.parts(&self.nodes).zip(own).for_each(|((i, part), own)| mu[i] = part * own);
             let history = contact.friction_history.as_ref().map(|points| within(description.end(), points));
             (mu, history.unwrap_or_default())
         };
-        let cases = contacts.iter().zip(&self.boundaries).zip(&self.own_mu).map(case).collect();
+        let cases = self.boundaries.iter().zip(&self.own_mu).map(case).collect();
         FrictionHistory::new(self.nodes.len(), cases).map(Some)
     }
 
@@ -139,7 +182,10 @@ impl Contacts {
     ) -> Result<usize, Fault> {
         let sharing = self.at_node.entry(node.node).or_default();
         // One degree from parallel; a sharper edge of a body cannot be meshed.
-        let parallel = |i: &&usize| dot(node.facing.normal, self.nodes[**i].facing.normal).abs() > 0.9998;
+        let parallel = |i: &&usize| {
+            let other = &self.nodes[**i];
+            other.obstacle().is_some() && dot(node.facing.normal, other.facing.normal).abs() > 0.9998
+        };
         let Some(&same) = sharing.iter().find(parallel) else {
             sharing.push(self.nodes.len());
             self.nodes.push(node);
@@ -158,8 +204,10 @@ impl Contacts {
         // Of equal coefficients the mean is that to the last bit.
         self.mu[same] += (mu - self.mu[same]) * (node.weight / weight);
         let gap = |node: &ContactNode| {
-            let (obstacle, motion) = &self.obstacles[node.obstacle];
-            motion.exact_gap(obstacle, 0.0, node.position, &node.facing)
+            node.obstacle().map_or(node.facing.gap, |k| {
+                let (obstacle, motion) = &self.obstacles[k];
+                motion.exact_gap(obstacle, 0.0, node.position, &node.facing)
+            })
         };
         let nearest = if gap(&node) < gap(earlier) { node } else { earlier.clone() };
         self.nodes[same] = ContactNode { weight, ..nearest };
@@ -167,23 +215,34 @@ impl Contacts {
     }
 }
 
-/// Refuses contacts of which two have a facet in common: it would count twice.
-fn share_no_facet(description: &Description, mesh: &Mesh) -> Result<(), Fault> {
+/// Refuses a history of a friction that there is none of.
+fn refuse_idle_history(contact: &Contact, own_mu: &[f64], k: usize) -> Result<(), Fault> {
+    if contact.friction_history.is_none() || own_mu.iter().any(|mu| *mu != 0.0) {
+        return Ok(());
+    }
+    let message = format!("friction_history multiplies a friction that is 0 on the whole of `{}`", contact.boundary);
+    let help = "give the friction at factor 1, or remove the key";
+    Err(Fault::new(format!("contact[{k}].friction_history"), message, help))
+}
+
+/// Refuses contacts of which two have a facet in common whose nodes carry their forces: it would count twice.
+fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Result<(), Fault> {
     let contacts = &description.contacts;
     if contacts.len() < 2 {
         return Ok(());
     }
     let mut whose: BTreeMap<Vec<usize>, &str> = BTreeMap::new();
     for (k, contact) in contacts.iter().enumerate() {
-        for facet in &find(mesh, &contact.boundary, &format!("contact[{k}]"))?.facets {
+        let own = pairs.of_contact(k).map_or(&contact.boundary, |pair| &pairs.all[pair].slave);
+        for facet in &find(mesh, own, &format!("contact[{k}]"))?.facets {
             let mut nodes = facet.clone();
             nodes.sort_unstable();
-            let Some(other) = whose.insert(nodes, &contact.boundary) else { continue };
+            let Some(other) = whose.insert(nodes, own) else { continue };
             let corners = facet.len() as f64;
             let middle = facet.iter().fold([0.0; 3], |sum, node| plus(sum, 1.0 / corners, mesh.nodes[*node]));
             let place = description.system(mesh.dimension).place(middle);
             let message =
-                format!("the boundaries `{other}` and `{}` have the facet at {place} in common", contact.boundary);
+                format!("the boundaries `{other}` and `{own}` have the facet at {place} in common");
             let help = "let each facet be of one [[contact]]; several obstacles may be in front of one boundary";
             return Err(Fault::new(format!("contact[{k}].boundary"), message, help));
         }
@@ -218,7 +277,7 @@ fn placed(
         let motion = ObstacleMotion::new(given, obstacle.normal, end).of(&obstacle);
         Ok((obstacle, motion))
     };
-    contact.obstacles.iter().enumerate().map(place).collect()
+    contact.obstacles().iter().enumerate().map(place).collect()
 }
 
 /// The nodes of contact `k` with the obstacle that each meets.
@@ -229,7 +288,7 @@ fn met(
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     k: usize,
 ) -> Result<Vec<Meeting>, Fault> {
-    let Body { description, mesh, dofs, rows, moved } = *body;
+    let Body { description, mesh, dofs, rows, moved, .. } = *body;
     let name = &contact.boundary;
     let at_obstacle = |j: usize, message: String, help: &str| Fault::new(contact.obstacle_key(k, j), message, help);
     let units = description.system(mesh.dimension);
@@ -311,7 +370,7 @@ pub(super) fn motions(
     let times: Vec<f64> = [0.0].into_iter().chain(times.iter().copied()).collect();
     let (mut motions, mut bends) = (Vec::new(), Vec::new());
     for (k, (obstacle, motion)) in obstacles.iter().enumerate() {
-        let met: Vec<usize> = (0..contacts.len()).filter(|&i| contacts[i].obstacle == k).collect();
+        let met: Vec<usize> = (0..contacts.len()).filter(|&i| contacts[i].obstacle() == Some(k)).collect();
         let (Some(&first), Some(&last)) = (met.first(), met.last()) else { continue };
         // All nodes in the rows of each.
         let terms: Vec<Vec<Term>> = met.iter().map(|&i| contacts[i].terms().collect()).collect();

@@ -13,7 +13,7 @@ impl Model {
         let displacements = self.strained(t, &state.u);
         let interference = self.loading.largest_interference();
         let worst = self.obstacles.iter().enumerate().filter_map(|(k, (obstacle, motion))| {
-            let met = (0..self.contacts.len()).filter(|&i| self.contacts[i].obstacle == k);
+            let met = (0..self.contacts.len()).filter(|&i| self.contacts[i].obstacle() == Some(k));
             let deformed = met.map(|i| DeformedNode {
                 node: self.contacts[i].node,
                 position: self.contacts[i].position,
@@ -32,17 +32,18 @@ impl Model {
     /// all others held. In two dimensions that is about E, as of a contact of any width; in three it grows with the width, that is
     /// with the root of the number of nodes.
     fn pressed_in(&self, k: usize, state: &State) -> f64 {
-        let pressed = (0..self.contacts.len()).filter(|&i| self.contacts[i].obstacle == k && state.p_n[i] > 0.0);
+        let pressed = (0..self.contacts.len()).filter(|&i| self.contacts[i].obstacle() == Some(k) && state.p_n[i] > 0.0);
         let shares: Vec<f64> = pressed.map(|i| state.p_n[i] / self.problem.own_stiffness(i)).collect();
         let width = if self.mesh.dimension == 3 { (shares.len() as f64).sqrt() } else { 1.0 };
         let sum: f64 = shares.iter().filter(|share| share.is_finite()).sum();
         if sum > 0.0 { sum / width } else { 0.0 }
     }
 
-    /// The slope of its obstacle in front of contact node `i` at time `t` (s), against the node's normal: the tangent of the angle.
+    /// The slope of its obstacle in front of contact node `i` at time `t` (s), against the node's normal: the tangent of the angle; NaN in
+    /// front of a body, whose normal it shares.
     pub fn slope(&self, i: usize, t: f64) -> f64 {
         let contact = &self.contacts[i];
-        let (obstacle, motion) = &self.obstacles[contact.obstacle];
+        let Some((obstacle, motion)) = contact.obstacle().map(|k| &self.obstacles[k]) else { return f64::NAN };
         motion.slope(obstacle, t, contact.position, &contact.facing)
     }
 }

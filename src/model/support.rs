@@ -162,6 +162,13 @@ impl Moved {
                     beyond[held] = rest.map(|x| if x.abs() > ROUNDING * size { x } else { 0.0 });
                 }
             }
+            for node in dofs.followers() {
+                let at = |node: usize| rows.nodes().binary_search(&node).map_or([0.0; 3], |held| beyond[held]);
+                let along = dofs.carried_along(node, at);
+                if let Ok(held) = rows.nodes().binary_search(&node) {
+                    (0..3).for_each(|c| beyond[held][c] += along[c]);
+                }
+            }
             Ok(Moved { carried, beyond, history: of })
         };
         histories.into_iter().map(of_history).collect()

@@ -91,8 +91,8 @@ impl ContactLine {
             dimension: model.mesh.dimension,
             points: points(model, boundary.nodes.iter().copied(), step),
             obstacles: match boundary.obstacles.len() {
-                1 => Vec::new(),
-                _ => boundary.nodes.iter().map(|&i| model.obstacle_key(model.contacts[i].obstacle)).collect(),
+                0 | 1 => Vec::new(),
+                _ => boundary.nodes.iter().filter_map(|&i| model.contacts[i].obstacle()).map(|k| model.obstacle_key(k)).collect(),
             },
             units: model.units(),
         };

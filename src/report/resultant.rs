@@ -91,9 +91,9 @@ impl OnObstacle {
         if boundary.obstacles.len() < 2 {
             return Vec::new();
         }
-        let met = boundary.nodes.iter().map(|&i| model.contacts[i].obstacle);
+        let met = boundary.nodes.iter().filter_map(|&i| model.contacts[i].obstacle());
         let on = |k: usize| {
-            let parts = boundary.parts(&model.contacts).filter(|(i, _)| model.contacts[*i].obstacle == k);
+            let parts = boundary.parts(&model.contacts).filter(|(i, _)| model.contacts[*i].obstacle() == Some(k));
             let (force, moment, sums) = total(model, state, parts);
             OnObstacle { obstacle: model.obstacle_key(k), force, moment, sums }
         };

@@ -226,9 +226,24 @@ pub(super) struct Spring {
 #[serde(deny_unknown_fields)]
 pub(super) struct Contact {
     pub boundary: String,
-    pub friction: Friction,
+    pub friction: Option<Friction>,
     pub friction_history: Option<Vec<Tuple<f64>>>,
-    pub obstacle: Obstacles,
+    pub obstacle: Option<Obstacles>,
+    pub against: Option<String>,
+    pub glue: Option<bool>,
+    pub search: Option<f64>,
+    pub gap: Option<Scalar>,
+    pub adjust: Option<f64>,
+    pub direction: Option<Vector>,
+    pub slave: Option<Slave>,
+}
+
+/// Whose nodes carry the forces of a pair.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Slave {
+    Boundary,
+    Automatic,
 }
 
 /// A number, or a formula of the position.

@@ -2,6 +2,7 @@
 //! and checked, where they are used.
 
 mod action;
+mod contact;
 mod mesh;
 mod obstacle;
 mod output;
@@ -12,7 +13,7 @@ use std::path::Path;
 use super::document::{self, Document, Tuple};
 use super::error::Source;
 use super::{Scene, SceneError, Time};
-use crate::description::{Contact, Description};
+use crate::description::Description;
 use crate::fault::{Fault, demand, finite};
 use crate::fem::{Layer, Material, MaterialGroup};
 use crate::formula::Formula;
@@ -28,7 +29,7 @@ pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneEr
         element: document.mesh.element.unwrap_or_default(),
         material: material(document.material),
         supports: keyed("support", document.support, |given, key| action::support(given, key).map_err(at))?,
-        contacts: contacts.into_iter().map(|(k, given)| contact(k, given, &source)).collect::<Result<_, _>>()?,
+        contacts: contacts.into_iter().map(|(k, given)| contact::contact(k, given, &source)).collect::<Result<_, _>>()?,
         springs: keyed("spring", document.spring, |given, key| action::spring(given, key).map_err(at))?,
         loads: keyed("load", document.load, |given, key| action::load(given, key, &source))?,
         times: time.all(),
@@ -88,25 +89,6 @@ fn material(given: document::Material) -> Material {
     };
     let (layers, groups) = (layers.into_iter().map(layer).collect(), group_list.into_iter().map(group).collect());
     Material { young, poisson, plane, density, expansion, layers, groups }
-}
-
-fn contact(k: usize, given: document::Contact, source: &Source) -> Result<Contact, SceneError> {
-    let document::Contact { boundary, friction, friction_history, obstacle } = given;
-    let friction = match friction {
-        document::Friction::Number(coefficient) => coefficient.into(),
-        document::Friction::Formula(text) => {
-            let help = "give Coulomb's coefficient, or a formula of x, y and z for it, in m or as [units] says, such as \"0.1 + 0.2 * x\"";
-            formula(&text, format!("contact[{k}].friction"), help, source)?.into()
-        }
-    };
-    let key = format!("contact[{k}].obstacle");
-    let obstacles = match obstacle {
-        document::Obstacles::One(one) => vec![obstacle::obstacle(*one, &key, source)?],
-        document::Obstacles::Several(all) => (all.into_iter().enumerate())
-            .map(|(j, one)| obstacle::obstacle(one, &format!("{key}[{j}]"), source))
-            .collect::<Result<_, _>>()?,
-    };
-    Ok(Contact { boundary, friction, friction_history: friction_history.map(points), obstacles })
 }
 
 /// The formula at `key`; what is wrong within it is underlined.

@@ -258,7 +258,7 @@ fn obstacles_of_revolution() {
                     Shape::Wedge { apex: [0.0, 0.98].into(), angle, axis: None }
                 }
             };
-            scene.description.contacts[0].obstacles = vec![Obstacle { shape, ..Obstacle::plane(0.0) }];
+            scene.description.contacts[0].against = vec![Obstacle { shape, ..Obstacle::plane(0.0) }].into();
             let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
             assert_eq!(report.status, Status::Converged, "{text}");
             let estimate = report.estimates.contact[0].clone();

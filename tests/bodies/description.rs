@@ -143,7 +143,7 @@ fn nonsense_in_the_plane() {
     let axes = |axes: Vec<Vec<Segment>>| mesh(MeshSource::Block { axes, cells: CellKind::Quadrilateral, origin: None });
     let material = |material: Material| with(&|d| d.material = material.clone());
     let steel = || Material::new(210e9, 0.3);
-    let contact = |obstacle: Obstacle| with(&|d| d.contacts[0].obstacles = vec![obstacle.clone()]);
+    let contact = |obstacle: Obstacle| with(&|d| d.contacts[0].against = obstacle.clone().into());
     let round = |radius: f64| Shape::Cylinder { radius, place: Place::Apex([0.5, -1.0].into()), axis: None };
     let plane = || Obstacle::plane(1e-5);
     let layer = Layer { thickness: 0.5, young: 1e9, poisson: 0.3 };
@@ -260,13 +260,13 @@ fn nonsense_in_the_plane() {
 fn nonsense_in_space() {
     let contact = |shape: Shape| {
         let mut description = cube();
-        description.contacts[0].obstacles = Obstacle::at_rest(shape).into();
+        description.contacts[0].against = Obstacle::at_rest(shape).into();
         description
     };
     let apex = [0.5, 0.5, -0.1].into();
     let flat = Obstacle { normal: Some([0.0, -1.0].into()), ..Obstacle::plane(0.0) };
     let mut pressed = cube();
-    pressed.contacts[0].obstacles = flat.into();
+    pressed.contacts[0].against = flat.into();
     for (description, key, says) in [
         (
             contact(Shape::Cylinder { radius: 9.0, place: Place::Apex(apex), axis: None }),

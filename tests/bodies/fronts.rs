@@ -111,7 +111,7 @@ fn of_several_obstacles_the_nearest_counts() {
     let by_tables = Model::new(&scene).unwrap();
     assert_eq!(by_tables.loading, model.loading);
     let wider = scene.with(&["contact.obstacle.radius=0.4".parse().unwrap()]).unwrap();
-    let radii = wider.description.contacts[0].obstacles.iter().map(|o| match o.shape {
+    let radii = wider.description.contacts[0].obstacles().iter().map(|o| match o.shape {
         Shape::Cylinder { radius, .. } => radius,
         _ => 0.0,
     });
@@ -391,11 +391,10 @@ fn what_has_moved_before_the_beginning_is_there() {
             ..Obstacle::at_rest(cylinder(apex))
         };
         let second = Obstacle::at_rest(cylinder(0.0303)).approaching(&[[0.0, 0.0], [1.0, approach]]);
-        let mut description =
+        let description =
             Description::new(MeshSource::block([0.04, 0.01], [40, 10]), Material::new(5e6, 0.3), vec![1.0])
                 .support("top", &[Axis::X, Axis::Y])
-                .contact("bottom", 0.0, first);
-        description.contacts[0].obstacles.push(second);
+                .contact("bottom", 0.0, vec![first, second]);
         Model::build(&description).unwrap()
     };
     let still = body(0.01, 0.0, 2.4e-3);

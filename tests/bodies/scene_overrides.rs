@@ -143,7 +143,7 @@ fn what_the_scene_leaves_out_is_added() {
     let solver = parse(&bare, &["solver.max_iterations=7", "solver.tolerance=1e-6"]).unwrap().solver;
     assert_eq!((solver.max_iterations, solver.tolerance), (7, 1e-6));
     let changed = scene(&["contact.obstacle.normal=[0, -2]"]);
-    let obstacle = &changed.description.contacts[0].obstacles[0];
+    let obstacle = &changed.description.contacts[0].obstacles()[0];
     assert_eq!((gap(obstacle), obstacle.normal), (1e-5, Some([0.0, -2.0].into())));
     // An added table is checked as any other.
     let error = parse(&bare, &["output.times=[5]"]).unwrap_err().to_string();

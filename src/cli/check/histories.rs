@@ -40,7 +40,7 @@ pub(super) fn stepped_over(scene: &Scene, units: &UnitSystem) -> Vec<String> {
     };
     let contacts = &scene.description.contacts;
     let obstacles =
-        contacts.iter().flat_map(|contact| contact.obstacles.iter().map(|given| (&contact.boundary, given)));
+        contacts.iter().flat_map(|contact| contact.obstacles().iter().map(|given| (&contact.boundary, given)));
     let of_obstacles = obstacles.flat_map(|(boundary, obstacle)| of_obstacle(boundary, obstacle));
     let of_friction = contacts.iter().map(|contact| {
         let missed = missed(contact.friction_history.as_deref().unwrap_or_default(), time);

@@ -195,8 +195,8 @@ fn hertz_with_friction_has_one_core() {
     let sphere = (quarter(CellKind::Tetrahedron10, 4, 0.3, "0.5 * (x^2 + y^2)"), 4e-4, 1);
     // Of what is around the core, and around the contact, a line has a piece on each side.
     for (mut scene, depth, around) in [line(8), line(16), sphere] {
-        let obstacle = &mut scene.description.contacts[0].obstacles[0];
-        *obstacle = obstacle.clone().approaching(&[[0.0, 0.0], [1.0, depth]]);
+        let contact = &mut scene.description.contacts[0];
+        contact.against = contact.obstacles()[0].clone().approaching(&[[0.0, 0.0], [1.0, depth]]).into();
         let times = stickslip::timeline::equal_increments(1.0, 4);
         scene.description.times.clone_from(&times);
         let model = Model::build(&scene.description).unwrap();

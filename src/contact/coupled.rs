@@ -1,0 +1,58 @@
+//! The contact nodes of a pair of boundaries.
+
+use super::kinematics::{ContactNode, Counterpart, Coupled, Row, tangents};
+use super::mortar::MortarRow;
+use super::obstacle::{Facing, first_tangent};
+use crate::fem::{Dofs, Relative};
+use crate::mesh::Mesh;
+use crate::vector::{across, cross, plus, unit};
+
+/// What makes the node of `row` relative to the others in it, see [`Relative`]; glued, it is tied to them.
+pub fn relative(row: &MortarRow, glued: bool) -> Relative {
+    let own = row.slave.iter().find(|(node, _)| *node == row.node).map_or(1.0, |(_, c)| *c);
+    let beside = row.slave.iter().filter(|(node, _)| *node != row.node).map(|&(node, c)| (node, -c));
+    Relative { node: row.node, own, others: beside.chain(row.master.iter().copied()).collect(), tied: glued }
+}
+
+/// The contact nodes of `rows`, those of the pair with this number; `gap` (m) is that of each, and `relative` says which nodes are so
+/// in this pair. Normals are those of the rows; the first tangent is that of an obstacle with the mean of them, turned with the normal.
+pub fn coupled_nodes(
+    mesh: &Mesh,
+    dofs: &Dofs,
+    pair: usize,
+    rows: &[MortarRow],
+    gap: impl Fn(&MortarRow) -> f64,
+    relative: impl Fn(usize) -> bool,
+) -> Vec<ContactNode> {
+    let mean = rows.iter().fold([0.0; 3], |sum, row| plus(sum, row.weight, row.normal));
+    let first = first_tangent(unit(mean));
+    let node = |row: &MortarRow| {
+        let normal = row.normal;
+        let first = match mesh.dimension {
+            2 => [-normal[1], normal[0], 0.0],
+            _ => across(first, normal),
+        };
+        let first = if crate::vector::norm(first) > 0.1 { unit(first) } else { first_tangent(normal) };
+        let frame = [first, cross(normal, first)];
+        let mut facing = Facing { gap: gap(row), normal, tangents: frame, inward: normal };
+        let held: Vec<[f64; 3]> = dofs.held(row.node).collect();
+        let tangents = tangents(&held, &facing);
+        facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
+        let own = row.slave.iter().map(|&(node, c)| (node, mesh.nodes[node], c));
+        let other = row.master.iter().map(|&(node, c)| (node, mesh.nodes[node], -c));
+        let coupled = Coupled { pair, relative: relative(row.node), nodes: own.chain(other).collect() };
+        let contact = ContactNode {
+            node: row.node,
+            position: mesh.nodes[row.node],
+            ends: None,
+            normal: Row::new(),
+            tangents: [Row::new(), Row::new()],
+            counterpart: Counterpart::Boundary(coupled),
+            facing,
+            frame,
+            weight: row.weight,
+        };
+        contact.with_rows(dofs)
+    };
+    rows.iter().map(node).collect()
+}

@@ -1,0 +1,216 @@
+//! Boundaries in front of each other: which is the slave, its mortar rows, and the displacements that are relative.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::find;
+use crate::contact::{Asked, ContactNode, Mortar, MortarRow, coupled_nodes, preferred_slave, relative};
+use crate::description::{Description, FirstGap, Opposite, Slave};
+use crate::fault::Fault;
+use crate::fem::{Dofs, Elasticity, Relative};
+use crate::mesh::{Boundary, Mesh};
+use crate::units::Quantity;
+use crate::vector::{Vector, axis, dot, unit};
+
+/// How much of a body another may take up when the history begins, as for obstacles.
+const DEEPEST: f64 = 0.2;
+
+/// Two boundaries in front of each other.
+#[derive(Debug, Clone)]
+pub struct Pair {
+    /// The number of the contact in the description.
+    pub contact: usize,
+    /// The boundary whose nodes have the contact forces.
+    pub slave: String,
+    /// The other.
+    pub master: String,
+    /// Why the slave is not the boundary that the contact names first, if it is not.
+    pub swapped: Option<String>,
+    /// Whether the two are glued.
+    pub glued: bool,
+    /// The rows.
+    pub mortar: Mortar,
+    /// The gap of each row when the history begins, m.
+    pub gaps: Vec<f64>,
+    /// Which rows are of nodes whose displacements are relative in this pair.
+    relative: BTreeSet<usize>,
+}
+
+/// The pairs of a description.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pairs {
+    pub all: Vec<Pair>,
+    /// The nodes whose displacements are relative to others.
+    pub relative: Vec<Relative>,
+}
+
+impl Pairs {
+    /// Those of `description`, whose supports hold what `dofs` says. What is glued goes first: a node that is tied has no displacement
+    /// left to be relative.
+    pub(super) fn new(
+        description: &Description,
+        mesh: &Mesh,
+        dofs: &Dofs,
+        materials: &[Elasticity],
+    ) -> Result<Self, Fault> {
+        let mut pairs = Pairs::default();
+        let mut tied: BTreeSet<usize> = BTreeSet::new();
+        let mut taken: BTreeSet<usize> = BTreeSet::new();
+        for glued in [true, false] {
+            for (k, contact) in description.contacts.iter().enumerate() {
+                let Some(opposite) = contact.opposite().filter(|opposite| opposite.glued == glued) else { continue };
+                let held = |node: usize| match glued && tied.contains(&node) {
+                    true => [0, 1, 2].map(axis).to_vec(),
+                    false => dofs.held(node).collect(),
+                };
+                let mut pair = pair(description, mesh, k, opposite, materials, &held)?;
+                for row in &pair.mortar.rows {
+                    if taken.insert(row.node) {
+                        pairs.relative.push(relative(row, glued));
+                        pair.relative.insert(row.node);
+                        if glued {
+                            tied.insert(row.node);
+                        }
+                    }
+                }
+                pairs.all.push(pair);
+            }
+        }
+        Ok(pairs)
+    }
+
+    /// `dofs` with the displacements that are relative.
+    pub(super) fn dofs(&mut self, description: &Description, mesh: &Mesh, dofs: Dofs) -> Result<Dofs, Fault> {
+        if self.all.is_empty() {
+            return Ok(dofs);
+        }
+        dofs.relative_to(std::mem::take(&mut self.relative)).map_err(|ring| {
+            let place = description.system(mesh.dimension).place(mesh.nodes[ring.0]);
+            let of = self.all.iter().find(|pair| pair.relative.contains(&ring.0));
+            let k = of.map_or(0, |pair| pair.contact);
+            let message = format!("the node at {place} is in front of nodes that are, in other contacts, in front of it");
+            let help = "let boundary and against change places in one of these contacts";
+            Fault::new(format!("contact[{k}].against"), message, help)
+        })
+    }
+
+    /// The number of the pair of contact `k`, if it is in front of another boundary.
+    pub(super) fn of_contact(&self, k: usize) -> Option<usize> {
+        self.all.iter().position(|pair| pair.contact == k)
+    }
+
+    /// What is tied together: sums of displacements along axes that are 0.
+    pub(super) fn ties(&self, dofs: &Dofs, dimension: usize) -> Vec<Vec<(usize, [f64; 3])>> {
+        let glued = self.all.iter().filter(|pair| pair.glued);
+        let rows = glued.flat_map(|pair| pair.mortar.rows.iter().filter(|row| pair.relative.contains(&row.node)));
+        let of_row = |row: &MortarRow| {
+            let held: Vec<[f64; 3]> = dofs.held(row.node).collect();
+            let free = move |n: &[f64; 3]| held.iter().all(|h| dot(*h, *n) == 0.0);
+            let along = |n: [f64; 3]| {
+                let own = row.slave.iter().map(|&(node, c)| (node, n.map(|x| c * x)));
+                own.chain(row.master.iter().map(|&(node, c)| (node, n.map(|x| -c * x)))).collect::<Vec<_>>()
+            };
+            (0..dimension).map(axis).filter(free).map(along).collect::<Vec<_>>()
+        };
+        rows.flat_map(of_row).collect()
+    }
+}
+
+impl Pair {
+    /// Its contact nodes.
+    pub(super) fn nodes(&self, mesh: &Mesh, dofs: &Dofs, number: usize) -> Vec<ContactNode> {
+        let gaps: BTreeMap<usize, f64> = self.mortar.rows.iter().map(|row| row.node).zip(self.gaps.iter().copied()).collect();
+        let gap = |row: &MortarRow| gaps[&row.node];
+        coupled_nodes(mesh, dofs, number, &self.mortar.rows, gap, |node| self.relative.contains(&node))
+    }
+}
+
+/// The pair of contact `k`, which is in front of `opposite`.
+fn pair(
+    description: &Description,
+    mesh: &Mesh,
+    k: usize,
+    opposite: &Opposite,
+    materials: &[Elasticity],
+    held: &dyn Fn(usize) -> Vec<[f64; 3]>,
+) -> Result<Pair, Fault> {
+    let key = format!("contact[{k}]");
+    let first = find(mesh, &description.contacts[k].boundary, &key)?;
+    let second = find(mesh, &opposite.boundary, &key).map_err(|fault| Fault { key: format!("{key}.against"), ..fault })?;
+    share_nothing(description, mesh, first, second, k)?;
+    let units = description.system(mesh.dimension);
+    let direction = opposite.direction.map(|direction| unit(direction.components()));
+    let asked = |direction| Asked { search: opposite.search, direction };
+    let refused = |fault: crate::contact::MortarFault| {
+        let names = format!("`{}` against `{}`", first.name, second.name);
+        Fault::new(format!("{key}.{}", fault.key()), format!("{names}: {}", fault.told(&units)), fault.help())
+    };
+    let all_held = |boundary: &Boundary| {
+        boundary.nodes().iter().all(|node| held(*node).len() == 3)
+    };
+    let swap = match opposite.slave {
+        Slave::First if !all_held(first) => None,
+        Slave::First => Some(format!("supports hold all of `{}`", first.name)),
+        Slave::Automatic => preferred_slave(mesh, first, second, &asked(direction), held, materials).map_err(refused)?,
+    };
+    let (slave, master) = if swap.is_some() { (second, first) } else { (first, second) };
+    let direction = if swap.is_some() { direction.map(|n| n.map(|c| -c)) } else { direction };
+    let mortar = Mortar::new(mesh, slave, master, &asked(direction), held).map_err(refused)?;
+    let gap = |row: &MortarRow| -> Result<f64, Fault> {
+        let place = mesh.nodes[row.node];
+        let gap = match &opposite.gap {
+            FirstGap::Measured if row.gap.abs() <= opposite.adjust => 0.0,
+            FirstGap::Measured => row.gap,
+            FirstGap::Uniform(gap) => *gap,
+            FirstGap::Formula(formula) => formula.at(place),
+        };
+        if gap.is_finite() {
+            return Ok(gap);
+        }
+        let message = format!("the gap is {gap} at the node at {}, but must be a number", units.place(place));
+        Err(Fault::new(format!("{key}.gap"), message, "mend the formula"))
+    };
+    let gaps: Vec<f64> = if opposite.glued {
+        vec![0.0; mortar.rows.len()]
+    } else {
+        mortar.rows.iter().map(gap).collect::<Result<_, _>>()?
+    };
+    let deepest = mortar.rows.iter().zip(&gaps).min_by(|a, b| a.1.total_cmp(b.1));
+    if let Some((row, gap)) = deepest {
+        let thickness = thickness(mesh, slave, row.normal).min(thickness(mesh, master, row.normal));
+        if *gap < -DEEPEST * thickness {
+            let [depth, thickness] = [-gap, thickness].map(|x| units.number(Quantity::Length, x));
+            let (place, unit) = (units.place(mesh.nodes[row.node]), units.name(Quantity::Length));
+            let message = format!(
+                "the bodies start {depth:e} {unit} inside each other at {place}, where one is {thickness:e} {unit} thick"
+            );
+            return Err(Fault::new(format!("{key}.against"), message, "move a body out, or give the gap"));
+        }
+    }
+    let (slave, master) = (slave.name.clone(), master.name.clone());
+    let relative = BTreeSet::new();
+    Ok(Pair { contact: k, slave, master, swapped: swap, glued: opposite.glued, mortar, gaps, relative })
+}
+
+/// How thick the body of `boundary` is along `normal`, m.
+fn thickness(mesh: &Mesh, boundary: &Boundary, normal: [f64; 3]) -> f64 {
+    let bodies = mesh.bodies();
+    let own = boundary.facets.first().map(|facet| bodies.of_node(facet[0]));
+    let along = || (0..mesh.nodes.len()).filter(|&node| Some(bodies.of_node(node)) == own).map(|node| dot(mesh.nodes[node], normal));
+    along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+}
+
+/// Refuses two boundaries of one pair that have a node in common: it would be in front of itself.
+fn share_nothing(
+    description: &Description,
+    mesh: &Mesh,
+    first: &Boundary,
+    second: &Boundary,
+    k: usize,
+) -> Result<(), Fault> {
+    let of_first: BTreeSet<usize> = first.nodes().into_iter().collect();
+    let Some(node) = second.nodes().into_iter().find(|node| of_first.contains(node)) else { return Ok(()) };
+    let place = description.system(mesh.dimension).place(mesh.nodes[node]);
+    let message = format!("`{}` and `{}` have the node at {place} in common", first.name, second.name);
+    let help = "let the bodies have nodes of their own: do not join them in Gmsh where they are in contact";
+    Err(Fault::new(format!("contact[{k}].against"), message, help))
+}

@@ -1,0 +1,61 @@
+//! Meshes that do not match, glued.
+
+use super::patch::mesh;
+use crate::common::pairs::bodies;
+use stickslip::description::{Axis, Description, Load, Support};
+use stickslip::history::{Method, Solver, Status};
+use stickslip::mesh::{CellKind, MeshSource};
+use stickslip::model::Model;
+use stickslip::run::Run;
+
+fn solved(description: &Description) -> (Model, Vec<[f64; 3]>) {
+    let model = Model::build(description).unwrap();
+    let run = Run::of(&model, vec![1.0], Solver::new(Method::BN)).unwrap();
+    let outcome = run.history(&mut ()).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    let u = model.displacements(1.0, &outcome.state.u).unwrap();
+    (model, u)
+}
+
+/// A tension goes through without a contact node, and with one material the displacement is linear.
+#[test]
+fn tension_goes_through() {
+    use CellKind::{Quadrilateral, Triangle6};
+    for (lower, upper, kinds) in [
+        ([7, 3], [5, 3], [Quadrilateral, Quadrilateral]),
+        ([3, 2], [40, 8], [Quadrilateral, Quadrilateral]),
+        ([3, 2], [4, 2], [Triangle6, Quadrilateral]),
+        ([3, 2], [4, 2], [Triangle6, Triangle6]),
+    ] {
+        for (slave, master) in [("upper:bottom", "lower:top"), ("lower:top", "upper:bottom")] {
+            let lower = (mesh([1.0, 0.5], lower, kinds[0]), 210e9);
+            let upper = (mesh([1.0, 0.5], upper, kinds[1]), 210e9);
+            let body = bodies(lower, upper, Some([0.0, 0.5].into()), vec![1.0])
+                .glued(slave, master)
+                .support("lower:bottom", &[Axis::Y])
+                .held(Support::new("", &[Axis::X]).at([0.0, 0.0]))
+                .load(Load::new("upper:top", &[0.0, 1e7]));
+            let (model, u) = solved(&body);
+            assert!(model.contacts.is_empty() && model.rigid_motions.is_empty());
+            let top = u.iter().map(|u| u[1]).fold(0.0, f64::max);
+            let off = u.iter().zip(&model.mesh.nodes).map(|(u, x)| (u[1] - top * x[1]).abs() / top).fold(0.0, f64::max);
+            assert!(off < 1e-11, "{kinds:?} {slave} {off:e}");
+            let off = model.centre_stresses(1.0, &u).unwrap().iter().map(|s| (s[1] / 1e7 - 1.0).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-11, "{kinds:?} {slave} {off:e}");
+        }
+    }
+}
+
+/// What is glued to a body that moves goes along with it.
+#[test]
+fn what_is_glued_goes_along() {
+    let lower = (MeshSource::block([1.0, 0.5], [4, 2]), 1e9);
+    let upper = (MeshSource::block([1.0, 0.5], [3, 2]), 1e9);
+    let body = bodies(lower, upper, Some([0.0, 0.5].into()), vec![1.0])
+        .glued("upper:bottom", "lower:top")
+        .held(Support::new("lower:top", &[Axis::X, Axis::Y]).moved(&[1e-3, -2e-3]))
+        .support("lower:bottom", &[Axis::X, Axis::Y]);
+    let (model, u) = solved(&body);
+    let apart = u.iter().zip(&model.mesh.nodes).filter(|(_, x)| x[1] >= 0.5).map(|(u, _)| (u[0] - 1e-3).hypot(u[1] + 2e-3));
+    assert!(apart.fold(0.0, f64::max) < 1e-15);
+}

@@ -1,0 +1,58 @@
+//! Two blocks, one on the other.
+
+use stickslip::description::{Axis, Description, Load};
+use stickslip::fem::{Material, MaterialGroup};
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Solver, Status};
+use stickslip::mesh::{Body, MeshSource};
+use stickslip::model::Model;
+use stickslip::run::Run;
+use stickslip::timeline::equal_increments;
+use stickslip::vector::Vector;
+
+/// Which of two bodies is the slave.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    Upper,
+    Lower,
+}
+
+/// The body `lower` with its material, and `upper` on it.
+pub fn bodies(lower: (MeshSource, f64), upper: (MeshSource, f64), at: Option<Vector>, times: Vec<f64>) -> Description {
+    let body = |name: &str, mesh: MeshSource, at| Body { name: name.into(), mesh, at };
+    let group = |name: &str, young| MaterialGroup { name: name.into(), young, poisson: 0.3, ..MaterialGroup::default() };
+    let mut material = Material::new(lower.1, 0.3);
+    material.groups = vec![group("lower", lower.1), group("upper", upper.1)];
+    let mesh = MeshSource::Bodies(vec![body("lower", lower.0, None), body("upper", upper.0, at)]);
+    Description::new(mesh, material, times)
+}
+
+/// With the lower end of the upper body in front of the upper end of the lower one.
+pub fn paired(description: Description, slave: Side, friction: f64) -> Description {
+    match slave {
+        Side::Upper => description.pair("upper:bottom", friction, "lower:top"),
+        Side::Lower => description.pair("lower:top", friction, "upper:bottom"),
+    }
+}
+
+/// A block on another, held by contact alone, that is pressed, pushed and pushed back.
+pub fn stack(lower: [usize; 2], upper: [usize; 2], slave: Side) -> Description {
+    let lower = (MeshSource::block([1.0, 0.5], lower), 210e9);
+    let upper = (MeshSource::block([1.0, 0.5], upper), 70e9);
+    let description = bodies(lower, upper, Some([0.0, 0.5].into()), equal_increments(20.0, 20));
+    paired(description, slave, 0.2)
+        .support("lower:bottom", &[Axis::X, Axis::Y])
+        .load(Load::new("upper:top", &[0.0, -10e6]).over(&[[0.0, 0.0], [5.0, 1.0]]))
+        .load(Load::new("upper:top", &[1.8e6, 0.0]).over(&[[5.0, 0.0], [10.0, 1.0], [20.0, -1.0]]))
+}
+
+/// BN on the condensed system to the last digits.
+pub fn solver(method: Method, linear: LinearAlgebra) -> Solver {
+    Solver { method, linear: Some(linear), tolerance: 1e-12, ..Solver::default() }
+}
+
+/// The history of `model`, and its end, which is converged.
+pub fn solved(model: &Model, solver: Solver, observer: &mut dyn stickslip::history::Observer) -> HistoryOutcome {
+    let outcome = Run::of(model, model.times().to_vec(), solver).unwrap().history(observer).unwrap();
+    assert_eq!(outcome.status, Status::Converged, "{solver:?}");
+    outcome
+}
