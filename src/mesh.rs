@@ -1,13 +1,15 @@
-//! Meshes in two and three dimensions with named boundaries and material groups.
+//! Meshes in two and three dimensions with named boundaries and material groups. A mesh may consist of several bodies.
 
 mod arrays;
 mod block;
+mod bodies;
 mod boundaries;
 mod check;
 mod geometry;
 mod gmsh;
 mod half_plane;
 mod interpolation;
+mod joined;
 mod kind;
 mod midsides;
 mod quadrature;
@@ -19,12 +21,14 @@ mod simplices;
 mod source;
 
 pub use block::block;
+pub use bodies::Bodies;
 pub use check::MeshFault;
 pub use geometry::Geometry;
 pub(crate) use gmsh::faces;
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
 pub(crate) use interpolation::{Jacobian, local_gradients};
 pub use interpolation::{corner_shape, shape};
+pub use joined::Body;
 pub use kind::CellKind;
 pub(crate) use quadrature::stiffness_rule;
 pub use quadrature::{fine_quadrature, quadrature, quadrature_of};

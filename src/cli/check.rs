@@ -107,6 +107,7 @@ fn body(scene: &Scene, model: &Model) {
             format!("{}, unit {}, {} over all,", file.display(), length(*scale), lengths.join(" x "))
         }
         MeshSource::Given(_) => "given".to_string(),
+        MeshSource::Bodies(bodies) => format!("{} bodies,", bodies.len()),
     };
     let mut cells: Vec<CellKind> = model.mesh.cells.iter().map(|cell| cell.kind).collect();
     cells.dedup();

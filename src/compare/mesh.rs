@@ -132,13 +132,18 @@ pub(super) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<Mesh
     for choice in choices {
         let cells = choice.elements.is_some_and(|elements| elements.cells.is_some());
         match (&choice.size, mesh) {
-            (MeshSize::Elements(_), MeshSource::Gmsh { .. } | MeshSource::Given(_)) => {
+            (MeshSize::Elements(_), MeshSource::Gmsh { .. } | MeshSource::Given(_) | MeshSource::Bodies(_)) => {
                 return Err(CompareError::FixedMesh);
             }
-            (MeshSize::File(_), MeshSource::Block { .. } | MeshSource::HalfPlane(_) | MeshSource::Given(_)) => {
+            (
+                MeshSize::File(_),
+                MeshSource::Block { .. } | MeshSource::HalfPlane(_) | MeshSource::Given(_) | MeshSource::Bodies(_),
+            ) => {
                 return Err(CompareError::NoMeshFile);
             }
-            (_, MeshSource::Gmsh { .. } | MeshSource::Given(_) | MeshSource::HalfPlane(_)) if cells => {
+            (_, MeshSource::Gmsh { .. } | MeshSource::Given(_) | MeshSource::HalfPlane(_) | MeshSource::Bodies(_))
+                if cells =>
+            {
                 return Err(CompareError::FixedCells);
             }
             _ if each.contains(choice) => {}
@@ -153,7 +158,7 @@ pub(super) fn first_elements(mesh: &MeshSource) -> Option<usize> {
     match mesh {
         MeshSource::Block { axes, .. } => Some(axes[0].iter().map(|segment| segment.elements).sum()),
         MeshSource::HalfPlane(HalfPlane { contact_elements, .. }) => Some(*contact_elements),
-        MeshSource::Gmsh { .. } | MeshSource::Given(_) => None,
+        MeshSource::Gmsh { .. } | MeshSource::Given(_) | MeshSource::Bodies(_) => None,
     }
 }
 
@@ -174,7 +179,7 @@ fn refined(mesh: &MeshSource, first: usize) -> Vec<Override> {
             Override::value("mesh.outer_elements", scaled(*outer_elements)),
             Override::value("mesh.layers", scaled(*layers)),
         ],
-        MeshSource::Gmsh { .. } | MeshSource::Given(_) => Vec::new(),
+        MeshSource::Gmsh { .. } | MeshSource::Given(_) | MeshSource::Bodies(_) => Vec::new(),
     }
 }
 

@@ -8,7 +8,7 @@ use super::{
 use crate::contact::{Friction, Obstacle, Place, Rotation, Shape};
 use crate::fem::{Layer, Material, MaterialGroup};
 use crate::formula::{Formula, FormulaUnits};
-use crate::mesh::{HalfPlane, Mesh, MeshSource, Segment};
+use crate::mesh::{Body, HalfPlane, Mesh, MeshSource, Segment};
 use crate::units::{Quantity, UnitSystem, Units};
 use crate::vector::Vector;
 
@@ -128,6 +128,11 @@ impl Si {
             MeshSource::Given(mesh) => {
                 let nodes = mesh.nodes.iter().map(|x| x.map(|c| self.length(c))).collect();
                 MeshSource::Given(Arc::new(Mesh { nodes, ..Arc::unwrap_or_clone(mesh) }))
+            }
+            MeshSource::Bodies(bodies) => {
+                let body =
+                    |Body { name, mesh, at }| Body { name, mesh: self.mesh(mesh), at: at.map(|at| self.point(at)) };
+                MeshSource::Bodies(bodies.into_iter().map(body).collect())
             }
         }
     }

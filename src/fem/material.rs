@@ -221,17 +221,18 @@ impl Material {
         mesh.cells.iter().map(|cell| value(cell.group).ok_or_else(missing)).collect()
     }
 
-    /// For each group of `mesh`, which of the groups here it is.
+    /// For each group of `mesh`, which of the groups here it is. A group `upper:rim` that is not named is of the material of
+    /// `upper`, if that is.
     fn groups_of(&self, mesh: &Mesh) -> Result<Vec<Option<usize>>, Fault> {
-        let mut groups = vec![None; mesh.groups.len()];
+        let body = |group: &'_ str| group.split_once(':').map(|(body, _)| body.to_string());
         for (k, MaterialGroup { name, .. }) in self.groups.iter().enumerate() {
-            let Some(group) = mesh.groups.iter().position(|known| known == name) else {
+            if !mesh.groups.iter().any(|known| known == name || body(known).as_ref() == Some(name)) {
                 let message = format!("the mesh has no material group `{name}`");
                 let help = format!("the mesh has the groups {}", mesh.groups.join(", "));
                 return Err(Fault::new(format!("material.group[{k}].name"), message, help));
-            };
-            groups[group] = Some(k);
+            }
         }
-        Ok(groups)
+        let called = |name: &str| self.groups.iter().position(|group| group.name == name);
+        Ok(mesh.groups.iter().map(|group| called(group).or_else(|| called(&body(group)?))).collect())
     }
 }

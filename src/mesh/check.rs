@@ -1,8 +1,8 @@
-//! Is a mesh sound? Inverted, degenerate, overlapping and unconnected cells, unused and coincident nodes.
+//! Is a mesh sound? Inverted, degenerate, overlapping and loosely connected cells, unused and coincident nodes.
 
 use std::fmt::Write;
 
-use super::sides::{Pieces, unmatched};
+use super::sides::{Joint, unmatched};
 use super::{Cell, Jacobian, Mesh, fine_quadrature, quadrature_of};
 use crate::vector::{cross, dot, minus};
 
@@ -59,7 +59,7 @@ pub enum MeshFault {
         /// How many its kind has.
         needed: usize,
     },
-    /// Cells with nodes at the middles of their edges beside others without.
+    /// Cells with nodes at the middles of their edges beside others without, in one body.
     #[error("element {} is of another order than element {}: one has nodes at the middles of its edges", .elements.1, .elements.0)]
     MixedOrders {
         /// The cells.
@@ -108,7 +108,7 @@ pub enum MeshFault {
     /// Nodes that belong to no cell.
     #[error("nodes belong to no element of the body: {}", list(.0))]
     UnusedNodes(Vec<usize>),
-    /// Two nodes in one place.
+    /// Two nodes of one body in one place.
     #[error("nodes coincide in pairs: {}", pairs(.0))]
     CoincidentNodes(Vec<(usize, usize)>),
     /// Two cells on the same side of a facet of both.
@@ -117,10 +117,7 @@ pub enum MeshFault {
     /// Cells that meet in a quadrilateral of the one and in triangles of the other.
     #[error("elements meet in a side that is a quadrilateral of one and triangles of the other, in pairs: {}", pairs(.0))]
     Unmatched(Vec<(usize, usize)>),
-    /// Parts of the body that share no node; an element of each.
-    #[error("the body is in {} pieces that share no node; an element of each: {}", .0.len(), list(.0))]
-    Pieces(Vec<usize>),
-    /// Parts of the body that share nodes, but no whole side.
+    /// Parts of a body that share nodes, but no whole side.
     #[error(
         "the body is in {} pieces that share no whole side, an element of each: {}; two of them only touch at node {node}",
         .elements.len(), list(.elements)
@@ -214,7 +211,6 @@ impl MeshFault {
             MeshFault::Jointed { .. } => {
                 "join the parts along whole edges (in space, faces) in Gmsh: at a node or an edge alone they could turn"
             }
-            MeshFault::Pieces(_) => "one body is wanted: join the parts in Gmsh (Coherence), or leave some out",
             MeshFault::InnerFacet { .. } | MeshFault::LooseFacet { .. } => {
                 "name a physical group of the outer surface (in two dimensions, of the outline)"
             }
@@ -223,8 +219,8 @@ impl MeshFault {
 }
 
 impl Mesh {
-    /// Whether the mesh is sound, however it was made: cells that are whole, of positive volume and of one piece, and
-    /// boundaries on its outside.
+    /// Whether the mesh is sound, however it was made: cells that are whole and of positive volume, bodies that hang together by
+    /// whole sides, and boundaries on its outside. Nodes of different bodies may be in one place.
     ///
     /// # Errors
     /// The first fault found, with all cells or nodes that have it, counted from 0.
@@ -239,8 +235,13 @@ impl Mesh {
     pub(super) fn check_cells(&self, numbers: &Numbers<'_>) -> Result<(), MeshFault> {
         let named = |bad: &mut dyn Iterator<Item = usize>| bad.map(|e| numbers.cells[e]).collect::<Vec<usize>>();
         let quadratic = |e: usize| self.cells[e].kind.is_quadratic();
-        if let Some(e) = (1..self.cells.len()).find(|&e| quadratic(e) != quadratic(0)) {
-            return Err(MeshFault::MixedOrders { elements: (numbers.cells[0], numbers.cells[e]) });
+        let bodies = self.bodies();
+        let mut first_of = vec![None; bodies.count()];
+        for (e, &body) in bodies.of_cells().iter().enumerate() {
+            let first = *first_of[body].get_or_insert(e);
+            if quadratic(e) != quadratic(first) {
+                return Err(MeshFault::MixedOrders { elements: (numbers.cells[first], numbers.cells[e]) });
+            }
         }
         let is = |e: &usize, sound: fn(f64, f64) -> bool| {
             self.corner_volumes(&self.cells[*e]).iter().any(|&(volume, size)| sound(volume, NEGLIGIBLE * size))
@@ -265,7 +266,8 @@ impl Mesh {
         }
         let numbered =
             |all: &[usize], pairs: Vec<(usize, usize)>| pairs.iter().map(|&(a, b)| (all[a], all[b])).collect();
-        let coincident = self.coincident_nodes();
+        let of = bodies.of_nodes();
+        let coincident = self.coincident_nodes(|a, b| of[a] == of[b]);
         if !coincident.is_empty() {
             return Err(MeshFault::CoincidentNodes(numbered(numbers.nodes, coincident)));
         }
@@ -274,11 +276,10 @@ impl Mesh {
         if !unmatched.is_empty() {
             return Err(MeshFault::Unmatched(numbered(numbers.cells, unmatched)));
         }
-        let Pieces { cells, joint } = self.pieces(&sides);
-        let elements = named(&mut cells.into_iter());
-        match joint {
-            Some(node) => Err(MeshFault::Jointed { elements, node: numbers.nodes[node] }),
-            None if elements.len() > 1 => Err(MeshFault::Pieces(elements)),
+        match self.joint(&sides, bodies.of_cells()) {
+            Some(Joint { cells, node }) => {
+                Err(MeshFault::Jointed { elements: named(&mut cells.into_iter()), node: numbers.nodes[node] })
+            }
             None => Ok(()),
         }
     }
@@ -313,8 +314,8 @@ impl Mesh {
         nodes.chain(inner).any(|at| Jacobian::new(cell.kind, at, &points).determinant <= NEGLIGIBLE * size)
     }
 
-    /// Nodes in one place, each with the next of them: a stack of n nodes makes n - 1 pairs.
-    fn coincident_nodes(&self) -> Vec<(usize, usize)> {
+    /// Nodes in one place that are a pair for `paired`, each with the next of them: a stack of n nodes makes n - 1 pairs.
+    pub(super) fn coincident_nodes(&self, paired: impl Fn(usize, usize) -> bool) -> Vec<(usize, usize)> {
         let near = NEGLIGIBLE * self.size();
         // Along a direction of no lattice few nodes share a place, so few pairs have to be looked at.
         let along = |x: [f64; 3]| dot(x, [0.742, 0.534, 0.406]);
@@ -324,7 +325,7 @@ impl Mesh {
         for (k, &(s, a)) in order.iter().enumerate() {
             for &(_, b) in order[k + 1..].iter().take_while(|(t, _)| t - s <= near) {
                 let apart = minus(self.nodes[b], self.nodes[a]);
-                if dot(apart, apart) <= near * near {
+                if dot(apart, apart) <= near * near && paired(a, b) {
                     pairs.push((a.min(b), a.max(b)));
                     break;
                 }

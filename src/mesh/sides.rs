@@ -5,13 +5,13 @@ use std::collections::{HashMap, HashSet};
 use super::{Cell, Facet, Mesh};
 use crate::sets::Sets;
 
-/// The pieces that a mesh falls into.
+/// Where parts of one body touch that share no whole side.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) struct Pieces {
-    /// A cell of each.
+pub(super) struct Joint {
+    /// A cell of each part of the body.
     pub cells: Vec<usize>,
-    /// A node of two of them, if they touch.
-    pub joint: Option<usize>,
+    /// A node of two of them.
+    pub node: usize,
 }
 
 impl Cell {
@@ -53,9 +53,9 @@ impl Mesh {
         all().filter(|(facet, _)| !known.contains(&inward(facet))).collect()
     }
 
-    /// The parts of the mesh whose cells are joined by whole sides.
-    pub(super) fn pieces(&self, sides: &HashMap<Facet, usize>) -> Pieces {
-        // The first cell stands for its piece.
+    /// A joint, if there is one; `body` is that of each cell.
+    pub(super) fn joint(&self, sides: &HashMap<Facet, usize>, body: &[usize]) -> Option<Joint> {
+        // The first cell stands for its part.
         let mut joined = Sets::new(self.cells.len());
         for (facet, &cell) in sides {
             let from_outside = from_least(facet.iter().rev().copied().collect());
@@ -63,15 +63,14 @@ impl Mesh {
                 joined.join(cell, neighbour);
             }
         }
-        let cells: Vec<usize> = (0..self.cells.len()).filter(|&e| joined.least(e) == e).collect();
-        let mut piece_at: Vec<Option<usize>> = vec![None; self.nodes.len()];
-        let mut joint = None;
-        for (e, cell) in self.cells.iter().enumerate() {
-            let piece = joined.least(e);
-            let meets = |&node: &usize| *piece_at[node].get_or_insert(piece) != piece;
-            joint = joint.or(cell.nodes.iter().copied().find(meets));
-        }
-        Pieces { cells, joint }
+        let mut part_at: Vec<Option<usize>> = vec![None; self.nodes.len()];
+        let (node, own) = self.cells.iter().enumerate().find_map(|(e, cell)| {
+            let part = joined.least(e);
+            let meets = |&node: &usize| *part_at[node].get_or_insert(part) != part;
+            Some((cell.nodes.iter().copied().find(meets)?, body[e]))
+        })?;
+        let cells = (0..self.cells.len()).filter(|&e| body[e] == own && joined.least(e) == e).collect();
+        Some(Joint { cells, node })
     }
 }
 
@@ -112,13 +111,18 @@ mod tests {
     use crate::mesh::half_plane::half_plane;
     use crate::mesh::{CellKind, block};
 
+    fn joint(mesh: &Mesh) -> Option<(Vec<usize>, usize)> {
+        let Joint { cells, node } = mesh.joint(&mesh.sides().unwrap(), mesh.bodies().of_cells())?;
+        Some((cells, node))
+    }
+
     #[test]
     fn what_is_made_here_is_one_piece() {
         let plane = block(&[2.0, 1.0], &[3, 2]);
         let space = block(&[2.0, 1.0, 1.0], &[3, 2, 2]);
         let half = half_plane([10.0, 10.0], 1.0, 4, 4, 4);
         for mesh in [plane.clone().into_simplices(), space.clone().into_simplices(), plane, space, half] {
-            assert_eq!(mesh.pieces(&mesh.sides().unwrap()), Pieces { cells: vec![0], joint: None });
+            assert_eq!((joint(&mesh), mesh.bodies().count()), (None, 1));
         }
     }
 
@@ -149,20 +153,18 @@ mod tests {
     }
 
     #[test]
-    fn what_meets_in_a_node_or_an_edge_is_in_pieces() {
-        let pieces = |mesh: &Mesh| mesh.pieces(&mesh.sides().unwrap());
+    fn what_meets_in_a_node_or_an_edge_is_a_joint() {
         let corner = part(&[2.0, 2.0], &[2, 2], &[0, 3]);
-        assert_eq!(pieces(&corner), Pieces { cells: vec![0, 1], joint: Some(4) });
-        assert_eq!(pieces(&part(&[2.0, 2.0], &[2, 2], &[0, 3, 1])).cells, [0]);
-        assert_eq!(pieces(&part(&[3.0, 1.0], &[3, 1], &[0, 2])), Pieces { cells: vec![0, 1], joint: None });
-        let cube: [(&[usize], &[usize], Option<usize>); 4] = [
-            (&[0, 7], &[0, 1], Some(13)),
-            (&[0, 3], &[0, 1], Some(4)),
-            (&[0, 3, 7], &[0, 1], Some(4)),
-            (&[0, 1, 3], &[0], None),
-        ];
-        for (kept, cells, joint) in cube {
-            assert_eq!(pieces(&part(&[1.0; 3], &[2; 3], kept)), Pieces { cells: cells.to_vec(), joint }, "{kept:?}");
+        assert_eq!(joint(&corner), Some((vec![0, 1], 4)));
+        assert_eq!(joint(&part(&[2.0, 2.0], &[2, 2], &[0, 3, 1])), None);
+        // What shares no node is a body of its own, and not named.
+        assert_eq!(joint(&part(&[3.0, 1.0], &[3, 1], &[0, 2])), None);
+        assert_eq!(joint(&part(&[4.0, 2.0], &[4, 2], &[0, 5, 3])), Some((vec![0, 1], 6)));
+        let cube: [(&[usize], Option<usize>); 4] =
+            [(&[0, 7], Some(13)), (&[0, 3], Some(4)), (&[0, 3, 7], Some(4)), (&[0, 1, 3], None)];
+        for (kept, node) in cube {
+            let expected = node.map(|node| (vec![0, 1], node));
+            assert_eq!(joint(&part(&[1.0; 3], &[2; 3], kept)), expected, "{kept:?}");
         }
     }
 

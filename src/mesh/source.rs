@@ -6,11 +6,12 @@ use std::sync::Arc;
 
 use super::block::{graded_block, progression};
 use super::half_plane::half_plane;
+use super::joined::{self, Body};
 use super::{CellKind, Mesh, MeshFileError, gmsh};
 use crate::fault::{Fault, demand, finite, not_huge, positive};
 use crate::vector::{Vector, plus};
 
-/// How the mesh of a body is made. Lengths are in m.
+/// How a mesh is made. Lengths are in m.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeshSource {
     /// A rectangle or box.
@@ -33,6 +34,8 @@ pub enum MeshSource {
     },
     /// A mesh in memory; see [`Mesh::new`].
     Given(Arc<Mesh>),
+    /// Several bodies, each with a mesh of its own.
+    Bodies(Vec<Body>),
 }
 
 /// A length with elements in geometric progression.
@@ -151,6 +154,7 @@ impl MeshSource {
             MeshSource::Given(mesh) => {
                 mesh.check().map_err(|fault| Fault::new("mesh", fault.to_string(), fault.help()))
             }
+            MeshSource::Bodies(bodies) => joined::check(bodies),
         }
     }
 
@@ -188,6 +192,7 @@ impl MeshSource {
             }
             MeshSource::Gmsh { file, scale } => gmsh(file, *scale)?,
             MeshSource::Given(mesh) => return Ok(Arc::clone(mesh)),
+            MeshSource::Bodies(bodies) => joined::joined(bodies)?,
         };
         Ok(Arc::new(mesh))
     }
@@ -204,6 +209,11 @@ impl MeshSource {
             MeshSource::HalfPlane(m) => Some(((m.contact_elements + m.outer_elements + 1) * (m.layers + 1), 2)),
             MeshSource::Gmsh { .. } => None,
             MeshSource::Given(mesh) => Some((mesh.nodes.len(), mesh.dimension)),
+            MeshSource::Bodies(bodies) => {
+                let each: Option<Vec<(usize, usize)>> = bodies.iter().map(|body| body.mesh.nodes()).collect();
+                let each = each?;
+                Some((each.iter().map(|(nodes, _)| nodes).sum(), each.first()?.1))
+            }
         }
     }
 }

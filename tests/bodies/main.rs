@@ -29,6 +29,7 @@ mod outputs;
 mod patch_hex8;
 mod patch_quad4;
 mod patches;
+mod pieces;
 mod prisms;
 mod published;
 mod rubber;
