@@ -7,9 +7,9 @@ use crate::contact::{Asked, ContactNode, Mortar, MortarRow, coupled_nodes, prefe
 use crate::description::{Description, FirstGap, Opposite, Slave};
 use crate::fault::Fault;
 use crate::fem::{Dofs, Elasticity, Relative};
-use crate::mesh::{Boundary, Mesh};
+use crate::mesh::{Bodies, Boundary, Mesh};
 use crate::units::Quantity;
-use crate::vector::{Vector, axis, dot, unit};
+use crate::vector::{axis, dot, unit};
 
 /// How much of a body another may take up when the history begins, as for obstacles.
 const DEEPEST: f64 = 0.2;
@@ -176,7 +176,9 @@ fn pair(
     };
     let deepest = mortar.rows.iter().zip(&gaps).min_by(|a, b| a.1.total_cmp(b.1));
     if let Some((row, gap)) = deepest {
-        let thickness = thickness(mesh, slave, row.normal).min(thickness(mesh, master, row.normal));
+        let bodies = mesh.bodies();
+        let thickness = [slave, master].map(|boundary| thickness(mesh, &bodies, boundary, row.normal));
+        let thickness = thickness[0].min(thickness[1]);
         if *gap < -DEEPEST * thickness {
             let [depth, thickness] = [-gap, thickness].map(|x| units.number(Quantity::Length, x));
             let (place, unit) = (units.place(mesh.nodes[row.node]), units.name(Quantity::Length));
@@ -192,10 +194,9 @@ fn pair(
 }
 
 /// How thick the body of `boundary` is along `normal`, m.
-fn thickness(mesh: &Mesh, boundary: &Boundary, normal: [f64; 3]) -> f64 {
-    let bodies = mesh.bodies();
-    let own = boundary.facets.first().map(|facet| bodies.of_node(facet[0]));
-    let along = || (0..mesh.nodes.len()).filter(|&node| Some(bodies.of_node(node)) == own).map(|node| dot(mesh.nodes[node], normal));
+fn thickness(mesh: &Mesh, bodies: &Bodies, boundary: &Boundary, normal: [f64; 3]) -> f64 {
+    let own = boundary.facets.first().map_or(0, |facet| bodies.of_nodes()[facet[0]]);
+    let along = || bodies.nodes(own).map(|node| dot(mesh.nodes[node], normal));
     along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
 }
 

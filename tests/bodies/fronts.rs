@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::common;
 use crate::common::{BELT, Keep, difference};
-use stickslip::contact::{GapDirection, Obstacle, Place, Shape};
+use stickslip::contact::{ContactNode, GapDirection, Obstacle, Place, Shape};
 use stickslip::description::{Axis, Contact, Description, Load};
 use stickslip::fem::Material;
 use stickslip::formula::Formula;
@@ -92,7 +92,7 @@ fn of_several_obstacles_the_nearest_counts() {
     let one = "{ kind = \"cylinder\", radius = 0.3, apex = [0.3, 0] }";
     let other = "{ kind = \"cylinder\", radius = 0.5, apex = [0.7, -1e-5] }";
     let (model, both) = belt(&format!("[{one}, {other}]"));
-    let met: Vec<usize> = model.contacts.iter().map(|contact| contact.obstacle).collect();
+    let met: Vec<usize> = model.contacts.iter().filter_map(ContactNode::obstacle).collect();
     assert_eq!(met, [0, 0, 0, 1, 1, 1, 1, 1]);
     let formula = |r: f64, x: f64, y: f64| {
         format!("{y} + {r} - sqrt(max(0, {r}^2 - (x - {x})^2)) + 1e3 * max(0, abs(x - {x}) - {r})")
@@ -204,7 +204,7 @@ fn a_box_of_three_walls() {
             () if x == 0.0 => (0, 0.1),
             () => (2, 0.2),
         };
-        assert_eq!(contact.obstacle, wall, "{:?}", contact.position);
+        assert_eq!(contact.obstacle(), Some(wall), "{:?}", contact.position);
         assert!((contact.facing.gap - gap).abs() < 1e-15);
     }
 }
@@ -355,7 +355,7 @@ fn a_ring_on_a_shaft_in_parts() {
             boundary: name,
             friction: 0.3.into(),
             friction_history: None,
-            obstacles: shaft(normal).into(),
+            against: shaft(normal).into(),
         });
     }
     // A facet may be of one contact only: it would count twice.
@@ -401,7 +401,7 @@ fn what_has_moved_before_the_beginning_is_there() {
     for (apex, before) in [(0.02, -0.01), (0.018, -0.008), (0.003, 0.007)] {
         let moved = body(apex, before, 2.4e-3);
         for (a, b) in still.contacts.iter().zip(&moved.contacts) {
-            assert_eq!((a.node, a.obstacle), (b.node, b.obstacle), "{apex}");
+            assert_eq!((a.node, a.obstacle()), (b.node, b.obstacle()), "{apex}");
         }
         let (gaps, expected) = (moved.loading.gaps_at(1.0), still.loading.gaps_at(1.0));
         assert!(gaps.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-15), "{apex}");

@@ -43,6 +43,7 @@ mod second_order;
 mod second_order_contact;
 mod surfaces;
 mod turning;
+mod two_bodies;
 mod unit_conversion;
 mod units;
 mod verification;

@@ -115,7 +115,7 @@ fn one_contact_or_all() {
     assert_eq!(frictions(&["contact[0].friction=0.7"]), of([0.7, 0.2]));
     assert_eq!(frictions(&["contact[1].friction=0.7"]), of([0.4, 0.7]));
     let gaps = |sets: &[&str]| {
-        two_contacts(sets).description.contacts.iter().map(|c| gap(&c.obstacles[0])).collect::<Vec<_>>()
+        two_contacts(sets).description.contacts.iter().map(|c| gap(&c.obstacles()[0])).collect::<Vec<_>>()
     };
     assert_eq!(gaps(&["contact.obstacle.gap=3e-5"]), [3e-5, 3e-5]);
     assert_eq!(gaps(&["contact[0].obstacle.gap=3e-5"]), [3e-5, 2e-5]);

@@ -3,6 +3,7 @@
 
 pub mod faults;
 pub mod hertz;
+pub mod pairs;
 #[cfg(feature = "cli")]
 pub mod program;
 pub mod random;

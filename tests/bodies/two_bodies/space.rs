@@ -31,7 +31,7 @@ fn bricks_slide_round_a_corner() {
         assert!((weights - 0.36).abs() < 1e-14);
         for linear in [LinearAlgebra::Condensed(SparseCholesky::Cholmod), LinearAlgebra::Whole(SparseLu::Umfpack)] {
             let outcome = solved(&model, solver(Method::BN, linear), &mut ());
-            let iterations: Vec<usize> = outcome.increments.iter().map(|record| record.iterations).collect();
+            let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
             println!("{slave:?} {iterations:?}");
             let near = |(found, expected): (&usize, usize)| found.abs_diff(expected) <= 1;
             assert!(iterations.iter().zip(expected_iterations).all(near), "{slave:?} {linear:?} {iterations:?}");

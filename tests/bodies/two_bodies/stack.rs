@@ -14,7 +14,7 @@ fn a_finer_block_on_a_coarser_one() {
     let model = Model::build(&stack([8, 4], [11, 5], Side::Upper)).unwrap();
     let mut keep = Keep::default();
     let outcome = solved(&model, solver(Method::BN, CONDENSED), &mut keep);
-    let iterations: Vec<usize> = outcome.increments.iter().map(|record| record.iterations).collect();
+    let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
     let expected = [2, 1, 1, 1, 1, 2, 1, 1, 1, 4, 2, 1, 1, 1, 1, 1, 2, 1, 3, 3];
     println!("{iterations:?}");
     assert!(iterations.iter().zip(expected).all(|(found, expected)| found.abs_diff(expected) <= 1), "{iterations:?}");
