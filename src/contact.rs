@@ -18,6 +18,7 @@ mod obstacle_error;
 mod range;
 mod revolution;
 mod surface;
+mod tree;
 mod triangles;
 
 pub use coupled::{coupled_nodes, relative};
@@ -28,7 +29,7 @@ pub use gap_table::{GapTable, TableError};
 pub use kinematics::{ContactBoundary, ContactNode, Counterpart, Coupled, End, Row, Term, contact_nodes, share_edges, unreachable};
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
 pub(crate) use kkt::{judge, rounding_level, statuses_of};
-pub use mortar::{Asked, Mortar, MortarFault, MortarRow, preferred_slave};
+pub use mortar::{GapAt, Held, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, SlaveReason};
 pub use motion::{ObstacleMotion, Rates};
 pub(crate) use obstacle::Round;
 pub use obstacle::{Facing, PlacedObstacle};

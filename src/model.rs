@@ -188,7 +188,7 @@ impl Model {
             c_o: map(&contacts, |contact| &contact.tangents[1]),
             mu,
             weight: Some(contacts.iter().map(|contact| contact.weight).collect()),
-            free_motions: Some(rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect()),
+            free_motions: if mesh.bodies().are_several() { None } else { Some(rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect()) },
         })?;
         let problem = if alone == contacts {
             problem

@@ -4,15 +4,14 @@
 //! in a rim; beyond the rim there is nothing.
 
 mod read;
-mod tree;
 
 use std::collections::HashMap;
 use std::path::Path;
 
 pub use read::SurfaceError;
 
+use super::tree::{Bounds, Tree};
 use crate::vector::{cross, dot, minus, norm, plus, unit};
-use tree::{Bounds, Tree};
 
 /// A surface of triangles.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +51,7 @@ pub(super) struct Entry {
 
 /// A part of a triangle.
 #[derive(Debug, Clone, Copy)]
-enum Part {
+pub(super) enum Part {
     Face,
     Side(usize),
     Corner(usize),
@@ -229,9 +228,9 @@ impl Triangles {
     }
 }
 
-/// The point of a triangle that is nearest to `x`, and the part of it that it lies on (Ericson, Real-Time Collision
-/// Detection, 5.1.5).
-fn nearest_of(&[a, b, c]: &[[f64; 3]; 3], x: [f64; 3]) -> ([f64; 3], Part) {
+/// The point of a triangle, or of a side if two of its corners are one, that is nearest to `x`, and the part of it that it lies on
+/// (Ericson, Real-Time Collision Detection, 5.1.5).
+pub(super) fn nearest_of(&[a, b, c]: &[[f64; 3]; 3], x: [f64; 3]) -> ([f64; 3], Part) {
     let (ab, ac) = (minus(b, a), minus(c, a));
     let [from_a, from_b, from_c] = [a, b, c].map(|corner| minus(x, corner));
     let (d1, d2) = (dot(ab, from_a), dot(ac, from_a));

@@ -3,13 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::find;
-use crate::contact::{Asked, ContactNode, Mortar, MortarRow, coupled_nodes, preferred_slave, relative};
+use crate::contact::{ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, coupled_nodes, relative};
 use crate::description::{Description, FirstGap, Opposite, Slave};
 use crate::fault::Fault;
 use crate::fem::{Dofs, Elasticity, Relative};
 use crate::mesh::{Bodies, Boundary, Mesh};
-use crate::units::Quantity;
-use crate::vector::{axis, dot, unit};
+use crate::units::{Quantity, UnitSystem};
+use crate::vector::{Vector, axis, dot, unit};
 
 /// How much of a body another may take up when the history begins, as for obstacles.
 const DEEPEST: f64 = 0.2;
@@ -23,8 +23,8 @@ pub struct Pair {
     pub slave: String,
     /// The other.
     pub master: String,
-    /// Why the slave is not the boundary that the contact names first, if it is not.
-    pub swapped: Option<String>,
+    /// Why that is the slave, where it was chosen.
+    pub choice: Option<SlaveChoice>,
     /// Whether the two are glued.
     pub glued: bool,
     /// The rows.
@@ -139,22 +139,21 @@ fn pair(
     share_nothing(description, mesh, first, second, k)?;
     let units = description.system(mesh.dimension);
     let direction = opposite.direction.map(|direction| unit(direction.components()));
-    let asked = |direction| Asked { search: opposite.search, direction };
-    let refused = |fault: crate::contact::MortarFault| {
-        let names = format!("`{}` against `{}`", first.name, second.name);
-        Fault::new(format!("{key}.{}", fault.key()), format!("{names}: {}", fault.told(&units)), fault.help())
+    let options = MortarOptions { search: opposite.search, direction };
+    let refused = |fault: MortarFault| {
+        let message = told(&fault, &units).unwrap_or_else(|| fault.to_string());
+        Fault::new(format!("{key}.{}", key_of(&fault)), message, fault.help())
     };
-    let all_held = |boundary: &Boundary| {
-        boundary.nodes().iter().all(|node| held(*node).len() == 3)
+    let all_held = first.nodes().into_iter().all(|node| held(node).len() == 3);
+    let (mortar, choice) = if opposite.slave == Slave::Automatic || all_held {
+        let young = [first, second].map(|boundary| young(mesh, boundary, materials));
+        let (mortar, choice) = Mortar::of_better_slave(mesh, [first, second], young, &options, held).map_err(refused)?;
+        (mortar, Some(choice))
+    } else {
+        (Mortar::new(mesh, first, second, &options, held).map_err(refused)?, None)
     };
-    let swap = match opposite.slave {
-        Slave::First if !all_held(first) => None,
-        Slave::First => Some(format!("supports hold all of `{}`", first.name)),
-        Slave::Automatic => preferred_slave(mesh, first, second, &asked(direction), held, materials).map_err(refused)?,
-    };
-    let (slave, master) = if swap.is_some() { (second, first) } else { (first, second) };
-    let direction = if swap.is_some() { direction.map(|n| n.map(|c| -c)) } else { direction };
-    let mortar = Mortar::new(mesh, slave, master, &asked(direction), held).map_err(refused)?;
+    let swapped = choice.is_some_and(|choice| choice.slave == 1);
+    let (slave, master) = if swapped { (second, first) } else { (first, second) };
     let gap = |row: &MortarRow| -> Result<f64, Fault> {
         let place = mesh.nodes[row.node];
         let gap = match &opposite.gap {
@@ -190,7 +189,50 @@ fn pair(
     }
     let (slave, master) = (slave.name.clone(), master.name.clone());
     let relative = BTreeSet::new();
-    Ok(Pair { contact: k, slave, master, swapped: swap, glued: opposite.glued, mortar, gaps, relative })
+    Ok(Pair { contact: k, slave, master, choice, glued: opposite.glued, mortar, gaps, relative })
+}
+
+/// Young's modulus of the softest cell with a facet of `boundary`, Pa.
+fn young(mesh: &Mesh, boundary: &Boundary, materials: &[Elasticity]) -> f64 {
+    let nodes: BTreeSet<usize> = boundary.nodes().into_iter().collect();
+    let at_boundary = |e: &usize| mesh.cells[*e].nodes.iter().any(|node| nodes.contains(node));
+    let young = |e: usize| {
+        let Elasticity { lambda, mu, .. } = materials[e];
+        mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu)
+    };
+    (0..mesh.cells.len()).filter(at_boundary).map(young).fold(f64::INFINITY, f64::min)
+}
+
+/// The key that `fault` is about.
+fn key_of(fault: &MortarFault) -> &'static str {
+    match fault {
+        MortarFault::NothingInFront { .. } | MortarFault::TwoLayers { .. } => "search",
+        MortarFault::Inwards { .. } => "direction",
+        MortarFault::NotConvex { .. } | MortarFault::SlaveHeld { .. } | MortarFault::NormalsCancel { .. } => "against",
+    }
+}
+
+/// The faults with lengths, in `units`.
+fn told(fault: &MortarFault, units: &UnitSystem) -> Option<String> {
+    let place = |at: &Vector| units.place(at.components());
+    let length = |x: f64| format!("{:e} {}", units.number(Quantity::Length, x), units.name(Quantity::Length));
+    Some(match fault {
+        MortarFault::NothingInFront { slave, master, search, least, at } => format!(
+            "nothing of `{master}` is in front of `{slave}` within {}; the least distance is {}, at {}",
+            length(*search),
+            length(*least),
+            place(at)
+        ),
+        MortarFault::TwoLayers { slave, master, at } => {
+            format!("two layers of `{master}` are in front of the facet of `{slave}` at {}", place(at))
+        }
+        MortarFault::NotConvex { boundary, at } => format!("the quadrilateral of `{boundary}` at {} is not convex", place(at)),
+        MortarFault::NormalsCancel { boundary, at } => {
+            format!("the normals of the facets of `{boundary}` around {} cancel", place(at))
+        }
+        MortarFault::Inwards { slave, at } => format!("the direction points into the body at {} of `{slave}`", place(at)),
+        MortarFault::SlaveHeld { .. } => return None,
+    })
 }
 
 /// How thick the body of `boundary` is along `normal`, m.

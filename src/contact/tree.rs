@@ -52,6 +52,16 @@ impl Bounds {
         (0..3).map(|c| self.high[c] - self.low[c]).fold(0.0, f64::max)
     }
 
+    /// With as much more (m) on all sides.
+    pub(super) fn grown(self, by: f64) -> Self {
+        Bounds { low: self.low.map(|c| c - by), high: self.high.map(|c| c + by) }
+    }
+
+    /// Whether the two have a point in common.
+    pub(super) fn overlaps(&self, other: &Bounds) -> bool {
+        (0..3).all(|c| self.low[c] <= other.high[c] && other.low[c] <= self.high[c])
+    }
+
     /// Whether the line through `x` along `n` comes as near as `slack`.
     fn meets(&self, x: [f64; 3], n: [f64; 3], slack: f64) -> bool {
         let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -105,11 +115,21 @@ impl Tree {
         self.things[node.first..node.first + node.count].iter().copied()
     }
 
-    /// The things whose bounds the line through `x` along `n` may come as near as `slack`.
-    pub(super) fn along(&self, x: [f64; 3], n: [f64; 3], slack: f64, mut each: impl FnMut(usize)) {
+    /// The things whose bounds the line through `x` along `n` may come as near as `slack`, and a few around them.
+    pub(super) fn along(&self, x: [f64; 3], n: [f64; 3], slack: f64, each: impl FnMut(usize)) {
+        self.within(|bounds| bounds.meets(x, n, slack), each);
+    }
+
+    /// The things whose bounds overlap `others`, and a few around them.
+    pub(super) fn around(&self, others: &Bounds, each: impl FnMut(usize)) {
+        self.within(|bounds| bounds.overlaps(others), each);
+    }
+
+    /// The things of the leaves whose bounds, and those of all boxes around them, are `wanted`.
+    fn within(&self, wanted: impl Fn(&Bounds) -> bool, mut each: impl FnMut(usize)) {
         let mut at = 0;
         while let Some(node) = self.boxes.get(at) {
-            if node.bounds.meets(x, n, slack) {
+            if wanted(&node.bounds) {
                 self.things(node).for_each(&mut each);
                 at += 1;
             } else {

@@ -1,0 +1,284 @@
+//! Pairs of boundaries: the rows of a dual mortar method, from the integrals over what two boundaries have in common.
+//!
+//! One of the two, the slave, has the law: one row a node j,
+//!
+//! ```text
+//! w_j = Σ D_ji u_i - Σ P_jk u_k,   n_j · w_j ≤ g_j,
+//! D_ji = ∫ ψ_j N_i dA / l_j,  P_jk = ∫ ψ_j N_k dA / l_j,  g_j = ∫ ψ_j (x_m - x_s) · ν dA / l_j,  l_j = ∫ ψ_j dA,
+//! ```
+//!
+//! i over nodes of the slave, k over those of the master, all over the part of the slave that the master is in front of, seen along the
+//! normal ν of each slave facet. With the biorthogonal ψ (`basis`) D is the identity on facets of the first order, so that each node has
+//! a law of its own, and `2 u_m - ½ (u_a + u_b)` on those of the second; between meshes that match the rows are those from node to node.
+
+mod basis;
+mod cover;
+mod error;
+mod facet;
+mod normals;
+mod search;
+mod segment;
+mod side;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+pub use error::MortarFault;
+pub use normals::Held;
+pub use side::{SlaveChoice, SlaveReason};
+
+use crate::fem::{bernstein, facet_weights};
+use crate::mesh::{Boundary, Facet, Mesh};
+use crate::vector::{dot, minus, plus, unit};
+use cover::{Cover, Covers};
+use error::place;
+
+/// A node of which less than this share is covered has no row.
+const THIN: f64 = 1e-6;
+
+/// How two boundaries are paired.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MortarOptions {
+    /// No gap may be larger, nor an overlap, m; without it a tenth of the size of the smaller boundary, the longest side of the box
+    /// around it.
+    pub search: Option<f64>,
+    /// The normal of all rows, out of the slave; without it each node has the mean of the slave's normal and the opposite of the
+    /// master's.
+    pub direction: Option<[f64; 3]>,
+}
+
+/// The rows of a pair of boundaries.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mortar {
+    /// By ascending slave node.
+    pub rows: Vec<MortarRow>,
+    /// The share of each slave facet that master facets are in front of.
+    pub covered: Vec<f64>,
+    /// The least and the largest gap at the integration points.
+    pub gaps: [GapAt; 2],
+    /// How far was looked for the master, m.
+    pub search: f64,
+    /// `∫ N_k dA` over the covered part for the nodes of the master (Bernstein's polynomials on facets of second order), m or m², all
+    /// around in a body of revolution; by ascending node, without nodes of which next to nothing is covered.
+    pub master_weights: Vec<(usize, f64)>,
+    /// The facets of each segment: of the slave, of the master.
+    segments: Vec<[usize; 2]>,
+    /// The facets of the slave and of the master.
+    facets: [Vec<Facet>; 2],
+}
+
+/// The row of a slave node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MortarRow {
+    /// The slave node.
+    pub node: usize,
+    /// `l_j = ∫ ψ_j dA`: m in two dimensions, m² in three and, all around, in a body of revolution.
+    pub weight: f64,
+    /// The mean gap `g_j` at the node, weighted by ψ_j, m: negative where bodies overlap.
+    pub gap: f64,
+    /// The common unit normal, out of the slave.
+    pub normal: [f64; 3],
+    /// `D_ji`, by ascending node: 1 at the node itself; 2 and twice -½ at a node between corners.
+    pub slave: Vec<(usize, f64)>,
+    /// `P_jk`, by ascending node; they add up to 1.
+    pub master: Vec<(usize, f64)>,
+}
+
+/// A gap and its place on the slave.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GapAt {
+    /// From the slave to the master along the normal of the slave facet, m; negative where they overlap.
+    pub gap: f64,
+    /// The point of the slave, m.
+    pub at: [f64; 3],
+}
+
+impl Mortar {
+    /// The rows of `slave` in front of `master`, both boundaries of `mesh`. `held` tells the orthonormal directions along which supports
+    /// hold a node, as [`crate::fem::Dofs::held`].
+    ///
+    /// # Errors
+    ///
+    /// Fails if nothing is in front of the slave, or twice; if supports hold the slave; if quadrilaterals are not convex, or normals
+    /// cancel.
+    pub fn new(
+        mesh: &Mesh,
+        slave: &Boundary,
+        master: &Boundary,
+        options: &MortarOptions,
+        held: &Held,
+    ) -> Result<Self, MortarFault> {
+        search::convex(mesh, slave)?;
+        search::convex(mesh, master)?;
+        let search = options.search.unwrap_or_else(|| search::default_search(mesh, [slave, master]));
+        let mut normals = normals::nodal(mesh, slave, held)?;
+        if let Some(direction) = options.direction.map(unit) {
+            for (&node, normal) in &mut normals {
+                // Not a comparison the other way: what is not a number is no direction.
+                if !(dot(*normal, direction) > 0.0) {
+                    return Err(MortarFault::Inwards { slave: slave.name.clone(), at: place(mesh, mesh.nodes[node]) });
+                }
+                *normal = direction;
+            }
+        }
+        let opposite = normals::nodal(mesh, master, held)?;
+        let covers = Covers::new(mesh, slave, master, search)?;
+        let lost = lost(mesh, slave, master, &covers.facets, &normals, held);
+        let mut sums = BTreeMap::<usize, Sum>::new();
+        for (facet, cover) in slave.facets.iter().zip(&covers.facets) {
+            for part in basis::parts(mesh, facet, cover, &lost) {
+                sums.entry(part.node).or_default().add(mesh, facet, cover, part);
+            }
+            for (k, values) in cover.cross.iter().filter(|_| options.direction.is_none()) {
+                for (node, value) in facet.iter().zip(values) {
+                    if let Some(sum) = sums.get_mut(node) {
+                        sum.opposite = plus(sum.opposite, *value, opposite[k]);
+                    }
+                }
+            }
+        }
+        let row = |(node, sum): (usize, Sum)| {
+            let normal = if options.direction.is_some() {
+                normals[&node]
+            } else {
+                normals::common(normals[&node], sum.opposite, &held(node)).ok_or_else(|| {
+                    MortarFault::NormalsCancel { boundary: master.name.clone(), at: place(mesh, mesh.nodes[node]) }
+                })?
+            };
+            Ok(sum.row(node, normal))
+        };
+        let rows = sums.into_iter().map(row).collect::<Result<Vec<MortarRow>, MortarFault>>()?;
+        if rows.is_empty() {
+            let [slave, master] = [slave, master].map(|side| side.name.clone());
+            return Err(MortarFault::SlaveHeld { slave, master });
+        }
+        Ok(Mortar {
+            rows,
+            covered: covers.facets.iter().map(|cover| cover.share).collect(),
+            gaps: covers.gaps,
+            search,
+            master_weights: master_weights(mesh, master, &covers),
+            segments: covers.segments,
+            facets: [slave, master].map(|side| side.facets.clone()),
+        })
+    }
+
+    /// How many pairs of facets have a part in common.
+    pub fn segments(&self) -> usize {
+        self.segments.len()
+    }
+
+    /// The least gap at the integration points when the nodes of `mesh` have moved by `u` (m): where it is negative, facets overlap by as
+    /// much, although the law, which is asked in the mean, holds. `None` without integration points.
+    pub fn least_gap(&self, mesh: &Mesh, u: &[[f64; 3]]) -> Option<GapAt> {
+        cover::least_gap(mesh, [&self.facets[0], &self.facets[1]], &self.segments, u)
+    }
+
+    /// The traction (N/m²) on the nodes of [`Mortar::master_weights`] of `forces` (N) on the slave, row by row: the opposite of
+    /// `Σ_j P_jk f_j`, put on Bernstein's polynomials on facets of second order, over their weights.
+    pub fn on_master(&self, mesh: &Mesh, forces: &[[f64; 3]]) -> Vec<(usize, [f64; 3])> {
+        let mut nodal = BTreeMap::<usize, [f64; 3]>::new();
+        for (row, force) in self.rows.iter().zip(forces) {
+            for &(node, share) in &row.master {
+                let sum = nodal.entry(node).or_default();
+                *sum = plus(*sum, -share, *force);
+            }
+        }
+        let edges: BTreeSet<[usize; 3]> = (self.facets[1].iter().flat_map(|facet| mesh.bent_edges(facet)))
+            .map(|[a, middle, b]| [middle, a.min(b), a.max(b)])
+            .collect();
+        for [middle, a, b] in edges {
+            let Some(force) = nodal.get(&middle).copied() else { continue };
+            for (node, share) in [(middle, -0.5), (a, 0.25), (b, 0.25)] {
+                let sum = nodal.entry(node).or_default();
+                *sum = plus(*sum, share, force);
+            }
+        }
+        let traction =
+            |&(node, weight): &(usize, f64)| (node, nodal.get(&node).map_or([0.0; 3], |f| f.map(|c| c / weight)));
+        self.master_weights.iter().map(traction).collect()
+    }
+}
+
+/// What the facets at a node add up to.
+#[derive(Default)]
+struct Sum {
+    weight: f64,
+    slave: BTreeMap<usize, f64>,
+    master: BTreeMap<usize, f64>,
+    /// The sum of the normals of the master in front of the node, by their weights.
+    opposite: [f64; 3],
+    /// Of each facet its weight, the mean of `x_m - x_s`, m, and the normal along which that is the gap: its own, or on facets of the
+    /// second order, along which it turns, that of the node.
+    gaps: Vec<(f64, [f64; 3], Option<[f64; 3]>)>,
+}
+
+impl Sum {
+    fn add(&mut self, mesh: &Mesh, facet: &[usize], cover: &Cover, part: basis::Part) {
+        // From the node itself: then what it has in common with its twin is left out exactly.
+        let mean = |from: [f64; 3], (node, value): &(usize, f64), sign: f64| {
+            plus(from, sign * value, minus(mesh.nodes[*node], mesh.nodes[part.node]))
+        };
+        let apart = part.master.iter().fold([0.0; 3], |sum, term| mean(sum, term, 1.0));
+        let apart = part.slave.iter().fold(apart, |sum, term| mean(sum, term, -1.0)).map(|c| c / part.weight);
+        let apart = match &part.master[..] {
+            [(only, _)] if part.slave.len() == 1 => minus(mesh.nodes[*only], mesh.nodes[part.node]),
+            _ => apart,
+        };
+        self.gaps.push((part.weight, apart, (!mesh.is_quadratic(facet)).then_some(cover.normal)));
+        self.weight += part.weight;
+        part.slave.into_iter().for_each(|(node, value)| *self.slave.entry(node).or_default() += value);
+        part.master.into_iter().for_each(|(node, value)| *self.master.entry(node).or_default() += value);
+    }
+
+    fn row(self, node: usize, normal: [f64; 3]) -> MortarRow {
+        let Sum { weight, slave, master, gaps, .. } = self;
+        let gap = |(_, apart, along): &(f64, [f64; 3], Option<[f64; 3]>)| dot(*apart, along.unwrap_or(normal));
+        // As far as they differ: the mean of gaps that are one is that one.
+        let first = gaps.first().map_or(0.0, gap);
+        let rest: f64 = gaps.iter().map(|part| part.0 * (gap(part) - first)).sum();
+        let shares =
+            |sums: BTreeMap<usize, f64>| sums.into_iter().map(|(node, value)| (node, value / weight)).collect();
+        MortarRow { node, weight, gap: first + rest / weight, normal, slave: shares(slave), master: shares(master) }
+    }
+}
+
+/// The nodes of the slave that have no row: those that supports hold along their normals, those that are the master's, too, and
+/// those of which next to nothing is covered.
+fn lost(
+    mesh: &Mesh,
+    slave: &Boundary,
+    master: &Boundary,
+    covers: &[Cover],
+    normals: &BTreeMap<usize, [f64; 3]>,
+    held: &Held,
+) -> BTreeSet<usize> {
+    let others: BTreeSet<usize> = master.facets.iter().flatten().copied().collect();
+    let is_lost =
+        |(node, normal): (&usize, &[f64; 3])| others.contains(node) || normals::is_held(*normal, &held(*node));
+    let mut lost: BTreeSet<usize> = normals.iter().filter(|entry| is_lost(*entry)).map(|(node, _)| *node).collect();
+    let (mut whole, mut covered) = (BTreeMap::<usize, f64>::new(), BTreeMap::<usize, f64>::new());
+    for (facet, cover) in slave.facets.iter().zip(covers) {
+        for (&node, weight) in facet.iter().zip(bernstein(mesh, facet, &facet_weights(mesh, facet))) {
+            *whole.entry(node).or_default() += weight;
+        }
+        for part in basis::parts(mesh, facet, cover, &lost) {
+            *covered.entry(part.node).or_default() += part.weight;
+        }
+    }
+    lost.extend(covered.into_iter().filter(|(node, weight)| *weight < THIN * whole[node]).map(|(node, _)| node));
+    lost
+}
+
+fn master_weights(mesh: &Mesh, master: &Boundary, covers: &Covers) -> Vec<(usize, f64)> {
+    let mut weights = BTreeMap::<usize, [f64; 2]>::new();
+    for (facet, values) in master.facets.iter().zip(&covers.on_master) {
+        let covered = bernstein(mesh, facet, &values[..facet.len()]);
+        let whole = bernstein(mesh, facet, &facet_weights(mesh, facet));
+        for (&node, both) in facet.iter().zip(covered.into_iter().zip(whole)) {
+            let sum = weights.entry(node).or_default();
+            *sum = [sum[0] + both.0, sum[1] + both.1];
+        }
+    }
+    let counts = |(node, [covered, whole]): (usize, [f64; 2])| (covered > THIN * whole).then_some((node, covered));
+    weights.into_iter().filter_map(counts).collect()
+}

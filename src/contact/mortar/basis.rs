@@ -1,0 +1,102 @@
+//! The biorthogonal basis on the covered part of a slave facet, and what the facet adds to the rows of its nodes.
+
+use std::collections::BTreeSet;
+
+use super::cover::Cover;
+use super::facet::{MOST, Values};
+use crate::mesh::Mesh;
+
+/// What is this small beside the terms that it is the sum of is rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// A pivot that is this small beside 1 is rounding.
+const SINGULAR: f64 = 1e-15;
+
+/// What a facet adds to the row of one of its nodes.
+pub(super) struct Part {
+    pub node: usize,
+    /// `∫ ψ_j dA`, m or m².
+    pub weight: f64,
+    /// `∫ ψ_j N_i dA` for nodes of the facet.
+    pub slave: Vec<(usize, f64)>,
+    /// `∫ ψ_j N_k dA` for nodes of the master, in ascending order; what adds up to the weight.
+    pub master: Vec<(usize, f64)>,
+}
+
+/// The parts of the nodes of a `facet` that are not `lost`. The functions ψ_j are
+///
+/// ```text
+/// ψ = A Ñ,   A = diag(∫ Ñ) (∫ Ñ Ñᵀ)⁻¹:   ∫ ψ_i Ñ_j dA = δ_ij ∫ Ñ_j dA,   Σ ψ_j = 1,
+/// ```
+///
+/// all over the covered part of the facet. Those of nodes that are lost are added in equal parts to those of the others. None where
+/// the cover is too thin to tell the functions apart.
+pub(super) fn parts(mesh: &Mesh, facet: &[usize], cover: &Cover, lost: &BTreeSet<usize>) -> Vec<Part> {
+    let (kept, gone): (Vec<usize>, Vec<usize>) = (0..facet.len()).partition(|&i| !lost.contains(&facet[i]));
+    let Some(dual) = dual(cover, facet.len()).filter(|_| cover.counts() && !kept.is_empty()) else { return Vec::new() };
+    let share = 1.0 / kept.len() as f64;
+    let part = |&i: &usize| {
+        let terms = || std::iter::once((i, 1.0)).chain(gone.iter().map(|&k| (k, share)));
+        let weight = terms().map(|(k, share)| share * cover.functions[k]).sum();
+        let slave = terms().flat_map(|(k, share)| {
+            let own = share * cover.functions[k];
+            on_slave(mesh, facet, k).into_iter().map(move |(node, c)| (node, c * own))
+        });
+        let psi: Values = std::array::from_fn(|j| terms().map(|(k, share)| share * dual[k][j]).sum());
+        Part { node: facet[i], weight, slave: slave.collect(), master: on_master(cover, &psi, weight) }
+    };
+    kept.iter().map(part).collect()
+}
+
+/// `∫ ψ_k N_i dA / ∫ Ñ_k dA`, from the values of the shape functions `N_m = 2 Ñ_m`, `N_a = Ñ_a - ½ Σ Ñ_m`: 1 for the node itself; 2, -½, -½ of
+/// one between corners.
+fn on_slave(mesh: &Mesh, facet: &[usize], k: usize) -> Vec<(usize, f64)> {
+    match mesh.bent_edges(facet).into_iter().find(|[_, middle, _]| *middle == facet[k]) {
+        Some([a, middle, b]) => vec![(middle, 2.0), (a, -0.5), (b, -0.5)],
+        None => vec![(facet[k], 1.0)],
+    }
+}
+
+/// `∫ ψ N_k dA` without what is rounding; the largest takes what the others leave of the weight.
+fn on_master(cover: &Cover, psi: &Values, weight: f64) -> Vec<(usize, f64)> {
+    let integral = |(node, values): &(usize, Values)| {
+        let (sum, size) =
+            psi.iter().zip(values).fold((0.0, 0.0), |(sum, size), (a, c)| (sum + a * c, size + (a * c).abs()));
+        (sum.abs() > ROUNDING * size).then_some((*node, sum))
+    };
+    let mut master: Vec<(usize, f64)> = cover.cross.iter().filter_map(integral).collect();
+    let rest = weight - master.iter().map(|(_, value)| value).sum::<f64>();
+    if let Some((_, largest)) = master.iter_mut().max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs())) {
+        *largest += rest;
+    }
+    if let [(_, only)] = &mut master[..] {
+        *only = weight;
+    }
+    master
+}
+
+/// A, by elimination in the mass matrix with its diagonal scaled to 1: then a thin cover is no bad condition.
+fn dual(cover: &Cover, count: usize) -> Option<[Values; MOST]> {
+    let scale: Values = std::array::from_fn(|i| if i < count { cover.mass[i][i].sqrt().recip() } else { 0.0 });
+    let mut mass: [Values; MOST] =
+        std::array::from_fn(|i| std::array::from_fn(|j| cover.mass[i][j] * scale[i] * scale[j]));
+    let mut inverse: [Values; MOST] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    for k in 0..count {
+        let pivot = mass[k][k];
+        // Not a comparison the other way: what is not a number is no pivot.
+        if !(pivot > SINGULAR && pivot.is_finite()) {
+            return None;
+        }
+        for matrix in [&mut mass, &mut inverse] {
+            matrix[k] = matrix[k].map(|c| c / pivot);
+        }
+        for i in (0..count).filter(|&i| i != k) {
+            let factor = mass[i][k];
+            for matrix in [&mut mass, &mut inverse] {
+                let row = matrix[k];
+                matrix[i].iter_mut().zip(row).for_each(|(c, r)| *c -= factor * r);
+            }
+        }
+    }
+    Some(std::array::from_fn(|i| std::array::from_fn(|j| cover.functions[i] * scale[i] * inverse[i][j] * scale[j])))
+}

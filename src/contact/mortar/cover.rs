@@ -1,0 +1,193 @@
+//! The part of each slave facet that master facets are in front of: segments, and the integrals over them.
+
+use super::GapAt;
+use super::error::{MortarFault, place};
+use super::facet::{MOST, Plane, Values};
+use super::search::{Masters, least_distance};
+use super::segment::{Point, Rules, points, size};
+use crate::fem::bernstein;
+use crate::mesh::{Boundary, Facet, Mesh};
+use crate::vector::dot;
+
+/// A facet of which less than this share is covered has no part in the rows.
+const COVERED: f64 = 1e-10;
+
+/// A facet that is covered by more than this share of it beyond the whole is covered twice.
+const ROUNDING: f64 = 1e-9;
+
+/// The integrals over the covered part of a slave facet, with the functions Ñ of [`bernstein`] on the slave's side.
+pub(super) struct Cover {
+    /// The covered share of the facet.
+    pub share: f64,
+    /// The outward unit normal.
+    pub normal: [f64; 3],
+    /// `∫ Ñ_i dA`, m or m².
+    pub functions: Values,
+    /// `∫ Ñ_i Ñ_j dA`.
+    pub mass: [Values; MOST],
+    /// `∫ Ñ_i N_k dA` for each node k of the master, in ascending order.
+    pub cross: Vec<(usize, Values)>,
+}
+
+/// What master facets are in front of.
+pub(super) struct Covers {
+    /// Facet by facet of the slave.
+    pub facets: Vec<Cover>,
+    /// The facets of each segment: of the slave, of the master.
+    pub segments: Vec<[usize; 2]>,
+    /// `∫ N_k dA` over the segments, for the nodes of each facet of the master.
+    pub on_master: Vec<Values>,
+    /// The least and the largest gap at the integration points.
+    pub gaps: [GapAt; 2],
+}
+
+impl Covers {
+    pub(super) fn new(mesh: &Mesh, slave: &Boundary, master: &Boundary, search: f64) -> Result<Self, MortarFault> {
+        let (masters, rules) = (Masters::new(mesh, master), Rules::new());
+        let nowhere = |gap| GapAt { gap, at: [0.0; 3] };
+        let mut covers = Covers {
+            facets: Vec::with_capacity(slave.facets.len()),
+            segments: Vec::new(),
+            on_master: vec![[0.0; MOST]; master.facets.len()],
+            gaps: [nowhere(f64::INFINITY), nowhere(f64::NEG_INFINITY)],
+        };
+        for (e, facet) in slave.facets.iter().enumerate() {
+            let plane = Plane::of(mesh, facet);
+            let seen = plane.project(mesh, facet);
+            let whole = size(mesh.dimension, &seen);
+            let mut covered = 0.0;
+            let mut cover = Cover {
+                share: 0.0,
+                normal: plane.normal,
+                functions: [0.0; MOST],
+                mass: [[0.0; MOST]; MOST],
+                cross: Vec::new(),
+            };
+            for f in masters.facing(&mesh.points(facet), plane.normal, search) {
+                let points = points(mesh.dimension, &seen, whole, &plane.project(mesh, &master.facets[f]), &rules);
+                if points.is_empty() || points.iter().any(|point| !(point.gap.abs() <= search)) {
+                    continue;
+                }
+                covered += points.iter().map(|point| point.weight).sum::<f64>();
+                cover.add(mesh, facet, &master.facets[f], &points, &mut covers.on_master[f]);
+                covers.segments.push([e, f]);
+                covers.widen(mesh, facet, &points);
+            }
+            cover.share = covered / whole;
+            if cover.share > 1.0 + ROUNDING {
+                let [slave, master] = [slave, master].map(|side| side.name.clone());
+                let x = mesh.points(facet);
+                let centre = [0, 1, 2].map(|c| x.iter().map(|x| x[c]).sum::<f64>() / x.len() as f64);
+                return Err(MortarFault::TwoLayers { slave, master, at: place(mesh, centre) });
+            }
+            cover.finish(mesh, facet);
+            covers.facets.push(cover);
+        }
+        if covers.segments.is_empty() {
+            let (least, at) = least_distance(mesh, [slave, master]);
+            let [slave, master] = [slave, master].map(|side| side.name.clone());
+            return Err(MortarFault::NothingInFront { slave, master, search, least, at: place(mesh, at) });
+        }
+        Ok(covers)
+    }
+
+    fn widen(&mut self, mesh: &Mesh, facet: &[usize], points: &[Point]) {
+        for point in points {
+            let at = || position(mesh, facet, &point.slave);
+            if point.gap < self.gaps[0].gap {
+                self.gaps[0] = GapAt { gap: point.gap, at: at() };
+            }
+            if point.gap > self.gaps[1].gap {
+                self.gaps[1] = GapAt { gap: point.gap, at: at() };
+            }
+        }
+    }
+}
+
+impl Cover {
+    /// Whether so much is covered that there are rows.
+    pub(super) fn counts(&self) -> bool {
+        self.share > COVERED
+    }
+
+    /// Adds the integrals over a segment, with the shape functions of both facets.
+    fn add(&mut self, mesh: &Mesh, facet: &[usize], master: &[usize], points: &[Point], on_master: &mut Values) {
+        let mut cross = [[0.0; MOST]; MOST];
+        for point in points {
+            let weight = point.weight * mesh.geometry.depth(position(mesh, facet, &point.slave));
+            for i in 0..facet.len() {
+                let share = weight * point.slave[i];
+                self.functions[i] += share;
+                (0..facet.len()).for_each(|j| self.mass[i][j] += share * point.slave[j]);
+                (0..master.len()).for_each(|k| cross[k][i] += share * point.master[k]);
+            }
+            (0..master.len()).for_each(|k| on_master[k] += weight * point.master[k]);
+        }
+        self.cross.extend(master.iter().copied().zip(cross));
+    }
+
+    /// Puts Ñ in the place of the shape functions, and what belongs to one node of the master together.
+    fn finish(&mut self, mesh: &Mesh, facet: &[usize]) {
+        self.cross.sort_by_key(|(node, _)| *node);
+        self.cross.dedup_by(|(node, values), (last, sum)| {
+            let same = node == last;
+            if same {
+                sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += *value);
+            }
+            same
+        });
+        if !mesh.is_quadratic(facet) {
+            return;
+        }
+        raise(mesh, facet, &mut self.functions);
+        self.cross.iter_mut().for_each(|(_, values)| raise(mesh, facet, values));
+        for _ in 0..2 {
+            self.mass.iter_mut().for_each(|row| raise(mesh, facet, row));
+            let rows = self.mass;
+            self.mass = std::array::from_fn(|i| std::array::from_fn(|j| rows[j][i]));
+        }
+    }
+}
+
+/// Integrals with Ñ from those with the shape functions.
+fn raise(mesh: &Mesh, facet: &[usize], values: &mut Values) {
+    let raised = bernstein(mesh, facet, &values[..facet.len()]);
+    values[..facet.len()].copy_from_slice(&raised);
+}
+
+/// The point of a facet with these shape functions, m.
+pub(super) fn position(mesh: &Mesh, facet: &[usize], shape: &Values) -> [f64; 3] {
+    [0, 1, 2].map(|c| facet.iter().zip(shape).map(|(&node, n)| n * mesh.nodes[node][c]).sum())
+}
+
+/// The least gap of the segments, and where, when the nodes have moved by `u` (m): `ν · (x_m + u_m - x_s - u_s)` at the integration
+/// points.
+pub(super) fn least_gap(
+    mesh: &Mesh,
+    [slave, master]: [&[Facet]; 2],
+    segments: &[[usize; 2]],
+    u: &[[f64; 3]],
+) -> Option<GapAt> {
+    let rules = Rules::new();
+    let mut least: Option<GapAt> = None;
+    // Those of one slave facet follow each other.
+    for group in segments.chunk_by(|a, b| a[0] == b[0]) {
+        let facet = &slave[group[0][0]];
+        let plane = Plane::of(mesh, facet);
+        let seen = plane.project(mesh, facet);
+        let whole = size(mesh.dimension, &seen);
+        let moved = |facet: &[usize], shape: &Values| -> f64 {
+            let along = |node: usize| u.get(node).map_or(0.0, |u| dot(plane.normal, *u));
+            facet.iter().zip(shape).map(|(&node, n)| n * along(node)).sum()
+        };
+        for &[_, f] in group {
+            for point in points(mesh.dimension, &seen, whole, &plane.project(mesh, &master[f]), &rules) {
+                let gap = point.gap + moved(&master[f], &point.master) - moved(facet, &point.slave);
+                if least.is_none_or(|least| gap < least.gap) {
+                    least = Some(GapAt { gap, at: position(mesh, facet, &point.slave) });
+                }
+            }
+        }
+    }
+    least
+}

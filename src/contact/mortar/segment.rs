@@ -1,0 +1,189 @@
+//! Segments: the part of a slave facet that a master facet is in front of, and the points at which something is integrated there.
+
+use super::facet::{Flat, Projected, Values};
+
+/// A part of less than this share of the slave facet is rounding.
+const NO_PART: f64 = 1e-12;
+
+/// A point of a segment.
+pub(super) struct Point {
+    /// Length (m) or area (m²) in the plane of the slave facet.
+    pub weight: f64,
+    /// The shape functions of both facets.
+    pub slave: Values,
+    pub master: Values,
+    /// From the slave to the master along the normal of the slave, m.
+    pub gap: f64,
+}
+
+/// Gauss points on [-1, 1].
+const GAUSS: [(f64, f64); 3] = [
+    (-0.774_596_669_241_483_4, 0.555_555_555_555_555_6),
+    (0.0, 0.888_888_888_888_888_8),
+    (0.774_596_669_241_483_4, 0.555_555_555_555_555_6),
+];
+
+/// Six of them on [0, 1].
+const GAUSS6: [(f64, f64); 6] = [
+    (0.033_765_242_898_423_99, 0.085_662_246_189_585_17),
+    (0.169_395_306_766_867_74, 0.180_380_786_524_069_3),
+    (0.380_690_406_958_401_55, 0.233_956_967_286_345_52),
+    (0.619_309_593_041_598_5, 0.233_956_967_286_345_52),
+    (0.830_604_693_233_132_3, 0.180_380_786_524_069_3),
+    (0.966_234_757_101_576, 0.085_662_246_189_585_17),
+];
+
+/// The integration points of a triangle in barycentric coordinates, with weights that add up to 1.
+pub(super) struct Rules {
+    /// Exact for polynomials of degree five (Radon).
+    straight: Vec<([f64; 3], f64)>,
+    /// Exact for degree ten; for what local coordinates of bent facets make of polynomials.
+    bent: Vec<([f64; 3], f64)>,
+}
+
+impl Rules {
+    pub(super) fn new() -> Self {
+        let root = 15.0_f64.sqrt();
+        let orbit = |a: f64, weight: f64| {
+            let far = 1.0 - 2.0 * a;
+            [([a, a, far], weight), ([a, far, a], weight), ([far, a, a], weight)]
+        };
+        let mut straight = vec![([1.0 / 3.0; 3], 0.225)];
+        straight.extend(orbit((6.0 - root) / 21.0, (155.0 - root) / 1200.0));
+        straight.extend(orbit((6.0 + root) / 21.0, (155.0 + root) / 1200.0));
+        let bent = GAUSS6
+            .into_iter()
+            .flat_map(|(a, w_a)| GAUSS6.map(|(b, w_b)| ([1.0 - a, a * (1.0 - b), a * b], 2.0 * w_a * w_b * a)));
+        Rules { straight, bent: bent.collect() }
+    }
+}
+
+/// The length or area of a facet in its own plane, m or m².
+pub(super) fn size(dimension: usize, facet: &Projected) -> f64 {
+    if dimension == 2 {
+        let [from, to] = facet.ends();
+        return (to - from).abs();
+    }
+    facet.polygons().iter().map(|polygon| area(polygon)).sum()
+}
+
+/// The points of the segment that the slave facet of this `size` and a master facet have in common; none where they have no part,
+/// or a facet is folded there.
+pub(super) fn points(dimension: usize, slave: &Projected, size: f64, master: &Projected, rules: &Rules) -> Vec<Point> {
+    let places = if dimension == 2 {
+        overlap(slave, size, master)
+    } else {
+        common(slave, size, master, if slave.straight && master.straight { &rules.straight } else { &rules.bent })
+    };
+    let point = |(y, weight): (Flat, f64)| {
+        let (slave_shape, master_shape) = (slave.shape_at(y)?, master.shape_at(y)?);
+        let gap = master.height(&master_shape) - slave.height(&slave_shape);
+        Some(Point { weight, slave: slave_shape, master: master_shape, gap })
+    };
+    places.into_iter().map(point).collect::<Option<Vec<Point>>>().unwrap_or_default()
+}
+
+/// Along a line.
+fn overlap(slave: &Projected, size: f64, master: &Projected) -> Vec<(Flat, f64)> {
+    let ([a, b], [c, d]) = (slave.ends(), master.ends());
+    let (from, to) = (a.min(b).max(c.min(d)), a.max(b).min(c.max(d)));
+    // Not a comparison the other way: nothing is in common with what is not a number.
+    if !(to - from > NO_PART * size) {
+        return Vec::new();
+    }
+    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+    GAUSS.map(|(x, weight)| ([middle + x * half, 0.0], weight * half)).into()
+}
+
+/// In a plane: fans of triangles around the middles of the polygons.
+fn common(slave: &Projected, size: f64, master: &Projected, rule: &[([f64; 3], f64)]) -> Vec<(Flat, f64)> {
+    let mut places = Vec::new();
+    let masters = master.polygons();
+    for window in slave.polygons().iter().filter(|polygon| area(polygon) > 0.0) {
+        for polygon in &masters {
+            // What faces the slave is seen the other way round.
+            let seen: Vec<Flat> = polygon.iter().rev().copied().collect();
+            if !(area(&seen) > 0.0) {
+                continue;
+            }
+            let part = clip(seen, window);
+            if !(area(&part) > NO_PART * size) {
+                continue;
+            }
+            let middle = [0, 1].map(|c| part.iter().map(|x| x[c]).sum::<f64>() / part.len() as f64);
+            for (k, &a) in part.iter().enumerate() {
+                let b = part[(k + 1) % part.len()];
+                let triangle = area(&[middle, a, b]);
+                if triangle > 0.01 * NO_PART * size {
+                    let at = |l: &[f64; 3]| [0, 1].map(|c| l[0] * middle[c] + l[1] * a[c] + l[2] * b[c]);
+                    places.extend(rule.iter().map(|(l, weight)| (at(l), weight * triangle)));
+                }
+            }
+        }
+    }
+    places
+}
+
+/// The area of a polygon, positive where it is counterclockwise.
+fn area(polygon: &[Flat]) -> f64 {
+    let Some(&[x, y]) = polygon.first() else { return 0.0 };
+    let next = polygon.iter().skip(1);
+    0.5 * polygon.iter().zip(next).map(|(a, b)| (a[0] - x) * (b[1] - y) - (b[0] - x) * (a[1] - y)).sum::<f64>()
+}
+
+/// The part of a polygon that is in a convex counterclockwise `window` (Sutherland and Hodgman 1974).
+fn clip(polygon: Vec<Flat>, window: &[Flat]) -> Vec<Flat> {
+    let mut part = polygon;
+    for (k, a) in window.iter().enumerate() {
+        let b = window[(k + 1) % window.len()];
+        let side = |x: &Flat| (b[0] - a[0]) * (x[1] - a[1]) - (b[1] - a[1]) * (x[0] - a[0]);
+        let mut inside = Vec::with_capacity(part.len() + 1);
+        let Some(mut last) = part.last().copied() else { return part };
+        let mut last_side = side(&last);
+        for x in part {
+            let x_side = side(&x);
+            if (x_side >= 0.0) != (last_side >= 0.0) {
+                let share = last_side / (last_side - x_side);
+                inside.push([0, 1].map(|c| last[c] + (x[c] - last[c]) * share));
+            }
+            if x_side >= 0.0 {
+                inside.push(x);
+            }
+            (last, last_side) = (x, x_side);
+        }
+        part = inside;
+    }
+    part
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polygons_are_clipped() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let moved = |d: Flat| square.map(|x| [x[0] + d[0], x[1] + d[1]]).to_vec();
+        assert_eq!(area(&clip(moved([0.0, 0.0]), &square)), 1.0);
+        assert_eq!(area(&clip(moved([0.25, 0.5]), &square)), 0.375);
+        assert_eq!(area(&clip(moved([1.0, 0.0]), &square)), 0.0);
+        assert!(clip(moved([1.5, 0.0]), &square).is_empty());
+        let diamond = vec![[0.5, -0.25], [1.25, 0.5], [0.5, 1.25], [-0.25, 0.5]];
+        let part = clip(diamond, &square);
+        assert!(part.len() == 8 && (area(&part) - 0.875).abs() < 1e-15, "{part:?}");
+    }
+
+    /// `∫ x^a y^b = a! b! / (a + b + 2)!` over the unit triangle.
+    #[test]
+    fn rules_are_exact() {
+        let rules = Rules::new();
+        let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
+        for (rule, degree) in [(&rules.straight, 5), (&rules.bent, 10)] {
+            for (a, b) in (0..=degree).flat_map(|a| (0..=degree - a).map(move |b| (a, b))) {
+                let sum: f64 = rule.iter().map(|([_, x, y], w)| 0.5 * w * x.powi(a) * y.powi(b)).sum();
+                let exact = factorial(a) * factorial(b) / factorial(a + b + 2);
+                assert!((sum - exact).abs() < 1e-15, "{a} {b}");
+            }
+        }
+    }
+}
