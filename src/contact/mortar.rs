@@ -57,7 +57,7 @@ pub struct Mortar {
     pub gaps: [GapAt; 2],
     /// How far was looked for the master, m.
     pub search: f64,
-    /// `∫ N_k dA` over the covered part for the nodes of the master (Bernstein's polynomials on facets of second order), m or m², all
+    /// `∫ Ñ_k dA` over the covered part for the nodes of the master, m or m², all
     /// around in a body of revolution; by ascending node, without nodes of which next to nothing is covered.
     pub master_weights: Vec<(usize, f64)>,
     /// The facets of each segment: of the slave, of the master.
@@ -123,10 +123,13 @@ impl Mortar {
         let opposite = normals::nodal(mesh, master, held)?;
         let covers = Covers::new(mesh, slave, master, search)?;
         let lost = lost(mesh, slave, master, &covers.facets, &normals, held);
+        let mut edges = edges_of(mesh, &slave.facets);
+        edges.extend(edges_of(mesh, &master.facets));
         let mut sums = BTreeMap::<usize, Sum>::new();
         for (facet, cover) in slave.facets.iter().zip(&covers.facets) {
-            for part in basis::parts(mesh, facet, cover, &lost) {
-                sums.entry(part.node).or_default().add(mesh, facet, cover, part);
+            for part in basis::parts(facet, cover, &lost) {
+                let along = (!mesh.is_quadratic(facet)).then_some(cover.normal);
+                sums.entry(part.node).or_default().add(mesh, &edges, along, part);
             }
             for (k, values) in cover.cross.iter().filter(|_| options.direction.is_none()) {
                 for (node, value) in facet.iter().zip(values) {
@@ -183,10 +186,8 @@ impl Mortar {
                 *sum = plus(*sum, -share, *force);
             }
         }
-        let edges: BTreeSet<[usize; 3]> = (self.facets[1].iter().flat_map(|facet| mesh.bent_edges(facet)))
-            .map(|[a, middle, b]| [middle, a.min(b), a.max(b)])
-            .collect();
-        for [middle, a, b] in edges {
+        let edges = edges_of(mesh, &self.facets[1]);
+        for (middle, [a, b]) in edges {
             let Some(force) = nodal.get(&middle).copied() else { continue };
             for (node, share) in [(middle, -0.5), (a, 0.25), (b, 0.25)] {
                 let sum = nodal.entry(node).or_default();
@@ -197,6 +198,29 @@ impl Mortar {
             |&(node, weight): &(usize, f64)| (node, nodal.get(&node).map_or([0.0; 3], |f| f.map(|c| c / weight)));
         self.master_weights.iter().map(traction).collect()
     }
+}
+
+/// The ends of the edge of each node between corners.
+type Edges = BTreeMap<usize, [usize; 2]>;
+
+fn edges_of(mesh: &Mesh, facets: &[Facet]) -> Edges {
+    facets.iter().flat_map(|facet| mesh.bent_edges(facet)).map(|[a, middle, b]| (middle, [a, b])).collect()
+}
+
+/// Integrals with the shape functions from `terms`, those with Ñ: `N_m = 2 Ñ_m` between the corners a and b, `N_a = Ñ_a - ½ Σ Ñ_m`.
+fn nodal(terms: Vec<(usize, f64)>, edges: &Edges) -> BTreeMap<usize, f64> {
+    let mut nodal = BTreeMap::new();
+    for (node, value) in terms {
+        let mut add = |node: usize, value: f64| *nodal.entry(node).or_default() += value;
+        match edges.get(&node) {
+            Some(ends) => {
+                add(node, 2.0 * value);
+                ends.iter().for_each(|&end| add(end, -0.5 * value));
+            }
+            None => add(node, value),
+        }
+    }
+    nodal
 }
 
 /// What the facets at a node add up to.
@@ -213,21 +237,19 @@ struct Sum {
 }
 
 impl Sum {
-    fn add(&mut self, mesh: &Mesh, facet: &[usize], cover: &Cover, part: basis::Part) {
-        // From the node itself: then what it has in common with its twin is left out exactly.
-        let mean = |from: [f64; 3], (node, value): &(usize, f64), sign: f64| {
-            plus(from, sign * value, minus(mesh.nodes[*node], mesh.nodes[part.node]))
+    fn add(&mut self, mesh: &Mesh, edges: &Edges, along: Option<[f64; 3]>, part: basis::Part) {
+        let basis::Part { node, weight, slave, master } = part;
+        let [slave, master] = [slave, master].map(|terms| nodal(terms, edges));
+        // Seen from the node itself, what is one with it adds nothing.
+        let mean = |terms: &BTreeMap<usize, f64>| {
+            let to = |other: usize| minus(mesh.nodes[other], mesh.nodes[node]);
+            terms.iter().fold([0.0; 3], |sum, (&other, value)| plus(sum, value / weight, to(other)))
         };
-        let apart = part.master.iter().fold([0.0; 3], |sum, term| mean(sum, term, 1.0));
-        let apart = part.slave.iter().fold(apart, |sum, term| mean(sum, term, -1.0)).map(|c| c / part.weight);
-        let apart = match &part.master[..] {
-            [(only, _)] if part.slave.len() == 1 => minus(mesh.nodes[*only], mesh.nodes[part.node]),
-            _ => apart,
-        };
-        self.gaps.push((part.weight, apart, (!mesh.is_quadratic(facet)).then_some(cover.normal)));
-        self.weight += part.weight;
-        part.slave.into_iter().for_each(|(node, value)| *self.slave.entry(node).or_default() += value);
-        part.master.into_iter().for_each(|(node, value)| *self.master.entry(node).or_default() += value);
+        self.gaps.push((weight, minus(mean(&master), mean(&slave)), along));
+        self.weight += weight;
+        for (sums, terms) in [(&mut self.slave, slave), (&mut self.master, master)] {
+            terms.into_iter().for_each(|(node, value)| *sums.entry(node).or_default() += value);
+        }
     }
 
     fn row(self, node: usize, normal: [f64; 3]) -> MortarRow {
@@ -261,7 +283,7 @@ fn lost(
         for (&node, weight) in facet.iter().zip(bernstein(mesh, facet, &facet_weights(mesh, facet))) {
             *whole.entry(node).or_default() += weight;
         }
-        for part in basis::parts(mesh, facet, cover, &lost) {
+        for part in basis::parts(facet, cover, &lost) {
             *covered.entry(part.node).or_default() += part.weight;
         }
     }
@@ -272,9 +294,8 @@ fn lost(
 fn master_weights(mesh: &Mesh, master: &Boundary, covers: &Covers) -> Vec<(usize, f64)> {
     let mut weights = BTreeMap::<usize, [f64; 2]>::new();
     for (facet, values) in master.facets.iter().zip(&covers.on_master) {
-        let covered = bernstein(mesh, facet, &values[..facet.len()]);
         let whole = bernstein(mesh, facet, &facet_weights(mesh, facet));
-        for (&node, both) in facet.iter().zip(covered.into_iter().zip(whole)) {
+        for (&node, both) in facet.iter().zip(values.iter().zip(whole)) {
             let sum = weights.entry(node).or_default();
             *sum = [sum[0] + both.0, sum[1] + both.1];
         }

@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 
 use super::cover::Cover;
 use super::facet::{MOST, Values};
-use crate::mesh::Mesh;
 
 /// What is this small beside the terms that it is the sum of is rounding.
 const ROUNDING: f64 = 1e-13;
@@ -17,9 +16,9 @@ pub(super) struct Part {
     pub node: usize,
     /// `∫ ψ_j dA`, m or m².
     pub weight: f64,
-    /// `∫ ψ_j N_i dA` for nodes of the facet.
+    /// `∫ ψ_j Ñ_i dA` for nodes of the facet.
     pub slave: Vec<(usize, f64)>,
-    /// `∫ ψ_j N_k dA` for nodes of the master, in ascending order; what adds up to the weight.
+    /// `∫ ψ_j Ñ_k dA` for nodes of the master, in ascending order; they add up to the weight.
     pub master: Vec<(usize, f64)>,
 }
 
@@ -31,33 +30,21 @@ pub(super) struct Part {
 ///
 /// all over the covered part of the facet. Those of nodes that are lost are added in equal parts to those of the others. None where
 /// the cover is too thin to tell the functions apart.
-pub(super) fn parts(mesh: &Mesh, facet: &[usize], cover: &Cover, lost: &BTreeSet<usize>) -> Vec<Part> {
+pub(super) fn parts(facet: &[usize], cover: &Cover, lost: &BTreeSet<usize>) -> Vec<Part> {
     let (kept, gone): (Vec<usize>, Vec<usize>) = (0..facet.len()).partition(|&i| !lost.contains(&facet[i]));
     let Some(dual) = dual(cover, facet.len()).filter(|_| cover.counts() && !kept.is_empty()) else { return Vec::new() };
     let share = 1.0 / kept.len() as f64;
     let part = |&i: &usize| {
         let terms = || std::iter::once((i, 1.0)).chain(gone.iter().map(|&k| (k, share)));
         let weight = terms().map(|(k, share)| share * cover.functions[k]).sum();
-        let slave = terms().flat_map(|(k, share)| {
-            let own = share * cover.functions[k];
-            on_slave(mesh, facet, k).into_iter().map(move |(node, c)| (node, c * own))
-        });
+        let slave = terms().map(|(k, share)| (facet[k], share * cover.functions[k]));
         let psi: Values = std::array::from_fn(|j| terms().map(|(k, share)| share * dual[k][j]).sum());
         Part { node: facet[i], weight, slave: slave.collect(), master: on_master(cover, &psi, weight) }
     };
     kept.iter().map(part).collect()
 }
 
-/// `∫ ψ_k N_i dA / ∫ Ñ_k dA`, from the values of the shape functions `N_m = 2 Ñ_m`, `N_a = Ñ_a - ½ Σ Ñ_m`: 1 for the node itself; 2, -½, -½ of
-/// one between corners.
-fn on_slave(mesh: &Mesh, facet: &[usize], k: usize) -> Vec<(usize, f64)> {
-    match mesh.bent_edges(facet).into_iter().find(|[_, middle, _]| *middle == facet[k]) {
-        Some([a, middle, b]) => vec![(middle, 2.0), (a, -0.5), (b, -0.5)],
-        None => vec![(facet[k], 1.0)],
-    }
-}
-
-/// `∫ ψ N_k dA` without what is rounding; the largest takes what the others leave of the weight.
+/// `∫ ψ Ñ_k dA` without what is rounding; the largest takes what the others leave of the weight.
 fn on_master(cover: &Cover, psi: &Values, weight: f64) -> Vec<(usize, f64)> {
     let integral = |(node, values): &(usize, Values)| {
         let (sum, size) =

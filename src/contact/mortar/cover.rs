@@ -15,7 +15,7 @@ const COVERED: f64 = 1e-10;
 /// A facet that is covered by more than this share of it beyond the whole is covered twice.
 const ROUNDING: f64 = 1e-9;
 
-/// The integrals over the covered part of a slave facet, with the functions Ñ of [`bernstein`] on the slave's side.
+/// The integrals over the covered part of a slave facet, with the functions Ñ of [`bernstein`] on both sides.
 pub(super) struct Cover {
     /// The covered share of the facet.
     pub share: f64,
@@ -25,7 +25,7 @@ pub(super) struct Cover {
     pub functions: Values,
     /// `∫ Ñ_i Ñ_j dA`.
     pub mass: [Values; MOST],
-    /// `∫ Ñ_i N_k dA` for each node k of the master, in ascending order.
+    /// `∫ Ñ_i Ñ_k dA` for each node k of the master, in ascending order.
     pub cross: Vec<(usize, Values)>,
 }
 
@@ -35,7 +35,7 @@ pub(super) struct Covers {
     pub facets: Vec<Cover>,
     /// The facets of each segment: of the slave, of the master.
     pub segments: Vec<[usize; 2]>,
-    /// `∫ N_k dA` over the segments, for the nodes of each facet of the master.
+    /// `∫ Ñ_k dA` over the segments, for the nodes of each facet of the master.
     pub on_master: Vec<Values>,
     /// The least and the largest gap at the integration points.
     pub gaps: [GapAt; 2],
@@ -80,7 +80,7 @@ impl Covers {
                 let centre = [0, 1, 2].map(|c| x.iter().map(|x| x[c]).sum::<f64>() / x.len() as f64);
                 return Err(MortarFault::TwoLayers { slave, master, at: place(mesh, centre) });
             }
-            cover.finish(mesh, facet);
+            cover.finish();
             covers.facets.push(cover);
         }
         if covers.segments.is_empty() {
@@ -110,24 +110,25 @@ impl Cover {
         self.share > COVERED
     }
 
-    /// Adds the integrals over a segment, with the shape functions of both facets.
+    /// Adds the integrals over a segment.
     fn add(&mut self, mesh: &Mesh, facet: &[usize], master: &[usize], points: &[Point], on_master: &mut Values) {
         let mut cross = [[0.0; MOST]; MOST];
         for point in points {
             let weight = point.weight * mesh.geometry.depth(position(mesh, facet, &point.slave));
-            for i in 0..facet.len() {
-                let share = weight * point.slave[i];
+            let (slave, master) = (raised(mesh, facet, point.slave), raised(mesh, master, point.master));
+            for (i, n) in slave.iter().enumerate() {
+                let share = weight * n;
                 self.functions[i] += share;
-                (0..facet.len()).for_each(|j| self.mass[i][j] += share * point.slave[j]);
-                (0..master.len()).for_each(|k| cross[k][i] += share * point.master[k]);
+                self.mass[i].iter_mut().zip(&slave).for_each(|(sum, n)| *sum += share * n);
+                cross.iter_mut().zip(&master).for_each(|(sums, n)| sums[i] += share * n);
             }
-            (0..master.len()).for_each(|k| on_master[k] += weight * point.master[k]);
+            on_master.iter_mut().zip(&master).for_each(|(sum, n)| *sum += weight * n);
         }
         self.cross.extend(master.iter().copied().zip(cross));
     }
 
-    /// Puts Ñ in the place of the shape functions, and what belongs to one node of the master together.
-    fn finish(&mut self, mesh: &Mesh, facet: &[usize]) {
+    /// Puts what belongs to one node of the master together.
+    fn finish(&mut self) {
         self.cross.sort_by_key(|(node, _)| *node);
         self.cross.dedup_by(|(node, values), (last, sum)| {
             let same = node == last;
@@ -136,23 +137,16 @@ impl Cover {
             }
             same
         });
-        if !mesh.is_quadratic(facet) {
-            return;
-        }
-        raise(mesh, facet, &mut self.functions);
-        self.cross.iter_mut().for_each(|(_, values)| raise(mesh, facet, values));
-        for _ in 0..2 {
-            self.mass.iter_mut().for_each(|row| raise(mesh, facet, row));
-            let rows = self.mass;
-            self.mass = std::array::from_fn(|i| std::array::from_fn(|j| rows[j][i]));
-        }
     }
 }
 
-/// Integrals with Ñ from those with the shape functions.
-fn raise(mesh: &Mesh, facet: &[usize], values: &mut Values) {
-    let raised = bernstein(mesh, facet, &values[..facet.len()]);
-    values[..facet.len()].copy_from_slice(&raised);
+/// Ñ in the place of the shape functions.
+fn raised(mesh: &Mesh, facet: &[usize], mut shape: Values) -> Values {
+    if mesh.is_quadratic(facet) {
+        let raised = bernstein(mesh, facet, &shape[..facet.len()]);
+        shape[..facet.len()].copy_from_slice(&raised);
+    }
+    shape
 }
 
 /// The point of a facet with these shape functions, m.
