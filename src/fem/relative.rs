@@ -225,8 +225,11 @@ fn in_order(nodes: &[Relative]) -> Result<Vec<usize>, Ring> {
         }
         next += 1;
     }
-    match waits.iter().find(|(_, count)| **count > 0) {
-        Some((&node, _)) => Err(Ring(node)),
-        None => Ok(order),
+    let Some(mut node) = waits.iter().find(|(_, count)| **count > 0).map(|(node, _)| *node) else { return Ok(order) };
+    // Whoever waits for ever waits for one who does, so that the way from one to the next ends in a ring.
+    for _ in 0..all.len() {
+        let next = all[&node].others.iter().map(|(other, _)| *other).find(|other| waits.get(other).is_some_and(|n| *n > 0));
+        node = next.unwrap_or(node);
     }
+    Err(Ring(node))
 }

@@ -1,0 +1,135 @@
+//! Bodies in front of several others.
+
+use crate::common::pairs::{solved, solver};
+use crate::common::{Keep, difference};
+use stickslip::contact::Obstacle;
+use stickslip::description::{Axis, Description, Load, Support};
+use stickslip::fem::{Material, MaterialGroup};
+use stickslip::history::{LinearAlgebra, Method};
+use stickslip::linear::{SparseCholesky, SparseLu};
+use stickslip::mesh::{Body, MeshSource};
+use stickslip::model::Model;
+use stickslip::timeline::equal_increments;
+
+const CONDENSED: LinearAlgebra = LinearAlgebra::Condensed(SparseCholesky::Cholmod);
+
+/// All ways to solve.
+const WAYS: [(Method, LinearAlgebra); 5] = [
+    (Method::BN, CONDENSED),
+    (Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack)),
+    (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
+    (Method::IP, LinearAlgebra::Whole(SparseLu::Umfpack)),
+    (Method::IP, CONDENSED),
+];
+
+/// Blocks of the same material, each with its name, place, size and elements.
+fn blocks(blocks: &[(&str, [f64; 2], [f64; 2], [usize; 2])], times: Vec<f64>) -> Description {
+    let mut material = Material::new(70e9, 0.3);
+    let group = |name: &str| MaterialGroup { name: name.into(), young: 70e9, poisson: 0.3, ..MaterialGroup::default() };
+    material.groups = blocks.iter().map(|(name, ..)| group(name)).collect();
+    let body = |(name, at, size, elements): &(&str, [f64; 2], [f64; 2], [usize; 2])| {
+        Body::new(name, MeshSource::block(*size, *elements)).at(*at)
+    };
+    Description::new(MeshSource::Bodies(blocks.iter().map(body).collect()), material, times)
+}
+
+/// Four blocks around a point, whose meshes do not match.
+fn four(pairs: [[&str; 2]; 4], friction: f64) -> Description {
+    let all = [
+        ("a", [0.0, 0.0], [0.5, 0.5], [3, 4]),
+        ("b", [0.5, 0.0], [0.5, 0.5], [4, 5]),
+        ("c", [0.0, 0.5], [0.5, 0.5], [5, 3]),
+        ("d", [0.5, 0.5], [0.5, 0.5], [2, 3]),
+    ];
+    let body = pairs.iter().fold(blocks(&all, vec![1.0]), |body, [slave, master]| body.pair(slave, friction, *master));
+    let pressed = [("b:right", [-1e7, 0.0]), ("d:right", [-1e7, 0.0]), ("c:top", [0.0, -1e7]), ("d:top", [0.0, -1e7])];
+    pressed.iter().fold(body, |body, (boundary, traction)| body.load(Load::new(boundary, traction)))
+        .support("a:left", &[Axis::X])
+        .support("c:left", &[Axis::X])
+        .support("a:bottom", &[Axis::Y])
+        .support("b:bottom", &[Axis::Y])
+}
+
+/// At the point where all meet nodes are slaves in one pair and masters in another, and one is a slave in two.
+#[test]
+fn four_blocks_around_a_point() {
+    let pairs = [["b:left", "a:right"], ["c:bottom", "a:top"], ["d:left", "c:right"], ["d:bottom", "b:top"]];
+    for friction in [0.0, 0.3] {
+        let model = Model::build(&four(pairs, friction)).unwrap();
+        for (method, linear) in WAYS {
+            let state = solved(&model, solver(method, linear), &mut ()).state;
+            let u = model.displacements(1.0, &state.u).unwrap();
+            for stress in model.centre_stresses(1.0, &u).unwrap() {
+                let off = [stress[0] / 1e7 + 1.0, stress[1] / 1e7 + 1.0, stress[3] / 1e7];
+                assert!(off.iter().all(|off| off.abs() < 1e-9), "{method:?} {linear:?} {friction} {off:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rings_of_bodies_are_refused() {
+    let ring = [["c:bottom", "a:top"], ["a:right", "b:left"], ["b:top", "d:bottom"], ["d:left", "c:right"]];
+    let error = Model::build(&four(ring, 0.0)).unwrap_err().to_string();
+    assert!(error.contains("the node at (0.5, 0.5)") && error.contains(".against"), "{error}");
+}
+
+/// A tower between rigid walls that only contact holds, with friction everywhere, pressed and sheared.
+#[test]
+fn a_tower_between_obstacles() {
+    let tower = [
+        ("low", [0.0, 0.0], [1.0, 0.4], [5, 2]),
+        ("middle", [0.1, 0.4], [0.7, 0.3], [6, 3]),
+        ("high", [0.0, 0.7], [1.0, 0.3], [4, 2]),
+    ];
+    let slide = [(0.0, [0.0, 0.0].into()), (2.0, [0.0, 0.0].into()), (6.0, [3e-5, 0.0].into()), (10.0, [-1e-5, 0.0].into())];
+    let above = Obstacle { translation: Some(slide.to_vec()), ..Obstacle::plane(0.0) };
+    let body = blocks(&tower, equal_increments(10.0, 10))
+        .contact("low:bottom", 0.6, Obstacle::plane(0.0))
+        .pair("middle:bottom", 0.2, "low:top")
+        .pair("middle:top", 0.3, "high:bottom")
+        .contact("high:top", 0.5, above.approaching(&[[0.0, 0.0], [2.0, 1e-4], [10.0, 1e-4]]));
+    let model = Model::build(&body).unwrap();
+    assert_eq!(model.rigid_motions.len(), 9);
+    let run = |(method, linear)| {
+        let mut keep = Keep::default();
+        solved(&model, solver(method, linear), &mut keep);
+        keep.states
+    };
+    let all = WAYS.map(run);
+    for (states, way) in all[1..].iter().zip(&WAYS[1..]) {
+        let apart = difference(&all[0], states);
+        assert!(apart < 1e-7, "{way:?} {apart:e}");
+    }
+}
+
+/// One body pressed into the other by moving the supports of either is the same but for a motion of the whole.
+#[test]
+fn it_does_not_matter_which_support_moves() {
+    let pressed = |upper: [f64; 2], lower: [f64; 2]| {
+        let all = [("low", [0.0, 0.0], [1.0, 0.4], [5, 2]), ("high", [0.0, 0.4], [1.0, 0.3], [4, 2])];
+        let body = blocks(&all, equal_increments(2.0, 4))
+            .pair("high:bottom", 0.3, "low:top")
+            .held(Support::new("high:top", &[Axis::X, Axis::Y]).moved(&upper))
+            .held(Support::new("high:left", &[Axis::X]).moved(&upper[..1]))
+            .held(Support::new("low:left", &[Axis::X]).moved(&lower[..1]))
+            .held(Support::new("low:bottom", &[Axis::X, Axis::Y]).moved(&lower));
+        let model = Model::build(&body).unwrap();
+        let state = solved(&model, solver(Method::BN, CONDENSED), &mut ()).state;
+        let balance = model.balance(2.0, &state).unwrap();
+        assert!(balance.closure < 1e-11, "{balance:?}");
+        let u = model.displacements(2.0, &state.u).unwrap();
+        (state, u)
+    };
+    let (reference, u) = pressed([2e-5, -1e-4], [0.0, 0.0]);
+    assert!(reference.p_t.iter().any(|p| *p != 0.0));
+    for lower in [[-2e-5, 1e-4], [1.0, 2.0], [1e-5, -1e-3]] {
+        let (state, moved) = pressed([2e-5 + lower[0], -1e-4 + lower[1]], lower);
+        let largest = reference.p_n.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / largest;
+        let apart = apart(&reference.p_n, &state.p_n).max(apart(&reference.p_t, &state.p_t));
+        assert!(apart < 1e-9, "{lower:?} {apart:e}");
+        let off = u.iter().zip(&moved).map(|(a, b)| (b[0] - a[0] - lower[0]).hypot(b[1] - a[1] - lower[1]));
+        assert!(off.fold(0.0, f64::max) < 1e-14, "{lower:?}");
+    }
+}
