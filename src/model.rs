@@ -14,7 +14,7 @@ mod stress;
 mod support;
 
 pub use balance::{Balance, Wrench};
-pub use pair::Pair;
+pub use pair::{Pair, Slid};
 
 use std::sync::Arc;
 
@@ -164,7 +164,7 @@ impl Model {
         // What supports move beyond the body comes as forces on the rest of it, and as gaps.
         for moved in &moved {
             cases.push(LoadCase::new(dofs.forces(moved.forces(&mesh, &rows, &springs)), moved.history.clone())?);
-            let beyond: Vec<_> = contacts.iter().map(|contact| moved.beyond_contact(&rows, contact)).collect();
+            let beyond: Vec<_> = contacts.iter().map(|contact| moved.beyond_contact(&rows, &dofs, contact)).collect();
             if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
                 let gap = beyond.iter().map(|[n, ..]| -n).collect();
                 let drift = beyond.iter().map(|[_, t, o]| [-t, -o]).collect();

@@ -15,7 +15,7 @@ use stickslip::history;
 use stickslip::mesh::{CellKind, HalfPlane, MeshSource, Segment};
 use stickslip::model::Model;
 use stickslip::problem::ProblemError;
-use stickslip::report::Warning;
+use stickslip::report::{PairRecord, Warning};
 use stickslip::run::{RunError, discretise};
 use stickslip::scene::Scene;
 use stickslip::solvability::{Conditions, rigid_equilibrium};
@@ -171,6 +171,27 @@ fn body(scene: &Scene, model: &Model) {
     }
 }
 
+/// What the meshes of bodies in front of each other have in common.
+fn pairs(model: &Model) {
+    let units = model.units();
+    let length = |x: f64| format!("{:e} {}", units.number(Quantity::Length, x), units.name(Quantity::Length));
+    for (pair, record) in model.pairs.iter().zip(PairRecord::all(model)) {
+        let PairRecord { slave, master, reason, glued, rows, segments, covered, least_gap, largest_gap, .. } = record;
+        let glued = if glued { ", glued" } else { "" };
+        say!("pair         {slave} (slave) against {master}{glued}: {rows} rows, {segments} segments");
+        if let Some(reason) = reason {
+            say!("             {slave} is the slave: {reason}");
+        }
+        let largest = pair.mortar.rows.iter().flat_map(|row| &row.master).fold(0.0_f64, |m, (_, c)| m.max(*c));
+        say!(
+            "             {:.0} % of it covered, gaps {} to {}, largest share of a master node {largest:.3}",
+            100.0 * covered,
+            length(least_gap),
+            length(largest_gap)
+        );
+    }
+}
+
 fn contacts(scene: &Scene, model: &Model) {
     for boundary in &model.contact_boundaries {
         let contact = &scene.description.contacts[boundary.contact];
@@ -181,6 +202,9 @@ fn contacts(scene: &Scene, model: &Model) {
         };
         let changing = contact.friction_history.as_ref().map(|history| points(history, |factor| factor[0].to_string()));
         let mu = changing.map_or(mu.clone(), |factors| format!("{mu}, times {factors}"));
+        if let Some(pair) = boundary.pair {
+            say!("contact      {} against {}, mu = {mu}", model.pairs[pair].slave, model.pairs[pair].master);
+        }
         if several {
             say!("contact      {}: {} obstacles, mu = {mu}", contact.boundary, contact.obstacles().len());
         }
@@ -201,6 +225,7 @@ fn contacts(scene: &Scene, model: &Model) {
             say!("             {} nodes that no obstacle ever reaches stay open", boundary.beyond);
         }
     }
+    pairs(model);
     let layout = Layout::new(&model.problem);
     say!("unknowns     {} displacements u", layout.displacements());
     match (layout.contacts(), layout.tangentials()) {

@@ -5,7 +5,10 @@ use super::mortar::MortarRow;
 use super::obstacle::{Facing, first_tangent};
 use crate::fem::{Dofs, Relative};
 use crate::mesh::Mesh;
-use crate::vector::{across, cross, plus, unit};
+use crate::vector::{across, cross, norm, plus, unit};
+
+/// A tangent that is shorter after its projection is almost the normal there.
+const LEANS: f64 = 0.1;
 
 /// What makes the node of `row` relative to the others in it, see [`Relative`]; glued, it is tied to them.
 pub fn relative(row: &MortarRow, glued: bool) -> Relative {
@@ -32,15 +35,17 @@ pub fn coupled_nodes(
             2 => [-normal[1], normal[0], 0.0],
             _ => across(first, normal),
         };
-        let first = if crate::vector::norm(first) > 0.1 { unit(first) } else { first_tangent(normal) };
+        let first = if norm(first) > LEANS { unit(first) } else { first_tangent(normal) };
         let frame = [first, cross(normal, first)];
         let mut facing = Facing { gap: gap(row), normal, tangents: frame, inward: normal };
         let held: Vec<[f64; 3]> = dofs.held(row.node).collect();
         let tangents = tangents(&held, &facing);
         facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
-        let own = row.slave.iter().map(|&(node, c)| (node, mesh.nodes[node], c));
-        let other = row.master.iter().map(|&(node, c)| (node, mesh.nodes[node], -c));
-        let coupled = Coupled { pair, relative: relative(row.node), nodes: own.chain(other).collect() };
+        let nodes = |side: &[(usize, f64)], sign: f64| {
+            side.iter().map(|&(node, c)| (node, mesh.nodes[node], sign * c)).collect::<Vec<_>>()
+        };
+        let (slave, master) = (nodes(&row.slave, 1.0), nodes(&row.master, -1.0));
+        let coupled = Coupled { pair, relative: relative(row.node), slave, master };
         let contact = ContactNode {
             node: row.node,
             position: mesh.nodes[row.node],

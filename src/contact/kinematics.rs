@@ -70,8 +70,10 @@ pub struct Coupled {
     pub pair: usize,
     /// Whether its displacement is an unknown of its own, see [`crate::fem::Relative`].
     pub relative: bool,
-    /// The nodes in its rows, with their positions (m) and coefficients: those of the node's own side add up to 1, the others to -1.
-    pub nodes: Vec<(usize, [f64; 3], f64)>,
+    /// The nodes of its own side in its rows, with their positions (m) and coefficients, which add up to 1.
+    pub slave: Vec<(usize, [f64; 3], f64)>,
+    /// Those of the other side; their coefficients add up to -1.
+    pub master: Vec<(usize, [f64; 3], f64)>,
 }
 
 /// A corner at the end of the edge of a contact node.
@@ -96,6 +98,8 @@ pub struct Term {
     pub position: [f64; 3],
     /// What it sees of the obstacle, with tangents as [`End`] has them.
     pub facing: Facing,
+    /// Whether it is of the body that the contact node is in front of.
+    pub opposite: bool,
 }
 
 /// The contact nodes of one boundary.
@@ -214,13 +218,19 @@ impl ContactNode {
     /// The nodes in its rows: in front of an obstacle itself, and the ends of its edge if it is between corners.
     pub fn terms(&self) -> impl Iterator<Item = Term> + '_ {
         let own = if self.ends.is_some() { 2.0 } else { 1.0 };
-        let own = Term { coefficient: own, node: self.node, position: self.position, facing: self.facing };
-        let of_end = |end: &End| Term { coefficient: -0.5, node: end.node, position: end.position, facing: end.facing };
-        let of_node =
-            |&(node, position, coefficient): &_| Term { coefficient, node, position, facing: self.facing };
+        let term = |coefficient, node, position, facing| Term { coefficient, node, position, facing, opposite: false };
+        let own = term(own, self.node, self.position, self.facing);
+        let of_end = move |end: &End| term(-0.5, end.node, end.position, end.facing);
+        let of_node = move |opposite: bool| {
+            move |&(node, position, c): &_| Term { opposite, ..term(c, node, position, self.facing) }
+        };
         let coupled = self.coupled();
         let alone = coupled.is_none().then_some(own).into_iter().chain(self.ends.iter().flatten().map(of_end));
-        alone.chain(coupled.into_iter().flat_map(move |coupled| coupled.nodes.iter().map(of_node)))
+        let both = move |coupled: &'_ Coupled| {
+            let slave = coupled.slave.iter().map(of_node(false));
+            slave.chain(coupled.master.iter().map(of_node(true))).collect::<Vec<_>>()
+        };
+        alone.chain(coupled.into_iter().flat_map(both))
     }
 
     /// `Σ coefficient · value` over the nodes in its rows.

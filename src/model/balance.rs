@@ -63,7 +63,7 @@ pub struct Balance {
     pub supports: Vec<Wrench>,
     /// The force of each spring or foundation on the body.
     pub springs: Vec<Wrench>,
-    /// The force of the obstacles on the body.
+    /// The force of the obstacles on the body; those of bodies on each other leave at most the moment of friction across a gap.
     pub contact: Wrench,
     /// What all of these leave, a force or a moment, relative to the sum of the sizes of the forces on its nodes.
     pub closure: f64,
@@ -177,10 +177,23 @@ impl Model {
         self.moved.iter().map(beyond).sum()
     }
 
-    /// How supports have moved `node` along `direction` until time `t` (s), beside what its unknowns tell, m.
-    pub(crate) fn moved(&self, node: usize, direction: [f64; 3], t: f64) -> f64 {
-        let beyond = |moved: &Moved| moved.factor(t) * dot(moved.beyond(&self.statics.rows, node), direction);
-        dot(self.carried(t), direction) + self.moved.iter().map(beyond).sum::<f64>()
+    /// How supports have moved contact node `i` along its normal and its tangents until time `t` (s), beside what its unknowns tell, m.
+    pub(crate) fn moved(&self, i: usize, t: f64) -> [f64; 3] {
+        let (contact, rows) = (&self.contacts[i], &self.statics.rows);
+        let directions = [contact.facing.normal, contact.facing.tangents[0], contact.facing.tangents[1]];
+        let coupled = contact.coupled().is_some();
+        // What carries both bodies takes neither past the other.
+        let carried = if coupled { [0.0; 3] } else { self.carried(t) };
+        let of = |moved: &Moved| match coupled {
+            true => moved.beyond_contact(rows, &self.dofs, contact),
+            false => directions.map(|n| dot(moved.beyond(rows, contact.node), n)),
+        };
+        let mut sum = directions.map(|n| dot(carried, n));
+        for moved in &self.moved {
+            let (factor, beyond) = (moved.factor(t), of(moved));
+            (0..3).for_each(|c| sum[c] += factor * beyond[c]);
+        }
+        sum
     }
 
     /// The gap (m) of contact node `i` at time `t` (s), from which its own displacement leaves a distance, where `of_rows` is that of
@@ -192,21 +205,17 @@ impl Model {
         motion.exact_gap(obstacle, t, contact.position, &contact.facing) - self.beyond(i, t)
     }
 
-    /// The force (N) of the body on the obstacle at contact node `i`, for the contact forces of `state`.
+    /// The force (N) of the body on the obstacle, or on the body in front of it, at contact node `i`, for the contact forces of `state`.
     pub(crate) fn contact_force(&self, state: &State, i: usize) -> [f64; 3] {
         force_along(&self.contacts[i].facing, [state.p_n[i], state.p_t[i], state.p_o[i]])
     }
 
-    /// The force (N) of the body on the obstacle at each node in the rows of contact node `i`, with its number and position (m).
-    pub(crate) fn forces_of_rows(
-        &self,
-        state: &State,
-        i: usize,
-    ) -> impl Iterator<Item = (usize, [f64; 3], [f64; 3])> + '_ {
+    /// The force (N) that each node in the rows of contact node `i` exerts on what is in front of its body.
+    pub(crate) fn forces_of_rows(&self, state: &State, i: usize) -> impl Iterator<Item = (Term, [f64; 3])> + '_ {
         let p = [state.p_n[i], state.p_t[i], state.p_o[i]];
-        self.contacts[i].terms().map(move |Term { coefficient, node, position, facing }| {
-            let force = force_along(&facing, p);
-            (node, position, if coefficient == 1.0 { force } else { force.map(|f| coefficient * f) })
+        self.contacts[i].terms().map(move |term| {
+            let force = force_along(&term.facing, p);
+            (term, if term.coefficient == 1.0 { force } else { force.map(|f| term.coefficient * f) })
         })
     }
 
@@ -242,9 +251,9 @@ impl Model {
         let mut contact = Wrench::default();
         for i in 0..self.contacts.len() {
             size += norm(self.contact_force(state, i));
-            for (node, position, force) in self.forces_of_rows(state, i) {
-                contact += Wrench::at(geometry, position, force.map(|f| -f));
-                if let Ok(held) = rows.nodes().binary_search(&node) {
+            for (term, force) in self.forces_of_rows(state, i) {
+                contact += Wrench::at(geometry, term.position, force.map(|f| -f));
+                if let Ok(held) = rows.nodes().binary_search(&term.node) {
                     add(&mut forces, 1.0, [(held, force)]);
                 }
             }

@@ -2,14 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::find;
-use crate::contact::{ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, coupled_nodes, relative};
+use super::{Model, find};
+use crate::contact::{ContactNode, ContactStatus, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, coupled_nodes, relative};
 use crate::description::{Description, FirstGap, Opposite, Slave};
 use crate::fault::Fault;
 use crate::fem::{Dofs, Elasticity, Relative};
 use crate::mesh::{Bodies, Boundary, Mesh};
+use crate::problem::State;
 use crate::units::{Quantity, UnitSystem};
-use crate::vector::{Vector, axis, dot, unit};
+use crate::vector::{Vector, axis, dot, minus, norm, unit};
 
 /// How much of a body another may take up when the history begins, as for obstacles.
 const DEEPEST: f64 = 0.2;
@@ -31,8 +32,21 @@ pub struct Pair {
     pub mortar: Mortar,
     /// The gap of each row when the history begins, m.
     pub gaps: Vec<f64>,
+    /// The shortest edge of the facets in front of each slave node, m.
+    edges: BTreeMap<usize, f64>,
     /// Which rows are of nodes whose displacements are relative in this pair.
     relative: BTreeSet<usize>,
+}
+
+/// A contact node that has slid past the facets that were in front of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slid {
+    /// The number of the contact node.
+    pub contact: usize,
+    /// How far it has slid since the beginning, m.
+    pub slip: f64,
+    /// The same over the shortest edge of the facets in front of it.
+    pub share: f64,
 }
 
 /// The pairs of a description.
@@ -116,6 +130,11 @@ impl Pairs {
 }
 
 impl Pair {
+    /// Whether its gaps are those of the mesh.
+    pub fn is_measured(&self) -> bool {
+        self.mortar.rows.iter().zip(&self.gaps).all(|(row, gap)| row.gap == *gap)
+    }
+
     /// Its contact nodes.
     pub(super) fn nodes(&self, mesh: &Mesh, dofs: &Dofs, number: usize) -> Vec<ContactNode> {
         let gaps: BTreeMap<usize, f64> = self.mortar.rows.iter().map(|row| row.node).zip(self.gaps.iter().copied()).collect();
@@ -187,9 +206,28 @@ fn pair(
             return Err(Fault::new(format!("{key}.against"), message, "move a body out, or give the gap"));
         }
     }
+    let edges = edges(mesh, master, &mortar.rows);
     let (slave, master) = (slave.name.clone(), master.name.clone());
     let relative = BTreeSet::new();
-    Ok(Pair { contact: k, slave, master, choice, glued: opposite.glued, mortar, gaps, relative })
+    Ok(Pair { contact: k, slave, master, choice, glued: opposite.glued, mortar, gaps, edges, relative })
+}
+
+/// The shortest edge of the facets of `master` that have a node in each row, by its slave node, m.
+fn edges(mesh: &Mesh, master: &Boundary, rows: &[MortarRow]) -> BTreeMap<usize, f64> {
+    let mut shortest: BTreeMap<usize, f64> = BTreeMap::new();
+    for facet in &master.facets {
+        let ends = facet.iter().zip(facet.iter().skip(1).chain(facet.first()));
+        let least = ends.map(|(a, b)| norm(minus(mesh.nodes[*a], mesh.nodes[*b]))).fold(f64::INFINITY, f64::min);
+        for node in facet {
+            let edge = shortest.entry(*node).or_insert(f64::INFINITY);
+            *edge = edge.min(least);
+        }
+    }
+    let of_row = |row: &MortarRow| {
+        let of_nodes = row.master.iter().filter_map(|(node, _)| shortest.get(node));
+        (row.node, of_nodes.copied().fold(f64::INFINITY, f64::min))
+    };
+    rows.iter().map(of_row).collect()
 }
 
 /// Young's modulus of the softest cell with a facet of `boundary`, Pa.
@@ -256,4 +294,33 @@ fn share_nothing(
     let message = format!("`{}` and `{}` have the node at {place} in common", first.name, second.name);
     let help = "let the bodies have nodes of their own: do not join them in Gmsh where they are in contact";
     Err(Fault::new(format!("contact[{k}].against"), message, help))
+}
+
+impl Model {
+    /// The closed contact node that has slid furthest past the body in front of it, by the size of the facets there: which nodes are in
+    /// front of it is settled in the undeformed state.
+    pub fn slid(&self, state: &State, statuses: &[ContactStatus]) -> Option<Slid> {
+        let closed = (0..self.contacts.len()).filter(|&i| statuses[i] != ContactStatus::Open);
+        let slid = |i: usize| {
+            let coupled = self.contacts[i].coupled()?;
+            let [t, o] = self.problem.tangential_maps().map(|map| map.dot(i, &state.u));
+            let slip = t.hypot(o);
+            let edge = self.pairs[coupled.pair].edges.get(&self.contacts[i].node)?;
+            Some(Slid { contact: i, slip, share: slip / edge })
+        };
+        closed.filter_map(slid).max_by(|a, b| a.share.total_cmp(&b.share))
+    }
+
+    /// The tractions (Pa) of the masters of all pairs on what is in front of them: pairs of a node and a vector.
+    pub(crate) fn master_tractions(&self, state: &State) -> Vec<(usize, [f64; 3])> {
+        let mut all = Vec::new();
+        for (k, pair) in self.pairs.iter().enumerate().filter(|(_, pair)| !pair.glued) {
+            let own = (0..self.contacts.len()).filter(|&i| self.contacts[i].coupled().is_some_and(|own| own.pair == k));
+            let forces: BTreeMap<usize, [f64; 3]> =
+                own.map(|i| (self.contacts[i].node, self.contact_force(state, i))).collect();
+            let of_rows = pair.mortar.rows.iter().map(|row| forces.get(&row.node).copied().unwrap_or_default());
+            all.extend(pair.mortar.on_master(&self.mesh, &of_rows.collect::<Vec<_>>()));
+        }
+        all
+    }
 }

@@ -196,9 +196,18 @@ impl Moved {
     }
 
     /// The same of what the rows of a contact node are made of, along its normal and its tangents.
-    pub(super) fn beyond_contact(&self, rows: &HeldRows, contact: &ContactNode) -> [f64; 3] {
+    pub(super) fn beyond_contact(&self, rows: &HeldRows, dofs: &Dofs, contact: &ContactNode) -> [f64; 3] {
+        let relative = contact.coupled().is_some_and(|coupled| coupled.relative);
         let along = |direction: fn(&Facing) -> [f64; 3]| {
-            contact.sum(|term| dot(self.beyond(rows, term.node), direction(&term.facing)))
+            if !relative {
+                return contact.sum(|term| dot(self.beyond(rows, term.node), direction(&term.facing)));
+            }
+            // What is free goes along with the other side.
+            let held = dofs.held(contact.node).filter(|held| dot(*held, direction(&contact.facing)) != 0.0);
+            let of_axis = |held: [f64; 3]| {
+                dot(held, direction(&contact.facing)) * contact.sum(|term| dot(self.beyond(rows, term.node), held))
+            };
+            held.map(of_axis).sum()
         };
         [along(|facing| facing.normal), along(|facing| facing.tangents[0]), along(|facing| facing.tangents[1])]
     }

@@ -199,9 +199,9 @@ pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &S
             let own = |n: [f64; 3]| model.dofs.along(contact.node, n).map(|(dof, c)| c * state.u[dof]).sum::<f64>();
             (own(contact.facing.normal), contact.facing.tangents.map(own))
         };
-        let moved = |direction: [f64; 3]| model.moved(contact.node, direction, step.record.time);
-        let w_n = relative + moved(contact.facing.normal);
-        let w = [0, 1].map(|k| along[k] + moved(contact.facing.tangents[k]));
+        let moved = model.moved(i, step.record.time);
+        let w_n = relative + moved[0];
+        let w = [0, 1].map(|k| along[k] + moved[k + 1]);
         let [p_t, p_o] = contact.in_frame([state.p_t[i], state.p_o[i]]);
         let [w_t, w_o] = contact.in_frame(w);
         let [slip_t, slip_o] = contact.in_frame([0, 1].map(|k| along[k] - drift[k][i]));

@@ -9,13 +9,15 @@ use crate::estimate::ElementEstimate;
 use crate::history::Step;
 use crate::mesh::Cell;
 use crate::model::Model;
+use crate::vector::{across, dot, norm, plus, unit};
 
 /// The body with its fields at the end of a step, SI.
 ///
 /// Of points: `displacement`; and `contact_pressure` (Pa, `p_n / l` (32)), `tangential_traction` (Pa, the vector of the
 /// body on the obstacle), `slip` (m, the vector of motion past the obstacle since the beginning), `gap` (m, the distance
 /// that is left), and with tetrahedra `patch_pressure` (Pa, that of a node and its neighbours together), all NaN off the contact; `status`: -1 off the contact, 0 open, 1 stick, 2 slip. A node that meets
-/// two obstacles shows the one that presses more.
+/// two obstacles shows the one that presses more. Where bodies press each other, the other side has the same pressure and traction, spread
+/// over its own nodes, and no slip, gap and status.
 /// Where cells are of second order `nodal_stress` (Pa, as `stress` below), the mean of the cells around a node.
 /// Of cells: `stress` (Pa, at the centre, all nine components row by row), `principal_stress` (Pa, the most tensile first),
 /// `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the order of the elements;
@@ -98,6 +100,16 @@ fn contact_fields(model: &Model, step: &Step<'_>) -> Vec<Field> {
             ContactStatus::Slip => 2,
         };
     }
+    let masters = model.master_tractions(step.state);
+    let normals = masters.first().map(|_| nodal_normals(model));
+    for (node, sigma) in masters {
+        let normal = normals.as_ref().map_or([0.0; 3], |normals| normals[node]);
+        let sigma_n = dot(sigma, normal);
+        if !(pressure[node] >= sigma_n) {
+            pressure[node] = sigma_n;
+            traction[node] = across(sigma, normal);
+        }
+    }
     let mut fields = vec![
         real("contact_pressure", 1, pressure),
         real("tangential_traction", 3, traction.into_flattened()),
@@ -107,6 +119,18 @@ fn contact_fields(model: &Model, step: &Step<'_>) -> Vec<Field> {
     ];
     fields.extend(patches.then(|| real("patch_pressure", 1, patch)));
     fields
+}
+
+/// The unit outward normal at each node of a master, the mean of its facets.
+fn nodal_normals(model: &Model) -> Vec<[f64; 3]> {
+    let mut normals = vec![[0.0; 3]; model.mesh.nodes.len()];
+    for boundary in model.pairs.iter().filter_map(|pair| model.mesh.boundary(&pair.master)) {
+        for facet in &boundary.facets {
+            let area = model.mesh.area_vector(facet);
+            facet.iter().for_each(|&node| normals[node] = plus(normals[node], 1.0, area));
+        }
+    }
+    normals.into_iter().map(|n| if norm(n) > 0.0 { unit(n) } else { n }).collect()
 }
 
 /// A number for each cell's group and law.

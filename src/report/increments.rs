@@ -77,9 +77,10 @@ pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, uni
     let on_each =
         |at: &str, on: &OnObstacle| line(at, &on.force, &on.moment, components(&on.sums), "obstacle", &on.obstacle);
     let on_obstacle = |record: &ForceRecord| {
-        let Resultant { boundary, force, moment, sums, obstacles } = &record.resultant;
+        let Resultant { boundary, force, moment, sums, obstacles, opposite } = &record.resultant;
         let all = line(boundary, force, moment, components(sums), "contact", "");
-        [all].into_iter().chain(obstacles.iter().map(|on| on_each(boundary, on))).collect::<String>()
+        let other_side = opposite.iter().map(|of| line(&of.boundary, &of.force, &of.moment, [None; 3], "opposite", ""));
+        [all].into_iter().chain(other_side).chain(obstacles.iter().map(|on| on_each(boundary, on))).collect::<String>()
     };
     let mut lines: String = contact.iter().map(on_obstacle).collect();
     for (kind, acting) in [("support", supports), ("spring", springs), ("load", loads)] {

@@ -9,7 +9,7 @@ use crate::history::Step;
 use crate::model::{Model, Wrench};
 use crate::problem::State;
 
-/// What the body does to the obstacles in front of one boundary: the sum of the contact forces, and their components. The forces
+/// What the body does to the obstacles, or the body, in front of one boundary: the sum of the contact forces, and their components. The forces
 /// on a node that is of several boundaries count in each by its share in the node's area. On several boundaries, and on an
 /// obstacle with a normal for each node, normals and tangents point different ways.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,6 +28,21 @@ pub struct Resultant {
     /// What of it is on each obstacle, where there are several in front of the boundary.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<OnObstacle>,
+    /// The same from the other side, where a body is in front of the boundary.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opposite: Option<OfOpposite>,
+}
+
+/// What the body in front of a boundary does to the body of that.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct OfOpposite {
+    /// Its boundary.
+    pub boundary: String,
+    /// The force on the other body, as above.
+    pub force: Vec<f64>,
+    /// Its moment, as above: at the nodes of this side. Where there is a gap, friction across it has another moment here.
+    pub moment: Vec<f64>,
 }
 
 /// What the nodes of one boundary do to one of the obstacles.
@@ -80,7 +95,16 @@ impl Resultant {
     fn of(model: &Model, state: &State, boundary: &ContactBoundary) -> Self {
         let (force, moment, sums) = total(model, state, boundary.parts(&model.contacts));
         let name = boundary.name.clone();
-        Resultant { boundary: name, force, moment, sums, obstacles: OnObstacle::all(model, state, boundary) }
+        let obstacles = OnObstacle::all(model, state, boundary);
+        Resultant { boundary: name, force, moment, sums, obstacles, opposite: OfOpposite::of(model, state, boundary) }
+    }
+}
+
+impl OfOpposite {
+    fn of(model: &Model, state: &State, boundary: &ContactBoundary) -> Option<Self> {
+        let name = model.pairs[boundary.pair?].master.clone();
+        let (force, moment) = wrench(model, state, boundary.parts(&model.contacts), true);
+        Some(OfOpposite { boundary: name, force, moment })
     }
 }
 
@@ -107,15 +131,26 @@ fn total(
     state: &State,
     parts: impl Iterator<Item = (usize, f64)> + Clone,
 ) -> (Vec<f64>, Vec<f64>, ComponentSums) {
+    let (force, moment) = wrench(model, state, parts.clone(), false);
+    (force, moment, ComponentSums::of(model, state, parts))
+}
+
+/// The force and the moment of the nodes of the contact nodes' own body, or of the body in front of that, on the other.
+fn wrench(
+    model: &Model,
+    state: &State,
+    parts: impl Iterator<Item = (usize, f64)>,
+    opposite: bool,
+) -> (Vec<f64>, Vec<f64>) {
     let dimension = model.mesh.dimension;
     let geometry = model.mesh.geometry;
     let of_row = |(i, part): (usize, f64)| {
-        let forces = model.forces_of_rows(state, i);
-        forces.map(move |(_, position, force)| Wrench::at(geometry, position, force.map(|f| part * f)))
+        let forces = model.forces_of_rows(state, i).filter(move |(term, _)| term.opposite == opposite);
+        forces.map(move |(term, force)| Wrench::at(geometry, term.position, force.map(|f| part * f)))
     };
-    let Wrench { force, moment } = parts.clone().flat_map(of_row).sum();
+    let Wrench { force, moment } = parts.flat_map(of_row).sum();
     let moment = if dimension == 2 { vec![moment[2]] } else { moment.to_vec() };
-    (force[..dimension].to_vec(), moment, ComponentSums::of(model, state, parts))
+    (force[..dimension].to_vec(), moment)
 }
 
 impl ComponentSums {

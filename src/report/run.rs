@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::balance::{BalanceRecord, unbalanced};
 use super::estimates::Estimates;
 use super::explain::Explanation;
+use super::pairs::PairRecord;
 use super::peak::LargestPressure;
 use super::quantities;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
@@ -82,6 +83,9 @@ pub struct RunReport {
     /// The components of all contact forces at the end of the last converged increment, added up.
     #[serde(rename = "final")]
     pub end: ComponentSums,
+    /// The boundaries in front of each other, at the end of the last converged increment.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pairs: Vec<PairRecord>,
     /// The resultant of each boundary with contact then.
     pub boundaries: Vec<Resultant>,
     /// The resultants at the end of each increment.
@@ -208,6 +212,7 @@ impl RunReport {
                 backward_error: outcome.linear.worst_backward_error,
             },
             end: ComponentSums::of(model, &outcome.state, (0..model.contacts.len()).map(|i| (i, 1.0))),
+            pairs: PairRecord::all_at(model, outcome.reached, &outcome.state),
             boundaries: Resultant::all(model, &outcome.state),
             forces: facts.forces,
             reactions: facts.reactions,

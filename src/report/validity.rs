@@ -6,7 +6,7 @@ use super::warnings::{Warning, WarningKind};
 use crate::contact::{ContactStatus, RangeLeft};
 use crate::fem::RigidMotion;
 use crate::history::{Status, Step};
-use crate::model::Model;
+use crate::model::{Model, Slid};
 use crate::uniqueness::{NeutralMotion, neutral_motions};
 use crate::units::Quantity;
 use crate::vector::norm;
@@ -15,6 +15,9 @@ use crate::vector::norm;
 /// its normals by six degrees, and the squares of strains that are left out reach a percent.
 pub const NOT_SMALL: f64 = 0.1;
 
+/// The share of the facet in front of a node from which on its slip does not count as small.
+const ACROSS_FACETS: f64 = 0.25;
+
 /// Watches the converged increments of a history.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validity {
@@ -22,6 +25,8 @@ pub struct Validity {
     pub largest: Option<LargestDisplacement>,
     /// Where the linearised gaps were most wrong, if they were out of their range.
     pub range_left: Option<RangeLeft>,
+    /// Where bodies slid furthest past each other, by the size of their facets, if they slid at all, and the time, s.
+    pub slid: Option<(Slid, f64)>,
     /// The motion that the first equilibrium that is one of many leaves open, if there was any, and its time, s.
     pub neutral: Option<(NeutralMotion, f64)>,
     /// The contact node that touched the obstacle where that leant most against the node's normal, and the slope.
@@ -46,7 +51,7 @@ impl Validity {
     /// Before the first increment of `model`.
     pub fn new(model: &Model) -> Self {
         let touched = vec![false; model.contacts.len()];
-        Validity { largest: None, range_left: None, neutral: None, steepest: None, touched }
+        Validity { largest: None, range_left: None, slid: None, neutral: None, steepest: None, touched }
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
@@ -74,6 +79,11 @@ impl Validity {
         {
             self.range_left = Some(left);
         }
+        if let Some(slid) = model.slid(state, statuses)
+            && self.slid.is_none_or(|(worst, _)| slid.share > worst.share)
+        {
+            self.slid = Some((slid, record.time));
+        }
         if self.neutral.is_none() {
             let neutral = neutral_motions(&model.problem, increment, state, statuses);
             self.neutral = neutral.into_iter().next().map(|motion| (motion, record.time));
@@ -90,10 +100,15 @@ impl Validity {
         // Without a converged increment nothing is known of the contact.
         let untouched = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| self.touched[i]));
         if let (Some(boundary), Some(_)) = (untouched, self.largest) {
-            let message = format!(
-                "`{}` never touched its obstacle; `stickslip check` tells where that is and how it moves",
-                boundary.name
-            );
+            let message = match boundary.pair.map(|k| &model.pairs[k].master) {
+                None => format!(
+                    "`{}` never touched its obstacle; `stickslip check` tells where that is and how it moves",
+                    boundary.name
+                ),
+                Some(master) => {
+                    format!("`{}` never touched `{master}`; `stickslip check` tells how far apart they are", boundary.name)
+                }
+            };
             warn(WarningKind::NoContact, message);
         }
         if let Some((i, slope)) = self.steepest.filter(|(_, slope)| *slope > NOT_SMALL) {
@@ -121,6 +136,16 @@ impl Validity {
         }
         if let Some(left) = &self.range_left {
             warn(WarningKind::GapsOutOfRange, out_of_range(model, left));
+        }
+        if let Some((slid, time)) = self.slid.filter(|(slid, _)| slid.share > ACROSS_FACETS) {
+            let message = format!(
+                "the contact node at {} has slid by {:.2e} {unit} at t = {time} s, {:.0} % of the facet in front of it, but stays in \
+                 front of the nodes that it met at first; pressures may be off by as much as they change over that distance",
+                units.place(model.contacts[slid.contact].position),
+                units.of_si(Quantity::Length, slid.slip),
+                100.0 * slid.share
+            );
+            warn(WarningKind::SlidAcrossFacets, message);
         }
         if let Some((motion, time)) = &self.neutral
             && let Some(message) = not_unique(model, motion, *time)

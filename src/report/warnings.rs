@@ -37,6 +37,8 @@ pub enum WarningKind {
     LeaningObstacle,
     /// A contact that leaves the range of its linearised gaps.
     GapsOutOfRange,
+    /// Bodies that slide past each other's facets.
+    SlidAcrossFacets,
     /// An equilibrium that is one of many: contact leaves a motion of the body open.
     NotUnique,
     /// A mesh that is too coarse for the body itself.
@@ -69,6 +71,7 @@ impl WarningKind {
             | WarningKind::LargeDisplacements
             | WarningKind::LeaningObstacle
             | WarningKind::GapsOutOfRange
+            | WarningKind::SlidAcrossFacets
             | WarningKind::NotUnique
             | WarningKind::CoarseMesh
             | WarningKind::RoughStresses
