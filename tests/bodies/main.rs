@@ -22,6 +22,7 @@ mod loads;
 mod locking;
 mod mesh_error;
 mod moving_obstacles;
+mod nearly_incompressible;
 mod nodal_volume;
 mod nodal_volume_scenes;
 mod obstacles;
