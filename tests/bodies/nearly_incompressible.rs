@@ -69,11 +69,17 @@ fn stresses_of_a_tube() {
         (CellKind::Quadrilateral, Element::Bilinear, 0.45, [0.05, 0.1], false),
         (CellKind::Quadrilateral, Element::Bilinear, 0.49, [0.25, 0.4], true),
         (CellKind::Quadrilateral, Element::Bilinear, 0.499, [0.5, 2.0], true),
+        (CellKind::Triangle, Element::Bilinear, 0.45, [0.05, 0.1], false),
         (CellKind::Triangle, Element::Bilinear, 0.49, [0.2, 0.4], true),
+        (CellKind::Triangle, Element::Bilinear, 0.499, [0.5, 2.0], true),
         (CellKind::Triangle6, Element::Bilinear, 0.45, [0.0, 0.01], false),
         (CellKind::Triangle6, Element::Bilinear, 0.49, [0.0, 0.05], false),
         (CellKind::Triangle6, Element::Bilinear, 0.499, [0.15, 0.3], true),
+        (CellKind::Quadrilateral, Element::BBar, 0.45, [0.0, 0.02], false),
+        (CellKind::Quadrilateral, Element::BBar, 0.49, [0.0, 0.02], false),
         (CellKind::Quadrilateral, Element::BBar, 0.499, [0.0, 0.02], false),
+        (CellKind::Triangle6, Element::NodalVolume, 0.45, [0.0, 0.002], false),
+        (CellKind::Triangle6, Element::NodalVolume, 0.49, [0.0, 0.002], false),
         (CellKind::Triangle6, Element::NodalVolume, 0.499, [0.0, 0.002], false),
     ] {
         let ([hoop, _], stresses, locking, warned) = tube(cells, element, nu);
@@ -85,6 +91,8 @@ fn stresses_of_a_tube() {
             (least..most).contains(&stresses) && warned == warns,
             "{cells:?} {element:?} {nu}: {stresses} {warned}"
         );
+        // The largest error at a point is above that of the whole body.
+        assert!((1.2..8.0).contains(&(hoop / stresses)), "{cells:?} {element:?} {nu}: {hoop} {stresses}");
         assert!(locking.is_none_or(|locking| locking < 0.2), "{cells:?} {element:?} {nu}: {locking:?}");
     }
 }
@@ -113,7 +121,7 @@ fn plates_of_second_order() {
         for (n, [least, most]) in [1, 2, 4].into_iter().zip(if nu < 0.4 {
             [[1.6, 1.75], [1.15, 1.2], [1.03, 1.06]]
         } else {
-            [[1.03, 1.07], [1.005, 1.03], [1.0, 1.01]]
+            [[1.03, 1.06], [1.0, 1.02], [0.99, 1.01]]
         }) {
             let [nodal, plain] = [Element::NodalVolume, Element::Bilinear].map(|element| {
                 let mut body = ring(0.0, [a, h], [10 * n, n], CellKind::Triangle6, Material::new(young, nu))
@@ -124,14 +132,14 @@ fn plates_of_second_order() {
                 Run::of(&model, vec![1.0], Solver::default()).unwrap().solve(&mut end).unwrap();
                 let moved = model.displacements(1.0, &end.increments[0].state.u).unwrap();
                 let middle = model.mesh.nodes.iter().position(|x| x[0] == 0.0 && x[1] == 0.0).unwrap();
-                // Kirchhoff's plate, and what shear adds.
+                // Kirchhoff's plate, and what shear adds: right up to (h / a)², 1 %.
                 let stiffness = young * h * h * h / (12.0 * (1.0 - nu * nu));
                 let bent = (5.0 + nu) / (1.0 + nu) * p * a * a * a * a / (64.0 * stiffness);
                 let sheared = 0.3 * p * a * a * 2.0 * (1.0 + nu) / (young * h);
                 -moved[middle][1] / (bent + sheared)
             });
             println!("nu {nu}, {n} over the height: {nodal:.3} with nodal volumes, {plain:.3} without");
-            assert!((least..most).contains(&nodal) && (plain - 1.0).abs() < 0.03, "{nu} {n}: {nodal} {plain}");
+            assert!((least..most).contains(&nodal) && (plain - 1.0).abs() < 0.015, "{nu} {n}: {nodal} {plain}");
         }
     }
 }
