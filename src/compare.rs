@@ -24,7 +24,7 @@ pub use errors::{End, MeshErrors, TimeErrors};
 pub use mesh::{ElementChoice, MeshChoice, MeshSize};
 pub use pareto::front;
 pub use picture::charts;
-pub use tractions::{Interior, Tractions};
+pub use tractions::{Interior, TractionNode, Tractions};
 
 use cases::Study;
 use mesh::first_elements;

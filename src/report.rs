@@ -37,7 +37,7 @@ mod vtu;
 mod warnings;
 
 pub use balance::{Acting, BalanceRecord};
-pub use chart::{Axis, Chart, Curve, Panel, Scale};
+pub use chart::{Axis, Chart, Curve, Panel, Scale, told_apart};
 pub use contact_line::{ContactLine, ContactPoint};
 pub use contact_surface::{ContactSurface, SurfaceNode};
 pub use csv::{number as csv_number, table as csv_table};

@@ -2,7 +2,7 @@
 //! estimates of its own error.
 
 use super::{Comparison, ElementChoice, MeshErrors, MeshResult};
-use crate::report::{Axis, Chart, Curve, Dash, Estimates, Line, Marker, Panel, Scale};
+use crate::report::{Axis, Chart, Curve, Dash, Estimates, Line, Panel, Scale, told_apart};
 
 /// An error of the mesh.
 struct Measure {
@@ -31,11 +31,6 @@ const MEASURES: [Measure; 4] = [
         targets: [1e-1, 1e-2],
     },
 ];
-
-/// A colour for each kind of elements, told apart by colour-blind people, too, and a marker.
-const COLOURS: [[u8; 3]; 7] =
-    [[0, 0, 0], [0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
-const MARKERS: [Marker; 4] = [Marker::Disc, Marker::Square, Marker::Triangle, Marker::Circle];
 
 /// The cheapest mesh for each error, in sentences; only where elements are compared.
 pub(super) fn answers(comparison: &Comparison) -> Vec<String> {
@@ -117,12 +112,11 @@ fn curves(
         of().filter_map(|result| at(result, result.errors.as_ref().map(measure.error))).collect();
     let estimated = |result: &MeshResult| measure.estimate.and_then(|estimate| estimate(result.estimates.as_ref()?));
     let estimates: Vec<[f64; 2]> = of().filter_map(|result| at(result, estimated(result))).collect();
-    let colour = COLOURS[k % COLOURS.len()];
+    let (colour, marker) = told_apart(k);
     let label = elements.map_or("the scene's elements".to_string(), |elements| elements.to_string());
     let line = |dash, width| Some(Line { dash, width });
-    let marker = Some(MARKERS[k % MARKERS.len()]);
     [
-        Curve { label, points: errors, line: line(Dash::Solid, 1.8), marker, colour },
+        Curve { label, points: errors, line: line(Dash::Solid, 1.8), marker: Some(marker), colour },
         Curve { label: String::new(), points: estimates, line: line(Dash::Dashed, 1.2), marker: None, colour },
     ]
     .into_iter()

@@ -66,7 +66,7 @@ impl End {
             work,
             energy: model.problem.strain_energy(state),
             peak: model.contact_pressures(state).into_iter().fold(0.0, f64::max),
-            tractions: Tractions::new(model, state),
+            tractions: Tractions::of(model, state),
         }
     }
 }

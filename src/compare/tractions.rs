@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::contact::ContactNode;
 use crate::estimate::ContactGraph;
 use crate::model::Model;
-use crate::problem::State;
+use crate::problem::{ProblemError, State};
 use crate::vector::{dot, minus, norm};
 
 /// So many elements are left out at the rim of the contact boundary: edges and corners of the body are singular.
@@ -14,19 +14,25 @@ const OUTERMOST: usize = 2;
 /// What rounding makes of a length, in lengths of an element.
 const ROUNDING: f64 = 1e-9;
 
+/// The contact traction at a contact node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TractionNode {
+    /// Where the node is, m.
+    pub position: [f64; 3],
+    /// Its integration weight `l`, m or m².
+    pub weight: f64,
+    /// The traction of the body on the obstacle (32), in the directions of space, Pa.
+    pub value: [f64; 3],
+    /// Whether the contact boundary ends there; where a symmetry plane cuts it, it goes on.
+    pub at_the_rim: bool,
+}
+
 /// Contact tractions on the contact boundaries.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tractions {
-    /// Position of each contact node, n_c, m.
-    pub positions: Vec<[f64; 3]>,
-    /// Integration weights `l`, n_c, m or m².
-    pub weight: Vec<f64>,
-    /// The traction of the body on the obstacle at each contact node (32), in the directions of space, n_c, Pa.
-    pub values: Vec<[f64; 3]>,
-    /// Whether the contact boundary ends at a contact node, n_c; where a symmetry plane cuts it, it goes on.
-    pub rim: Vec<bool>,
-    /// The facets between contact nodes: segments, triangles, and what else there is cut into these.
-    pub pieces: Vec<Vec<usize>>,
+    nodes: Vec<TractionNode>,
+    /// Of two or three nodes each.
+    pieces: Vec<Vec<usize>>,
 }
 
 /// The ends of a segment, or the corners of a triangle.
@@ -49,8 +55,37 @@ impl Interior {
 }
 
 impl Tractions {
+    /// The tractions at `nodes`. The `pieces` are the facets between these: segments, triangles, and what else there is cut into them.
+    ///
+    /// # Errors
+    /// [`ProblemError`] where a piece has neither two nor three nodes, or one that is not there.
+    pub fn new(nodes: Vec<TractionNode>, pieces: Vec<Vec<usize>>) -> Result<Self, ProblemError> {
+        for (k, piece) in pieces.iter().enumerate() {
+            if !(2..=3).contains(&piece.len()) {
+                let (of, reason) = ("nodes", "or three: it is a segment or a triangle");
+                return Err(ProblemError::Length {
+                    array: format!("pieces[{k}]"),
+                    of,
+                    expected: 2,
+                    found: piece.len(),
+                    reason,
+                });
+            }
+            if let Some(i) = piece.iter().position(|&node| node >= nodes.len()) {
+                let (array, value) = (format!("pieces[{k}][{i}]"), piece[i] as f64);
+                return Err(ProblemError::Value { array, value, must: "the number of a node, from 0" });
+            }
+        }
+        Ok(Tractions { nodes, pieces })
+    }
+
+    /// The contact nodes, n_c.
+    pub fn nodes(&self) -> &[TractionNode] {
+        &self.nodes
+    }
+
     /// The tractions of a `state` of `model`.
-    pub(super) fn new(model: &Model, state: &State) -> Self {
+    pub(super) fn of(model: &Model, state: &State) -> Self {
         let traction = |(i, contact): (usize, &ContactNode)| {
             let ([t, o], n) = (contact.facing.tangents, contact.facing.normal);
             let p = [state.p_n[i], state.p_t[i], state.p_o[i]];
@@ -78,23 +113,23 @@ impl Tractions {
                 }
             }
         }
-        Tractions {
-            positions: model.contacts.iter().map(|contact| contact.position).collect(),
-            weight: model.contacts.iter().map(|contact| contact.weight).collect(),
-            rim: (0..model.contacts.len()).map(|i| graph.is_at_the_rim(i)).collect(),
-            values,
-            pieces,
-        }
+        let node = |(i, (contact, value)): (usize, (&ContactNode, [f64; 3]))| TractionNode {
+            position: contact.position,
+            weight: contact.weight,
+            value,
+            at_the_rim: graph.is_at_the_rim(i),
+        };
+        Tractions { nodes: model.contacts.iter().zip(values).enumerate().map(node).collect(), pieces }
     }
 
     fn corners(&self, piece: &[usize]) -> Corners {
-        piece.iter().map(|&i| self.positions[i]).collect()
+        piece.iter().map(|&i| self.nodes[i].position).collect()
     }
 
     /// The part of the boundary on which the tractions of finer meshes are compared with those of this one: without
     /// the two outermost elements along its rim. All of it, if that leaves nothing.
     pub fn interior(&self) -> Interior {
-        let mut outer = self.rim.clone();
+        let mut outer: Vec<bool> = self.nodes.iter().map(|node| node.at_the_rim).collect();
         for _ in 1..OUTERMOST {
             let reached = outer.clone();
             for piece in self.pieces.iter().filter(|piece| piece.iter().any(|&i| reached[i])) {
@@ -116,11 +151,11 @@ impl Tractions {
     /// one of the two has nothing there.
     pub fn distance(&self, finer: &Tractions, within: &Interior) -> f64 {
         let (mut difference, mut whole, mut points) = (0.0, 0.0, 0_usize);
-        for ((x, l), fine) in finer.positions.iter().zip(&finer.weight).zip(&finer.values) {
-            if within.holds(*x) {
-                let Some(coarse) = self.at(*x) else { return f64::NAN };
-                difference += l * dot(minus(coarse, *fine), minus(coarse, *fine));
-                whole += l * dot(*fine, *fine);
+        for &TractionNode { position, weight, value, .. } in &finer.nodes {
+            if within.holds(position) {
+                let Some(coarse) = self.at(position) else { return f64::NAN };
+                difference += weight * dot(minus(coarse, value), minus(coarse, value));
+                whole += weight * dot(value, value);
                 points += 1;
             }
         }
@@ -131,7 +166,7 @@ impl Tractions {
     fn at(&self, x: [f64; 3]) -> Option<[f64; 3]> {
         let shares = self.pieces.iter().map(|piece| (piece, share(&self.corners(piece), x)));
         let (piece, (shares, _)) = shares.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
-        let sum = |k: usize| piece.iter().zip(&shares).map(|(&i, share)| share * self.values[i][k]).sum();
+        let sum = |k: usize| piece.iter().zip(&shares).map(|(&i, share)| share * self.nodes[i].value[k]).sum();
         Some([0, 1, 2].map(sum))
     }
 }
@@ -174,6 +209,8 @@ pub(super) fn relative(value: f64, scale: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+
     use super::*;
 
     /// n × n squares of a unit square, each in two triangles, with a traction linear in place.
@@ -186,31 +223,34 @@ mod tests {
             pieces.push(vec![node(i, j), node(i + 1, j), node(i + 1, j + 1)]);
             pieces.push(vec![node(i, j), node(i + 1, j + 1), node(i, j + 1)]);
         }
-        let values = positions.iter().map(|[x, y, _]| [1.0 + x, 2.0 * y, x - y]).collect();
-        let rim = positions.iter().map(|[x, y, _]| [x, y].into_iter().any(|x| *x == 0.0 || *x == 1.0)).collect();
-        Tractions { weight: vec![1.0; positions.len()], positions, rim, values, pieces }
+        let traction = |position: [f64; 3]| {
+            let [x, y, _] = position;
+            let at_the_rim = [x, y].into_iter().any(|x| x == 0.0 || x == 1.0);
+            TractionNode { position, weight: 1.0, value: [1.0 + x, 2.0 * y, x - y], at_the_rim }
+        };
+        Tractions::new(positions.into_iter().map(traction).collect(), pieces).unwrap()
     }
 
     #[test]
     fn a_surface_is_compared_inside_its_rim() {
         let (coarse, mut fine) = (square(6), square(9));
         let within = coarse.interior();
-        let held = coarse.positions.iter().filter(|x| within.holds(**x)).count();
+        let held = coarse.nodes.iter().filter(|node| within.holds(node.position)).count();
         // Of 7 × 7 nodes those in the middle 3 × 3.
         assert_eq!(held, 9);
         assert!(coarse.distance(&fine, &within) < 1e-14);
         // Linear tractions are met wherever the finer nodes are; a rim that is wrong does not matter.
-        for (x, value) in fine.positions.iter().zip(&mut fine.values) {
-            if x.iter().take(2).any(|x| !(0.2..0.8).contains(x)) {
-                *value = [9.0; 3];
+        for node in &mut fine.nodes {
+            if node.position.iter().take(2).any(|x| !(0.2..0.8).contains(x)) {
+                node.value = [9.0; 3];
             }
         }
         assert!(coarse.distance(&fine, &within) < 1e-14);
-        fine.values.iter_mut().for_each(|value| *value = [0.0, 0.0, 2.0]);
-        let inner: Vec<_> = fine.positions.iter().filter(|x| within.holds(**x)).collect();
+        fine.nodes.iter_mut().for_each(|node| node.value = [0.0, 0.0, 2.0]);
+        let inner: Vec<_> = fine.nodes.iter().map(|node| node.position).filter(|x| within.holds(*x)).collect();
         let apart = |[x, y, _]: [f64; 3]| (1.0 + x).powi(2) + (2.0 * y).powi(2) + (x - y - 2.0).powi(2);
         assert_eq!(inner.len(), 16);
-        let expected = (inner.iter().map(|x| apart(**x)).sum::<f64>() / (4.0 * 16.0)).sqrt();
+        let expected = (inner.iter().map(|x| apart(*x)).sum::<f64>() / (4.0 * 16.0)).sqrt();
         assert!((coarse.distance(&fine, &within) / expected - 1.0).abs() < 1e-14);
     }
 
@@ -218,8 +258,24 @@ mod tests {
     fn of_a_small_surface_all_counts() {
         let (coarse, fine) = (square(3), square(6));
         let within = coarse.interior();
-        assert!(coarse.positions.iter().all(|x| within.holds(*x)));
+        assert!(coarse.nodes.iter().all(|node| within.holds(node.position)));
         assert!(coarse.distance(&fine, &within) < 1e-14);
         assert!(coarse.distance(&Tractions::default(), &within).is_nan());
+    }
+
+    #[test]
+    fn pieces_have_nodes_that_are_there() {
+        let nodes = square(1).nodes;
+        let new = |piece: &[usize]| Tractions::new(nodes.clone(), vec![vec![0, 1], piece.to_vec()]).map(|_| ());
+        assert_eq!(new(&[1, 2, 3]), Ok(()));
+        for (piece, says) in [
+            (&[][..], "pieces[1] has 0 nodes"),
+            (&[0], "pieces[1] has 1 nodes"),
+            (&[0, 1, 2, 3], "pieces[1] has 4 nodes, but must have 2, or three"),
+            (&[3, 4], "pieces[1][1] is 4, but must be the number of a node"),
+        ] {
+            let error = new(piece).unwrap_err().to_string();
+            assert!(error.contains(says), "{error}");
+        }
     }
 }

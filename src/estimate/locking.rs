@@ -11,7 +11,7 @@
 //! θ is the mean of the cells around. A body is too stiff by about `c s / (1 - s)`.
 //!
 //! Elements that cannot deform at all without their volume hardly show it: θ is 0 in each, and s with it. But then their pressures κ θ vary
-//! more than anything shears them. Where these are so, and far more is expected before a run, the body is as much too stiff as that.
+//! more than anything shears them. Where these are so, and far more is expected before a run, the body is twice as stiff as it should be, or more.
 //!
 //! Where a force or a contact presses a single node strains are singular, so that θ varies however fine the mesh is. Cells that are next
 //! to such a node, and those next to these, are left out.
@@ -30,8 +30,11 @@ const LAYERS: usize = 2;
 /// A share of the strain energy that is smaller says nothing of the body.
 const COUNTS: f64 = 0.1;
 
-/// What is locked altogether is expected to be too stiff by more than this share, and by more than so many times what s tells.
-const ALTOGETHER: [f64; 2] = [1.0, 10.0];
+/// What is locked altogether is expected to be too stiff by so many times what s tells.
+const ALTOGETHER: f64 = 10.0;
+
+/// A body twice as stiff as it should be.
+const TWICE: f64 = 1.0;
 
 /// Poisson's ratios between which the estimate before a run was measured.
 const MEASURED: [f64; 2] = [0.45, 0.4999];
@@ -111,9 +114,9 @@ impl OfLaw {
         let share = weighted / (energy - locked);
         // The energy that shear stresses of the size of what pressures vary by would have.
         let pressures = law.bulk() / law.mu * locked;
-        let foreseen =
-            || expected(model, *kind, law).filter(|foreseen| *foreseen > ALTOGETHER[0].max(ALTOGETHER[1] * share));
-        if pressures > *energy { foreseen().unwrap_or(share) } else { share }
+        let altogether =
+            || expected(model, *kind, law).is_some_and(|foreseen| foreseen > TWICE.max(ALTOGETHER * share));
+        if pressures > *energy && altogether() { share.max(TWICE) } else { share }
     }
 }
 

@@ -57,6 +57,16 @@ pub struct Curve {
     pub colour: [u8; 3],
 }
 
+/// Colours that colour-blind people tell apart, too (Okabe and Ito).
+const COLOURS: [Colour; 7] =
+    [[0, 0, 0], [0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
+const MARKERS: [Marker; 4] = [Marker::Disc, Marker::Square, Marker::Triangle, Marker::Circle];
+
+/// A colour and a marker for curve `k` of many, which tell the first 28 apart.
+pub fn told_apart(k: usize) -> ([u8; 3], Marker) {
+    (COLOURS[k % COLOURS.len()], MARKERS[k % MARKERS.len()])
+}
+
 const WIDTH: f64 = 960.0;
 /// Left of the first panel: the axis label and the numbers.
 const LEFT: f64 = 92.0;

@@ -1,11 +1,9 @@
 //! A sweep as a chart: the largest contact pressure over what was varied first.
 
 use super::table::{Row, Sweep};
-use crate::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale};
+use crate::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, told_apart};
 
-const COLOURS: [[u8; 3]; 4] = [[0, 0, 0], [0, 90, 181], [200, 50, 32], [20, 130, 60]];
 const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDotted];
-const MARKERS: [Marker; 4] = [Marker::Disc, Marker::Circle, Marker::Square, Marker::Triangle];
 
 /// More curves than these nobody can tell apart: then there are points alone.
 const MOST_CURVES: usize = 16;
@@ -51,12 +49,13 @@ impl Sweep {
         let curve = |(k, (label, mut points)): (usize, (String, Vec<[f64; 2]>))| {
             points.sort_by(|a, b| a[0].total_cmp(&b[0]));
             let line = Line { dash: DASHES[k / 4 % 4], width: 1.8 };
+            let (colour, marker) = told_apart(k);
             Curve {
                 label: if tell_apart { label } else { String::new() },
                 points,
                 line: tell_apart.then_some(line),
-                marker: Some(if tell_apart { MARKERS[k % 4] } else { Marker::Circle }),
-                colour: COLOURS[k % 4],
+                marker: Some(if tell_apart { marker } else { Marker::Circle }),
+                colour,
             }
         };
         let left_out = match self.variants.len() - drawn {

@@ -20,6 +20,7 @@ mod ip_step;
 mod jacobian_fd;
 mod labels;
 mod left_out;
+mod matrices;
 mod neutral;
 mod own_method;
 mod robust;

@@ -4,7 +4,7 @@
 
 use stickslip::compare::{
     self, Comparison, End, Estimate, MeshChoice, MeshErrors, MeshResult, MeshSize, Phases, Plan, SolverPath,
-    TimeErrors, Tractions, Trial, front,
+    TimeErrors, TractionNode, Tractions, Trial, front,
 };
 use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step, System};
 use stickslip::linear::{SparseCholesky, SparseLu};
@@ -15,7 +15,7 @@ use stickslip::units::UnitSystem;
 
 const BN: SolverPath = SolverPath { method: Method::BN, linear: LinearAlgebra::Whole(SparseLu::Umfpack) };
 const IP: SolverPath = SolverPath { method: Method::IP, ..BN };
-const CONDENSED: SolverPath = SolverPath { linear: LinearAlgebra::Condensed(SparseCholesky::Cholmod), ..BN };
+pub const CONDENSED: SolverPath = SolverPath { linear: LinearAlgebra::Condensed(SparseCholesky::Cholmod), ..BN };
 
 fn block(overrides: &[&str]) -> Scene {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
@@ -28,11 +28,14 @@ fn close(a: f64, b: f64) -> bool {
 
 /// Contact nodes along x, a metre apart, each with the weight 1 m.
 fn end(p_n: &[f64], p_t: &[f64], work: f64) -> End {
-    let positions = (0..p_n.len()).map(|i| [i as f64, 0.0, 0.0]).collect();
-    let values = p_n.iter().zip(p_t).map(|(n, t)| [*t, -*n, 0.0]).collect();
+    let node = |(i, (n, t)): (usize, (&f64, &f64))| TractionNode {
+        position: [i as f64, 0.0, 0.0],
+        weight: 1.0,
+        value: [*t, -*n, 0.0],
+        at_the_rim: i == 0 || i + 1 == p_n.len(),
+    };
     let pieces = (1..p_n.len()).map(|i| vec![i - 1, i]).collect();
-    let rim = (0..p_n.len()).map(|i| i == 0 || i + 1 == p_n.len()).collect();
-    let tractions = Tractions { positions, weight: vec![1.0; p_n.len()], rim, values, pieces };
+    let tractions = Tractions::new(p_n.iter().zip(p_t).enumerate().map(node).collect(), pieces).unwrap();
     End { p_n: p_n.to_vec(), p_t: p_t.to_vec(), p_o: vec![0.0; p_n.len()], work, energy: 10.0, peak: 1.0, tractions }
 }
 
@@ -58,19 +61,21 @@ fn errors_of_a_mesh_are_those_computed_by_hand() {
     let within = coarse.tractions.interior();
     // Twice as fine: x/2 everywhere, so that it is 1, 1.5, 2 in the nodes 2, 3, 4.
     let mut fine = end(&[0.0; 13], &[0.0; 13], 0.0);
-    for (i, x) in fine.tractions.positions.iter_mut().enumerate() {
-        *x = [0.5 * i as f64, 0.0, 0.0];
-        fine.tractions.values[i] = [0.0, -0.25 * i as f64, 0.0];
+    let mut nodes = fine.tractions.nodes().to_vec();
+    for (i, node) in nodes.iter_mut().enumerate() {
+        node.position = [0.5 * i as f64, 0.0, 0.0];
+        node.value = [0.0, -0.25 * i as f64, 0.0];
     }
+    let pieces = (1..nodes.len()).map(|i| vec![i - 1, i]).collect();
+    fine.tractions = Tractions::new(nodes, pieces).unwrap();
     // In x = 2, 2.5, 3, 3.5 and 4 there are 1, 1.5, 2, 2.5 and 3 for 1, 1.25, 1.5, 1.75 and 2.
     let [apart, whole] = [[0.0, 0.25, 0.5, 0.75, 1.0], [1.0, 1.25, 1.5, 1.75, 2.0_f64]].map(|all| all.map(|x| x * x));
     let expected = (apart.iter().sum::<f64>() / whole.iter().sum::<f64>()).sqrt();
     assert!(close(coarse.tractions.distance(&fine.tractions, &within), expected));
     // A mesh is linear between its nodes, wherever they are.
-    let mut wider = coarse.clone();
-    wider.tractions.pieces.retain(|piece| !piece.contains(&3));
-    wider.tractions.pieces.push(vec![2, 4]);
-    assert!(close(wider.tractions.distance(&fine.tractions, &within), expected));
+    let pieces = [[0, 1], [1, 2], [2, 4], [4, 5], [5, 6]].map(Vec::from).to_vec();
+    let wider = Tractions::new(coarse.tractions.nodes().to_vec(), pieces).unwrap();
+    assert!(close(wider.distance(&fine.tractions, &within), expected));
 
     fine.p_n = vec![3.0; 13];
     fine.p_t = vec![-1.0; 13];
@@ -208,7 +213,7 @@ fn in_three_dimensions_both_tangents_count() {
         for result in &comparison.meshes {
             let End { p_n, p_t, p_o, tractions, .. } = &result.end;
             // The tractions, in the directions of space, carry the same forces: the wall is below.
-            let sum = |k: usize| tractions.values.iter().zip(&tractions.weight).map(|(p, l)| p[k] * l).sum::<f64>();
+            let sum = |k: usize| tractions.nodes().iter().map(|node| node.value[k] * node.weight).sum::<f64>();
             let force = |p: &[f64]| p.iter().sum::<f64>();
             assert!((sum(2) / -force(p_n) - 1.0).abs() < 1e-12);
             assert!((sum(0).hypot(sum(1)) / force(p_t).hypot(force(p_o)) - 1.0).abs() < 1e-12);
@@ -224,7 +229,7 @@ fn in_three_dimensions_both_tangents_count() {
 }
 
 /// A run of `seconds` with the error `forces` in its contact forces.
-fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, forces: f64) -> Trial {
+pub fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, forces: f64) -> Trial {
     Trial {
         path,
         mesh: wide(mesh),
@@ -242,18 +247,22 @@ fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, forces: f
     }
 }
 
-fn by_hand() -> Comparison {
-    let mesh = |mesh: usize| MeshResult {
-        mesh: wide(mesh),
-        displacements: mesh * mesh,
-        contacts: mesh,
+/// A mesh with so many elements in each direction.
+pub fn mesh(n: usize) -> MeshResult {
+    MeshResult {
+        mesh: wide(n),
+        displacements: n * n,
+        contacts: n,
         increments: 1000,
         status: Status::Converged,
         seconds: 1.0,
         end: end(&[1.0], &[0.0], 0.0),
         errors: None,
         estimates: None,
-    };
+    }
+}
+
+pub fn by_hand() -> Comparison {
     let runs = vec![
         run(BN, 10, 10, 1.0, 4e-3),
         run(BN, 10, 20, 2.0, 1e-3),
@@ -328,51 +337,6 @@ fn charts_have_a_line_for_every_path() {
     for label in ["bn default, umfpack", "ip default, umfpack", "bn default, condensed", "Pareto front"] {
         assert!(svg.lines().any(|line| line == label), "{label}");
     }
-}
-
-/// A roller pressed into a block whose elements change: the error of each mesh against the finest, beside what it estimates by itself.
-#[test]
-fn elements_are_compared_with_their_estimates() {
-    let text = "mesh = { kind = 'block', size = [[0.3, 0.7], 1], elements = [[6, 4], 8], grading = [[1, 4], 0.1] }
-        material = { young = 1e9, poisson = 0.3 }
-        support = [{ boundary = 'bottom', fix = ['x', 'y'] }, { boundary = 'left', fix = ['x'] }]
-        time = { end = 1, increments = 1 }
-        [[contact]]
-        boundary = 'top'
-        friction = 0
-        obstacle = { kind = 'cylinder', apex = [0, 1], radius = 2, approach = [[0, 0], [1, 0.01]] }";
-    let scene = Scene::parse("roller.toml", text, &[]).unwrap();
-    let kinds = ["triangle", "quadrilateral:b-bar", "triangle6"].map(|name| Some(name.parse().unwrap()));
-    let choice = |elements, n| MeshChoice { size: MeshSize::Elements(n), elements };
-    let meshes = kinds.iter().flat_map(|kind| [10, 20].map(|n| choice(*kind, n))).collect();
-    let plan = Plan { paths: vec![CONDENSED], meshes, increments: vec![1], reference: 2 };
-    let comparison = compare::compute(&scene, &plan, &mut |_| ()).unwrap();
-    assert_eq!(comparison.elements().len(), 3);
-    assert_eq!(comparison.meshes.last().unwrap().mesh, choice(kinds[2], 20));
-    for kind in kinds {
-        let of: Vec<&MeshResult> =
-            comparison.meshes.iter().filter(|result| result.mesh.elements == kind && result.errors.is_some()).collect();
-        let errors: Vec<MeshErrors> = of.iter().map(|result| result.errors.unwrap()).collect();
-        for pair in errors.windows(2) {
-            assert!(pair[1].sum_p_n < pair[0].sum_p_n && pair[1].energy < pair[0].energy, "{kind:?}: {errors:?}");
-        }
-        for (result, errors) in of.iter().zip(&errors) {
-            let estimates = result.estimates.as_ref().unwrap();
-
-            let peak = estimates.peak_error().unwrap();
-            assert!(errors.peak < peak, "{:?}: {errors:?}, {peak}", result.mesh);
-            let ratio = estimates.discretisation.unwrap() / errors.norm();
-            assert!((0.4..2.5).contains(&ratio), "{:?}: {ratio}", result.mesh);
-        }
-    }
-    let stems: Vec<&str> = compare::charts(&comparison).iter().map(|chart| chart.0).collect();
-    assert_eq!(stems, ["forces", "increment", "mesh-size", "mesh-time"]);
-    let svg = compare::charts(&comparison)[2].2.to_svg().unwrap();
-    for label in ["triangle", "quadrilateral:b-bar", "triangle6", "energy norm", "peak pressure"] {
-        assert!(svg.lines().any(|line| line == label), "{label}");
-    }
-    let answers = comparison.answers();
-    assert!(answers[0].starts_with("Mesh for an error of 1e-2 in the normal force: the cheapest is "), "{answers:?}");
 }
 
 #[cfg(feature = "cli")]

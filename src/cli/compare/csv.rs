@@ -5,13 +5,11 @@ use stickslip::report::csv_table;
 
 use super::{Told, fields, resultants, told};
 
-const RUN_COLUMNS: [&str; 26] = [
-    "method",
-    "setting",
-    "solver",
-    "elements",
-    "mesh",
-    "increments",
+/// What tells a run: [`named_path`].
+const OF_RUN: [&str; 6] = ["method", "setting", "solver", "elements", "mesh", "increments"];
+
+/// What is told of it.
+const RUN_COLUMNS: [&str; 20] = [
     "status",
     "converged",
     "iterations",
@@ -51,7 +49,7 @@ pub(super) fn runs(comparison: &Comparison) -> String {
         row.push(comparison.front(&run.mesh).contains(&run).to_string());
         row
     };
-    csv_table(&RUN_COLUMNS, comparison.runs.iter().map(row))
+    csv_table(&[&OF_RUN[..], &RUN_COLUMNS].concat(), comparison.runs.iter().map(row))
 }
 
 fn named_path(run: &Trial) -> Vec<String> {
@@ -66,19 +64,7 @@ fn numbers<const N: usize>(numbers: Option<[f64; N]>) -> [String; N] {
 }
 
 pub(super) fn iterations(comparison: &Comparison) -> String {
-    let header = [
-        "method",
-        "setting",
-        "solver",
-        "elements",
-        "mesh",
-        "increments",
-        "increment",
-        "iteration",
-        "seconds",
-        "theta",
-        "error",
-    ];
+    let header = [&OF_RUN[..], &["increment", "iteration", "seconds", "theta", "error"]].concat();
     let rows = comparison.runs.iter().flat_map(|run| {
         run.iterates.iter().map(|iterate| {
             let mut row = named_path(run);

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use miette::{IntoDiagnostic, miette};
-use stickslip::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, Table, csv_table};
+use stickslip::report::{Axis, Chart, Curve, Dash, Line, Panel, Scale, Table, csv_table, told_apart};
 use stickslip_studies::elements::{Point, Problem};
 
 use super::{Answer, jobs, write};
@@ -108,22 +108,24 @@ enum Against {
     Time,
 }
 
-/// Colours that are told apart by colour-blind people, too.
-const COLOURS: [[u8; 3]; 7] =
-    [[0, 0, 0], [0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
-const MARKERS: [Marker; 4] = [Marker::Disc, Marker::Square, Marker::Triangle, Marker::Circle];
-
 fn chart(problem: Problem, points: &[Point], against: Against) -> Chart {
     let (label, x): (_, fn(&Point) -> f64) = match against {
         Against::Unknowns => ("unknowns", |point| point.unknowns as f64),
         Against::Time => ("CPU time, s", |point| point.seconds),
     };
-    let curve = |(k, elements)| Curve {
-        label: format!("{elements}"),
-        points: points.iter().filter(|point| point.elements == elements).map(|point| [x(point), point.error]).collect(),
-        line: Some(Line { dash: Dash::Solid, width: 1.8 }),
-        marker: Some(MARKERS[k % MARKERS.len()]),
-        colour: COLOURS[k % COLOURS.len()],
+    let curve = |(k, elements)| {
+        let (colour, marker) = told_apart(k);
+        Curve {
+            label: format!("{elements}"),
+            points: points
+                .iter()
+                .filter(|point| point.elements == elements)
+                .map(|point| [x(point), point.error])
+                .collect(),
+            line: Some(Line { dash: Dash::Solid, width: 1.8 }),
+            marker: Some(marker),
+            colour,
+        }
     };
     Chart {
         title: problem.title().into(),

@@ -165,6 +165,14 @@ fn hertz_sphere_on_a_fine_mesh() {
     assert!((found / 1.224_880_853_5e-5 - 1.0).abs() < 1e-9, "{found:.10e}");
 }
 
+fn force_of_sphere(kind: CellKind, element: Element, n: usize, poisson: f64) -> f64 {
+    let mut scene = quarter(kind, n, 0.0, SPHERE);
+    scene.description.element = element;
+    scene.description.material.poisson = poisson;
+    let model = Model::new(&scene).unwrap();
+    4.0 * sums(&solve(&model, &[1.0], condensed(), &mut ()).state)[0]
+}
+
 /// The sphere on bodies that hardly change their volume, with each of the elements for that.
 #[test]
 fn hertz_sphere_nearly_incompressible() {
@@ -177,13 +185,22 @@ fn hertz_sphere_nearly_incompressible() {
         (Prism, Element::BBar, 8, [1.524_843_084_1e-5, 1.678_532_696_8e-5]),
     ] {
         for (poisson, expected) in [0.49, 0.499].into_iter().zip(expected) {
-            let mut scene = quarter(kind, n, 0.0, SPHERE);
-            scene.description.element = element;
-            scene.description.material.poisson = poisson;
-            let model = Model::new(&scene).unwrap();
-            let found = 4.0 * sums(&solve(&model, &[1.0], condensed(), &mut ()).state)[0];
+            let found = force_of_sphere(kind, element, n, poisson);
             assert!((found / expected - 1.0).abs() < 1e-8, "{kind:?}, {element:?}, nu {poisson}: {found:.10e}");
         }
+    }
+}
+
+/// Under a sphere prisms lock with B-bar, and hardly do with nodal volumes: their forces over that of bricks.
+#[test]
+fn hertz_sphere_on_prisms() {
+    for (poisson, bricks, [b_bar, nodal]) in
+        [(0.49, 1.475_143_836_4e-5, [1.034, 1.013]), (0.499, 1.493_378_774_8e-5, [1.124, 1.021])]
+    {
+        let found = [Element::BBar, Element::NodalVolume]
+            .map(|element| force_of_sphere(CellKind::Prism, element, 8, poisson) / bricks);
+        println!("nu {poisson}: prisms with B-bar {:.4}, with nodal volumes {:.4}", found[0], found[1]);
+        assert!((found[0] - b_bar).abs() < 2e-3 && (found[1] - nodal).abs() < 2e-3, "{poisson}: {found:?}");
     }
 }
 
