@@ -97,10 +97,16 @@ impl Mesh {
 
     /// The smallest and the largest coordinate along each axis, m.
     pub fn bounds(&self) -> [(f64, f64); 3] {
-        [0, 1, 2].map(|c| {
-            let wider = |(lo, hi): (f64, f64), x: &[f64; 3]| (lo.min(x[c]), hi.max(x[c]));
-            self.nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), wider)
-        })
+        self.bounds_of(0..self.nodes.len())
+    }
+
+    /// The same of `nodes`.
+    pub fn bounds_of(&self, nodes: impl IntoIterator<Item = usize>) -> [(f64, f64); 3] {
+        let wider = |bounds: [(f64, f64); 3], node: usize| {
+            let x = self.nodes[node];
+            [0, 1, 2].map(|c| (bounds[c].0.min(x[c]), bounds[c].1.max(x[c])))
+        };
+        nodes.into_iter().fold([(f64::INFINITY, f64::NEG_INFINITY); 3], wider)
     }
 
     /// The centre of cell `e`, the mean of its corners, m.

@@ -1,6 +1,7 @@
 //! From a description, or the scene that holds one, to the discrete problem: mesh, `K`, contact maps, loads.
 
 mod balance;
+mod bodies;
 mod contact;
 mod element;
 mod energy;
@@ -123,6 +124,7 @@ impl Model {
         description.check()?;
         let mesh = meridian::meridian(description, description.mesh.made()?)?;
         description.formulas_suit(mesh.dimension)?;
+        bodies::keep_apart(description, &mesh, &mesh.bodies(), |_, _| false)?;
         let holdings = support::holdings(description, &mesh)?;
         let dofs = support::dofs(&mesh, &holdings)?;
         let element = element::element(description, &mesh)?;
@@ -170,7 +172,7 @@ impl Model {
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries);
-        let rigid_motions = unresisted_motions(&mesh, &dofs, &springs);
+        let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &[]);
         let problem = ContactProblem::new(Parts {
             stiffness,
             c_n: map(&contacts, |contact| &contact.normal),

@@ -117,6 +117,15 @@ impl Dofs {
         forces
     }
 
+    /// The unknowns, n_u, of the displacements (m) that `at` names for every node.
+    pub fn unknowns(&self, at: impl Fn(usize) -> [f64; 3]) -> Vec<f64> {
+        let mut u = vec![0.0; self.free];
+        for node in 0..self.numbers.len() / self.dimension {
+            self.along(node, at(node)).for_each(|(dof, value)| u[dof] = value);
+        }
+        u
+    }
+
     /// The displacement of every node (m) from the vector `u` of unknowns; 0 where supported.
     pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 3]> {
         let node = |dofs: &[Option<usize>]| [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]));
