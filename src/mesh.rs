@@ -28,12 +28,11 @@ pub(crate) use gmsh::faces;
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
 pub(crate) use interpolation::{Jacobian, local_gradients};
 pub use interpolation::{corner_shape, shape};
-pub use joined::Body;
 pub use kind::CellKind;
 pub(crate) use quadrature::stiffness_rule;
 pub use quadrature::{fine_quadrature, quadrature, quadrature_of};
 pub(crate) use reference::{MOST_NODES, ReferenceCell, ReferenceCells, ReferencePoint};
-pub use source::{HalfPlane, MeshError, MeshSource, Segment};
+pub use source::{Body, HalfPlane, MeshError, MeshSource, Segment};
 
 use crate::vector::{cross, minus};
 
