@@ -28,12 +28,11 @@ pub(crate) use gmsh::faces;
 pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
 pub(crate) use interpolation::{Jacobian, local_gradients};
 pub use interpolation::{corner_shape, shape};
-pub use joined::Body;
 pub use kind::CellKind;
 pub(crate) use quadrature::stiffness_rule;
 pub use quadrature::{fine_quadrature, quadrature, quadrature_of};
 pub(crate) use reference::{MOST_NODES, ReferenceCell, ReferenceCells, ReferencePoint};
-pub use source::{HalfPlane, MeshError, MeshSource, Segment};
+pub use source::{Body, HalfPlane, MeshError, MeshSource, Segment};
 
 use crate::vector::{cross, minus};
 
@@ -97,10 +96,16 @@ impl Mesh {
 
     /// The smallest and the largest coordinate along each axis, m.
     pub fn bounds(&self) -> [(f64, f64); 3] {
-        [0, 1, 2].map(|c| {
-            let wider = |(lo, hi): (f64, f64), x: &[f64; 3]| (lo.min(x[c]), hi.max(x[c]));
-            self.nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), wider)
-        })
+        self.bounds_of(0..self.nodes.len())
+    }
+
+    /// The same of `nodes`.
+    pub fn bounds_of(&self, nodes: impl IntoIterator<Item = usize>) -> [(f64, f64); 3] {
+        let wider = |bounds: [(f64, f64); 3], node: usize| {
+            let x = self.nodes[node];
+            [0, 1, 2].map(|c| (bounds[c].0.min(x[c]), bounds[c].1.max(x[c])))
+        };
+        nodes.into_iter().fold([(f64::INFINITY, f64::NEG_INFINITY); 3], wider)
     }
 
     /// The centre of cell `e`, the mean of its corners, m.

@@ -1,6 +1,7 @@
 //! From a description, or the scene that holds one, to the discrete problem: mesh, `K`, contact maps, loads.
 
 mod balance;
+mod bodies;
 mod contact;
 mod element;
 mod energy;
@@ -128,6 +129,7 @@ impl Model {
         description.check()?;
         let mesh = meridian::meridian(description, description.mesh.made()?)?;
         description.formulas_suit(mesh.dimension)?;
+        bodies::keep_apart(description, &mesh, &mesh.bodies(), |_, _| false)?;
         let holdings = support::holdings(description, &mesh)?;
         let dofs = support::dofs(&mesh, &holdings)?;
         let element = element::element(description, &mesh)?;
@@ -188,7 +190,7 @@ impl Model {
             c_o: map(&contacts, |contact| &contact.tangents[1]),
             mu,
             weight: Some(contacts.iter().map(|contact| contact.weight).collect()),
-            free_motions: if mesh.bodies().are_several() { None } else { Some(rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect()) },
+            free_motions: Some(rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect()),
         })?;
         let problem = if alone == contacts {
             problem

@@ -1,6 +1,7 @@
 //! `stickslip check`.
 
 mod histories;
+mod mesh;
 mod obstacles;
 mod words;
 
@@ -12,7 +13,7 @@ use stickslip::description::{Action, Bed, Direction, Field, Held, Support, Where
 use stickslip::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::formulation::Layout;
 use stickslip::history;
-use stickslip::mesh::{CellKind, HalfPlane, MeshSource, Segment};
+use stickslip::mesh::{CellKind, MeshSource};
 use stickslip::model::Model;
 use stickslip::problem::ProblemError;
 use stickslip::report::{PairRecord, Warning};
@@ -23,6 +24,7 @@ use stickslip::units::{Quantity, UnitSystem};
 
 use super::{Failure, SceneArgs};
 use histories::points;
+use mesh::{bodies, made};
 use obstacles::{frame, motions, shape};
 use words::{listed, number, told, vector};
 
@@ -70,45 +72,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 
 fn body(scene: &Scene, model: &Model) {
     let units = model.units();
-    let length = |x: f64| units.text(Quantity::Length, x);
-    let kind = match &scene.description.mesh {
-        MeshSource::Block { axes, origin, .. } => {
-            let each = |value: &dyn Fn(&Segment) -> String, within: &str, between: &str| {
-                let along = |axis: &Vec<Segment>| match &axis[..] {
-                    [segment] => value(segment),
-                    all => format!("({})", all.iter().map(value).collect::<Vec<_>>().join(within)),
-                };
-                axes.iter().map(along).collect::<Vec<_>>().join(between)
-            };
-            let lengths = each(&|segment| length(segment.length), " + ", " x ");
-            let elements = each(&|segment| segment.elements.to_string(), " + ", " x ");
-            let graded = if axes.iter().flatten().all(|segment| segment.grading == 1.0) {
-                String::new()
-            } else {
-                format!(" (graded {})", each(&|segment| format!("1 : {}", segment.grading), ", ", ", "))
-            };
-            let from = origin.map_or(String::new(), |origin| format!(" from {}", units.place(origin.components())));
-            format!("block {lengths}{from}, {elements}{graded}")
-        }
-        MeshSource::HalfPlane(HalfPlane {
-            size: [width, height], contact_elements, outer_elements, layers, ..
-        }) => {
-            let (width, height) = (length(*width), length(*height));
-            format!("half-plane {width} x {height}, ({contact_elements} + {outer_elements}) x {layers}")
-        }
-        MeshSource::Gmsh { file, scale } => {
-            // A forgotten scale is seen here. Six digits hide the rounding of a difference.
-            let extent = |x: &f64| {
-                let told = units.of_si(Quantity::Length, *x);
-                let rounded: f64 = format!("{told:.5e}").parse().unwrap_or(told);
-                format!("{rounded} {}", units.name(Quantity::Length))
-            };
-            let lengths = model.mesh.extent()[..model.mesh.dimension].iter().map(extent).collect::<Vec<_>>();
-            format!("{}, unit {}, {} over all,", file.display(), length(*scale), lengths.join(" x "))
-        }
-        MeshSource::Given(_) => "given".to_string(),
-        MeshSource::Bodies(bodies) => format!("{} bodies,", bodies.len()),
-    };
+    let kind = made(&scene.description.mesh, model);
     let mut cells: Vec<CellKind> = model.mesh.cells.iter().map(|cell| cell.kind).collect();
     cells.dedup();
     let cells = match (&cells[..], model.element()) {
@@ -131,6 +95,9 @@ fn body(scene: &Scene, model: &Model) {
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
     );
+    for line in bodies(&scene.description.mesh, model) {
+        say!("{line}");
+    }
     let Material { young, poisson, plane, layers, groups, .. } = &scene.description.material;
     let state = match (model.mesh.dimension, plane.unwrap_or_default()) {
         (2, Plane::Strain) => "plane strain, unit thickness",
@@ -139,7 +106,10 @@ fn body(scene: &Scene, model: &Model) {
         _ => "three dimensions",
     };
     let modulus = |young: f64| told(&units, Quantity::Stress, young);
-    say!("material     E = {}, nu = {poisson}, {state}", modulus(*young));
+    match &scene.description.mesh {
+        MeshSource::Bodies(_) => say!("material     {state}"),
+        _ => say!("material     E = {}, nu = {poisson}, {state}", modulus(*young)),
+    }
     for group in groups {
         say!("group        {}: E = {}, nu = {}", group.name, modulus(group.young), group.poisson);
     }
@@ -305,7 +275,7 @@ fn holding(model: &Model) {
     }
     let by = if model.contacts.is_empty() { "nothing holds" } else { "only contact can hold" };
     for motion in &model.rigid_motions {
-        say!("NOT HELD     {by} the body against {}", motion.told(&model.units()));
+        say!("NOT HELD     {by} {}", motion.against(&model.units()));
     }
 }
 
@@ -319,7 +289,7 @@ fn theorem(model: &Model) {
     if let Some(motion) = conditions.leaving.as_deref().and_then(|weights| named(model, weights)) {
         say!(
             "{label:<12} (a) violated: {} moves no node towards an obstacle, \
-             so the loads have to keep the body from it; or add a support",
+             so the loads have to keep it from that; or add a support",
             motion.told(&model.units())
         );
         label = "";

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::CompareError;
 use crate::fem::Element;
-use crate::mesh::{CellKind, HalfPlane, MeshSource, Segment};
+use crate::mesh::{Body, CellKind, HalfPlane, MeshSource, Segment};
 use crate::scene::Override;
 
 /// A mesh of a comparison.
@@ -111,6 +111,9 @@ impl FromStr for ElementChoice {
 impl MeshChoice {
     /// What puts it in the place of `mesh`.
     pub(super) fn overrides(&self, mesh: &MeshSource) -> Vec<Override> {
+        // A key without a number means all bodies.
+        let key =
+            |key: &str| if matches!(mesh, MeshSource::Bodies(_)) { format!("body.{key}") } else { key.to_string() };
         let mut overrides = match &self.size {
             MeshSize::Own => Vec::new(),
             MeshSize::Elements(n) => refined(mesh, *n),
@@ -118,9 +121,9 @@ impl MeshChoice {
         };
         if let Some(ElementChoice { cells, element }) = self.elements {
             let cells_alone = |cells| ElementChoice { cells: Some(cells), element: Element::Bilinear }.to_string();
-            overrides.extend(cells.map(|cells| Override::value("mesh.cells", cells_alone(cells))));
+            overrides.extend(cells.map(|cells| Override::value(&key("mesh.cells"), cells_alone(cells))));
             let element = ElementChoice { cells: None, element }.to_string();
-            overrides.push(Override::value("mesh.element", element));
+            overrides.push(Override::value(&key("mesh.element"), element));
         }
         overrides
     }
@@ -129,23 +132,18 @@ impl MeshChoice {
 /// Each of the `choices` once, if they can take the place of `mesh`.
 pub(super) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<MeshChoice>, CompareError> {
     let mut each: Vec<MeshChoice> = Vec::new();
+    let sources: Vec<&MeshSource> = match mesh {
+        MeshSource::Bodies(bodies) => bodies.iter().map(|body| &body.mesh).collect(),
+        one => vec![one],
+    };
+    let fixed = sources.iter().any(|mesh| matches!(mesh, MeshSource::Gmsh { .. } | MeshSource::Given(_)));
+    let blocks = sources.iter().all(|mesh| matches!(mesh, MeshSource::Block { .. }));
     for choice in choices {
         let cells = choice.elements.is_some_and(|elements| elements.cells.is_some());
-        match (&choice.size, mesh) {
-            (MeshSize::Elements(_), MeshSource::Gmsh { .. } | MeshSource::Given(_) | MeshSource::Bodies(_)) => {
-                return Err(CompareError::FixedMesh);
-            }
-            (
-                MeshSize::File(_),
-                MeshSource::Block { .. } | MeshSource::HalfPlane(_) | MeshSource::Given(_) | MeshSource::Bodies(_),
-            ) => {
-                return Err(CompareError::NoMeshFile);
-            }
-            (_, MeshSource::Gmsh { .. } | MeshSource::Given(_) | MeshSource::HalfPlane(_) | MeshSource::Bodies(_))
-                if cells =>
-            {
-                return Err(CompareError::FixedCells);
-            }
+        match &choice.size {
+            MeshSize::Elements(_) if fixed => return Err(CompareError::FixedMesh),
+            MeshSize::File(_) if !matches!(mesh, MeshSource::Gmsh { .. }) => return Err(CompareError::NoMeshFile),
+            _ if cells && !blocks => return Err(CompareError::FixedCells),
             _ if each.contains(choice) => {}
             _ => each.push(choice.clone()),
         }
@@ -153,31 +151,45 @@ pub(super) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<Mesh
     if each.is_empty() { Err(CompareError::NoMesh) } else { Ok(each) }
 }
 
-/// The elements in the first direction, or along the contact zone; none for a mesh that is what it is.
+/// The elements in the first direction, or along the contact zone, of the first of several bodies; none for a mesh that is what it is.
 pub(super) fn first_elements(mesh: &MeshSource) -> Option<usize> {
     match mesh {
         MeshSource::Block { axes, .. } => Some(axes[0].iter().map(|segment| segment.elements).sum()),
         MeshSource::HalfPlane(HalfPlane { contact_elements, .. }) => Some(*contact_elements),
-        MeshSource::Gmsh { .. } | MeshSource::Given(_) | MeshSource::Bodies(_) => None,
+        MeshSource::Gmsh { .. } | MeshSource::Given(_) => None,
+        MeshSource::Bodies(bodies) => first_elements(&bodies.first()?.mesh),
     }
 }
 
 /// What makes a mesh with `first` of them of this one, the other numbers in proportion.
 fn refined(mesh: &MeshSource, first: usize) -> Vec<Override> {
     let share = first as f64 / first_elements(mesh).unwrap_or(first) as f64;
+    match mesh {
+        MeshSource::Bodies(bodies) => {
+            let body = |(k, body): (usize, &Body)| scaled(&body.mesh, share, &format!("body[{k}].mesh"));
+            bodies.iter().enumerate().flat_map(body).collect()
+        }
+        one => scaled(one, share, "mesh"),
+    }
+}
+
+/// What makes a mesh with `share` of the elements along each axis of the one at `key`.
+fn scaled(mesh: &MeshSource, share: f64, key: &str) -> Vec<Override> {
     let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
+    let value = |name: &str, count: usize| Override::value(&format!("{key}.{name}"), scaled(count));
     match mesh {
         MeshSource::Block { axes, .. } => {
             let along = |axis: &Vec<Segment>| match axis[..] {
                 [segment] => scaled(segment.elements).into(),
                 _ => axis.iter().map(|segment| scaled(segment.elements)).collect::<toml_edit::Value>(),
             };
-            vec![Override::value("mesh.elements", axes.iter().map(along).collect::<toml_edit::Value>())]
+            let elements = axes.iter().map(along).collect::<toml_edit::Value>();
+            vec![Override::value(&format!("{key}.elements"), elements)]
         }
         MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => vec![
-            Override::value("mesh.contact_elements", scaled(*contact_elements)),
-            Override::value("mesh.outer_elements", scaled(*outer_elements)),
-            Override::value("mesh.layers", scaled(*layers)),
+            value("contact_elements", *contact_elements),
+            value("outer_elements", *outer_elements),
+            value("layers", *layers),
         ],
         MeshSource::Gmsh { .. } | MeshSource::Given(_) | MeshSource::Bodies(_) => Vec::new(),
     }

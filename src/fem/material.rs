@@ -89,6 +89,41 @@ impl Material {
         Material { young, poisson, ..Material::default() }
     }
 
+    /// The materials of `bodies`, by their names, as groups of the mesh that these are joined in, see
+    /// [`crate::mesh::MeshSource::Bodies`]. A group of a body's own is called `name:group` there.
+    ///
+    /// # Errors
+    /// [`Fault`] of the key of the body, such as `body[1].material.plane`: layers, which only a single body has, another plane state than
+    /// that of the first, no body.
+    pub fn of_bodies(bodies: impl IntoIterator<Item = (String, Material)>) -> Result<Self, Fault> {
+        let mut all: Option<Material> = None;
+        for (k, (name, material)) in bodies.into_iter().enumerate() {
+            let Material { young, poisson, plane, density, expansion, layers, groups } = material;
+            let fault =
+                |key: &str, message: String, help: &str| Fault::new(format!("body[{k}].material.{key}"), message, help);
+            if !layers.is_empty() {
+                let message = format!("the body `{name}` has layers, which are those of a scene with a single body");
+                return Err(fault("layers", message, "use groups of its mesh, or a body for each layer"));
+            }
+            // Density and expansion of one body are not those of another.
+            let all = all.get_or_insert_with(|| Material { young, poisson, plane, ..Material::default() });
+            if plane.unwrap_or_default() != all.plane.unwrap_or_default() {
+                let message = format!("the body `{name}` is in another plane state than those before it");
+                let help = "all bodies have the same material.plane, which is \"strain\" where it is left out";
+                return Err(fault("plane", message, help));
+            }
+            all.plane = all.plane.or(plane);
+            all.groups.push(MaterialGroup { name: name.clone(), young, poisson, density, expansion });
+            all.groups.extend(groups.into_iter().map(|group| MaterialGroup {
+                name: format!("{name}:{}", group.name),
+                density: group.density.or(density),
+                expansion: group.expansion.or(expansion),
+                ..group
+            }));
+        }
+        all.ok_or_else(|| Fault::new("body", "there is no body", "give one at least"))
+    }
+
     /// The same in `plane`.
     #[must_use]
     pub fn in_plane(self, plane: Plane) -> Self {
@@ -216,9 +251,15 @@ impl Material {
         of_group: impl Fn(&MaterialGroup) -> Option<f64>,
     ) -> Result<Vec<f64>, Fault> {
         let groups = self.groups_of(mesh)?;
-        let missing = || Fault::new(format!("material.{key}"), format!("a load needs the {key} of the material"), help);
+        let missing = |group: usize| match groups[group] {
+            Some(k) => {
+                let message = format!("a load needs the {key} of the group `{}`", self.groups[k].name);
+                Fault::new(format!("material.group[{k}].{key}"), message, help)
+            }
+            None => Fault::new(format!("material.{key}"), format!("a load needs the {key} of the material"), help),
+        };
         let value = |group: usize| groups[group].and_then(|k| of_group(&self.groups[k])).or(itself);
-        mesh.cells.iter().map(|cell| value(cell.group).ok_or_else(missing)).collect()
+        mesh.cells.iter().map(|cell| value(cell.group).ok_or_else(|| missing(cell.group))).collect()
     }
 
     /// For each group of `mesh`, which of the groups here it is. A group `upper:rim` that is not named is of the material of

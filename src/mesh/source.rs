@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::block::{graded_block, progression};
 use super::half_plane::half_plane;
-use super::joined::{self, Body};
+use super::joined::{append, named};
 use super::{CellKind, Mesh, MeshFileError, gmsh};
 use crate::fault::{Fault, demand, finite, not_huge, positive};
 use crate::vector::{Vector, plus};
@@ -64,6 +64,31 @@ pub struct HalfPlane {
     /// Layers of elements, in geometric progression from the top one, whose elements are square in
     /// the contact zone, to the bottom.
     pub layers: usize,
+}
+
+/// A body of several, with a mesh of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Its name, without a colon. Its boundaries are called `name:boundary`, its groups `name:group`; the one group of a mesh
+    /// that names none is called `name`.
+    pub name: String,
+    /// Its mesh.
+    pub mesh: MeshSource,
+    /// Where the origin of that is put, m; where it is, without it.
+    pub at: Option<Vector>,
+}
+
+impl Body {
+    /// The body `name` where its mesh is.
+    pub fn new(name: &str, mesh: impl Into<MeshSource>) -> Self {
+        Body { name: name.to_string(), mesh: mesh.into(), at: None }
+    }
+
+    /// The same with its origin at `at` (m).
+    #[must_use]
+    pub fn at(self, at: impl Into<Vector>) -> Self {
+        Body { at: Some(at.into()), ..self }
+    }
 }
 
 /// Why a source makes no mesh.
@@ -154,7 +179,7 @@ impl MeshSource {
             MeshSource::Given(mesh) => {
                 mesh.check().map_err(|fault| Fault::new("mesh", fault.to_string(), fault.help()))
             }
-            MeshSource::Bodies(bodies) => joined::check(bodies),
+            MeshSource::Bodies(bodies) => check_bodies(bodies),
         }
     }
 
@@ -192,7 +217,7 @@ impl MeshSource {
             }
             MeshSource::Gmsh { file, scale } => gmsh(file, *scale)?,
             MeshSource::Given(mesh) => return Ok(Arc::clone(mesh)),
-            MeshSource::Bodies(bodies) => joined::joined(bodies)?,
+            MeshSource::Bodies(bodies) => joined(bodies)?,
         };
         Ok(Arc::new(mesh))
     }
@@ -308,4 +333,68 @@ fn mesh_lines(segments: &[Segment]) -> Vec<f64> {
         end += length;
     }
     lines
+}
+
+fn no_body() -> Fault {
+    Fault::new("body", "there is no body", "give one at least")
+}
+
+/// Whether one mesh can be made of `bodies`, as far as that is known before files are read.
+fn check_bodies(bodies: &[Body]) -> Result<(), Fault> {
+    if bodies.is_empty() {
+        return Err(no_body());
+    }
+    let mut plane_or_not: Option<(usize, &str)> = None;
+    for (k, Body { name, mesh, at }) in bodies.iter().enumerate() {
+        let key = |what: &str| format!("body[{k}].{what}");
+        if name.is_empty() || name.contains(':') {
+            let message = format!("the name of the body is {name:?}, but must have a letter and no colon");
+            return Err(Fault::new(key("name"), message, "its boundaries will be called `name:boundary`"));
+        }
+        if bodies[..k].iter().any(|other| other.name == *name) {
+            let message = format!("another body is called `{name}`");
+            return Err(Fault::new(key("name"), message, "give every body a name of its own"));
+        }
+        if let MeshSource::Bodies(_) = mesh {
+            let message = format!("the body `{name}` is made of bodies");
+            return Err(Fault::new(key("mesh"), message, "list all bodies side by side"));
+        }
+        mesh.check().map_err(|fault| fault.under(&format!("body[{k}]")))?;
+        let dimension = mesh.nodes().map(|(_, dimension)| dimension);
+        if let Some(at) = at {
+            let sound = at.components().iter().all(|c| c.is_finite());
+            let sound = sound && dimension.is_none_or(|dimension| dimension == at.dimension());
+            let help = "give where the origin of the body's mesh is put, such as [0, 0.5]";
+            demand(sound, &key("at"), at, "a finite number for each dimension of the body", help)?;
+            not_huge(&key("at"), at.components())?;
+        }
+        let known = dimension.or(at.map(|at| at.dimension()));
+        match (plane_or_not, known) {
+            (Some((first, of)), Some(other)) if first != other => {
+                let message = format!("`{name}` has {other} dimensions, but `{of}` has {first}");
+                return Err(Fault::new(key("mesh"), message, "let all bodies be plane, or all have a volume"));
+            }
+            (None, Some(dimension)) => plane_or_not = Some((dimension, name)),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// The one mesh of `bodies` that were checked.
+fn joined(bodies: &[Body]) -> Result<Mesh, MeshError> {
+    let mut all: Option<Mesh> = None;
+    for (k, Body { name, mesh, at }) in bodies.iter().enumerate() {
+        let under = |fault: Fault| MeshError::Source(fault.under(&format!("body[{k}]")));
+        let mesh = mesh.made().map_err(|error| match error {
+            MeshError::Source(fault) => under(fault),
+            file => file,
+        })?;
+        let mesh = named(Arc::unwrap_or_clone(mesh), name, *at);
+        match &mut all {
+            None => all = Some(mesh),
+            Some(all) => append(all, name, mesh).map_err(under)?,
+        }
+    }
+    Ok(all.ok_or_else(no_body)?)
 }

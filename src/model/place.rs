@@ -27,12 +27,25 @@ pub(super) fn node(mesh: &Mesh, point: Vector, units: &UnitSystem, key: &str) ->
     let distance = |node: usize| norm(minus(mesh.nodes[node], x));
     let nearest = (0..mesh.nodes.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
     let nearest = nearest.unwrap_or(0);
-    if distance(nearest) <= NEAR * mesh.size() {
-        return Ok(nearest);
+    let near = NEAR * mesh.size();
+    if distance(nearest) <= near {
+        return only(mesh, nearest, |node| distance(node) <= near, units, key);
     }
     let message = format!("no node of the mesh is at {}", units.place(x));
     let help = format!("the nearest is at {}", units.place(mesh.nodes[nearest]));
     Err(Fault::new(format!("{key}.point"), message, help))
+}
+
+/// `node`, unless another body has one that is `near`, too.
+fn only(mesh: &Mesh, node: usize, near: impl Fn(usize) -> bool, units: &UnitSystem, key: &str) -> Result<usize, Fault> {
+    let bodies = mesh.bodies();
+    let of = bodies.of_nodes();
+    let Some(other) = (0..mesh.nodes.len()).find(|&other| of[other] != of[node] && near(other)) else {
+        return Ok(node);
+    };
+    let names = [node, other].map(|node| bodies.told(of[node]));
+    let message = format!("{} and {} both have a node at {}", names[0], names[1], units.place(mesh.nodes[node]));
+    Err(Fault::new(format!("{key}.point"), message, "name a boundary in place of the point: those are of one body"))
 }
 
 /// Fails unless a vector has as many components as the body has dimensions.

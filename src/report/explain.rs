@@ -132,7 +132,7 @@ fn stiffest(model: &Model) -> f64 {
 
 fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
     match motion(model, outcome) {
-        Some(motion) => format!("nothing holds the body against {}; add a support", motion.told(&model.units())),
+        Some(motion) => format!("nothing holds {}; add a support", motion.against(&model.units())),
         None => "the linearised problem is singular".to_string(),
     }
 }

@@ -21,7 +21,7 @@ use crate::vector::{across, dot, norm, plus, unit};
 /// Where cells are of second order `nodal_stress` (Pa, as `stress` below), the mean of the cells around a node.
 /// Of cells: `stress` (Pa, at the centre, all nine components row by row), `principal_stress` (Pa, the most tensile first),
 /// `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the order of the elements;
-/// and `discretisation_error`, the share of a cell in the error of the mesh in the energy norm.
+/// where there are several bodies `body`, the number of each from 0; and `discretisation_error`, the share of a cell in the error of the mesh in the energy norm.
 pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     let mesh = &model.mesh;
     let (displacements, factors) = deformation(model, step);
@@ -39,6 +39,10 @@ pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
         real("von_mises", 1, stresses.iter().copied().map(von_mises).collect()),
         whole("material", materials(model)),
     ];
+    let bodies = mesh.bodies();
+    if bodies.are_several() {
+        cell_fields.push(whole("body", bodies.of_cells().iter().map(|&k| k as i32).collect()));
+    }
     let error = ElementEstimate::new(model, &factors, &displacements, &[]).discretisation;
     let of_cells = error.map_or_else(|| vec![0.0; mesh.cells.len()], |error| error.of_cells);
     cell_fields.push(real("discretisation_error", 1, of_cells));
@@ -57,7 +61,7 @@ fn tensors(stresses: &[[f64; 6]]) -> Vec<f64> {
 
 /// The names of all fields.
 #[cfg(test)]
-pub(super) const NAMES: [&str; 13] = [
+pub(super) const NAMES: [&str; 14] = [
     "displacement",
     "contact_pressure",
     "patch_pressure",
@@ -70,6 +74,7 @@ pub(super) const NAMES: [&str; 13] = [
     "principal_stress",
     "von_mises",
     "material",
+    "body",
     "discretisation_error",
 ];
 

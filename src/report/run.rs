@@ -59,6 +59,9 @@ pub struct RunReport {
     /// Why the run ended early.
     #[serde(flatten)]
     pub explanation: Explanation,
+    /// The bodies, where there are several, in the order of the field `body`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<BodyRecord>,
     /// What may make the answer wrong although the laws hold.
     pub warnings: Vec<Warning>,
     /// The largest displacement.
@@ -95,6 +98,31 @@ pub struct RunReport {
     /// The critical friction at the end of the last converged increment, where it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical_friction: Option<CriticalFriction>,
+}
+
+/// A body of several.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct BodyRecord {
+    /// Its name.
+    pub name: String,
+    /// The number of its nodes.
+    pub nodes: usize,
+    /// The number of its cells.
+    pub cells: usize,
+}
+
+impl BodyRecord {
+    /// The bodies of `model`; none where there is only one.
+    fn all(model: &Model) -> Vec<Self> {
+        let bodies = model.mesh.bodies();
+        let record = |(k, name): (usize, &String)| BodyRecord {
+            name: name.clone(),
+            nodes: bodies.nodes(k).count(),
+            cells: bodies.cells(k).count(),
+        };
+        if bodies.are_several() { bodies.names().iter().enumerate().map(record).collect() } else { Vec::new() }
+    }
 }
 
 /// Sums over a run.
@@ -192,6 +220,7 @@ impl RunReport {
             faster_solver: facts.faster,
             status: outcome.status,
             explanation: Explanation::new(solver, model, outcome),
+            bodies: BodyRecord::all(model),
             warnings,
             largest_displacement: validity.largest,
             largest_pressure: facts.largest_pressure,

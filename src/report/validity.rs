@@ -160,10 +160,10 @@ fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<Strin
     let motion = RigidMotion::combination(&model.rigid_motions, &neutral.weights)?;
     let room = neutral.room[0].min(neutral.room[1]);
     let (units, told) = (model.units(), model.units().of_si(Quantity::Length, room));
-    let (motion, unit) = (motion.told(&units), units.name(Quantity::Length));
+    let (motion, unit) = (motion.against(&units), units.name(Quantity::Length));
     let room = if room.is_finite() { format!("by {told:.2e} {unit}") } else { "by any distance".to_string() };
     Some(format!(
-        "at t = {time} s contact forces balance the loads, but nothing holds the body against {motion}: displacements are \
+        "at t = {time} s contact forces balance the loads, but nothing holds {motion}: displacements are \
          one of many solutions, which may differ {room} before another node touches; stresses are the same in all; add a \
          support to make them unique"
     ))

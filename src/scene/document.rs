@@ -1,10 +1,12 @@
 //! The scene file as it stands.
 
+mod body;
 mod output;
 
 use std::fmt;
 use std::marker::PhantomData;
 
+pub(super) use body::{Body, Material, MaterialGroup, Mesh, MeshKind};
 pub(super) use output::{Output, Probe, Times};
 
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
@@ -16,9 +18,7 @@ use super::error::Source;
 use super::solver::{LinearName, MethodName, Setting, Start};
 use super::syntax;
 use crate::contact::GapDirection;
-use crate::fem::{Element, Plane};
 use crate::formulation::{NewtonSystem, Partition};
-use crate::mesh::CellKind;
 use crate::units::Units;
 use crate::vector::Vector;
 
@@ -124,8 +124,10 @@ pub(super) struct Document {
     pub title: Option<String>,
     #[serde(default)]
     pub units: Units,
-    pub mesh: Mesh,
-    pub material: Material,
+    pub mesh: Option<Mesh>,
+    pub material: Option<Material>,
+    #[serde(default)]
+    pub body: Vec<Body>,
     #[serde(default)]
     pub support: Vec<Support>,
     #[serde(default)]
@@ -139,56 +141,6 @@ pub(super) struct Document {
     pub solver: Solver,
     #[serde(default)]
     pub output: Output,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum MeshKind {
-    Block,
-    HalfPlane,
-    Gmsh,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Mesh {
-    pub kind: MeshKind,
-    pub size: Option<Vec<Segments<f64>>>,
-    pub cells: Option<CellKind>,
-    pub file: Option<String>,
-    pub scale: Option<f64>,
-    pub element: Option<Element>,
-    pub elements: Option<Vec<Segments<i64>>>,
-    pub grading: Option<Vec<Segments<f64>>>,
-    pub origin: Option<Vector>,
-    pub contact_width: Option<f64>,
-    pub contact_elements: Option<i64>,
-    pub outer_elements: Option<i64>,
-    pub layers: Option<i64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Material {
-    pub young: f64,
-    pub poisson: f64,
-    pub plane: Option<Plane>,
-    pub density: Option<f64>,
-    pub expansion: Option<f64>,
-    #[serde(default)]
-    pub layers: Vec<Tuple<f64, 3>>,
-    #[serde(default)]
-    pub group: Vec<MaterialGroup>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MaterialGroup {
-    pub name: String,
-    pub young: f64,
-    pub poisson: f64,
-    pub density: Option<f64>,
-    pub expansion: Option<f64>,
 }
 
 #[derive(Deserialize)]

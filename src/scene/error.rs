@@ -65,6 +65,8 @@ pub struct Located {
 pub(super) struct Source {
     pub(super) name: String,
     pub(super) text: String,
+    /// Where the material of each group stands, in a scene of several bodies; otherwise empty.
+    pub(super) material_keys: Vec<String>,
 }
 
 impl Source {
@@ -73,8 +75,31 @@ impl Source {
         Path::new(&self.name).parent().unwrap_or(Path::new("")).join(file)
     }
 
+    /// The text `text` called `name`.
+    pub(super) fn new(name: String, text: String) -> Self {
+        Source { name, text, material_keys: Vec::new() }
+    }
+
+    /// `fault` of the joined mesh and material of several bodies, told of the body that it is of.
+    fn of_its_body(&self, fault: Fault) -> Fault {
+        if self.material_keys.is_empty() {
+            return fault;
+        }
+        let group = fault.key.strip_prefix("material.group[").and_then(|rest| {
+            let (number, rest) = rest.split_once(']')?;
+            Some(format!("{}{rest}", self.material_keys.get(number.parse::<usize>().ok()?)?))
+        });
+        let first = || {
+            let rest = fault.key.strip_prefix("material").map(|rest| format!("{}{rest}", self.material_keys[0]));
+            rest.or_else(|| fault.key.strip_prefix("mesh").map(|rest| format!("body[0].mesh{rest}")))
+        };
+        let key = group.or_else(first).unwrap_or_else(|| fault.key.clone());
+        Fault { key, ..fault }
+    }
+
     /// `fault` at its place.
     pub(super) fn located(&self, fault: Fault) -> SceneError {
+        let fault = self.of_its_body(fault);
         let span = Places::of(&self.text).span(&fault.key);
         self.error(fault.key, span, fault.message, fault.help)
     }

@@ -10,7 +10,7 @@ use super::SceneError;
 use super::error::Source;
 
 /// The tables that a scene may hold several of.
-pub(super) const LISTS: [&str; 4] = ["support", "contact", "spring", "load"];
+pub(super) const LISTS: [&str; 5] = ["body", "support", "contact", "spring", "load"];
 
 /// What stands behind the name of a scene with overrides, in messages.
 pub(super) const MARK: &str = " (with --set)";
@@ -63,9 +63,10 @@ impl fmt::Display for Override {
 }
 
 impl Override {
-    /// Sets the key at a plain path, such as `time.increments`, to `value`.
+    /// Sets the key at a path, such as `time.increments` or `body[1].mesh.elements`, to `value`.
     pub fn value(key: &str, value: impl Into<Value>) -> Self {
-        let path = key.split('.').map(|name| Segment { name: name.to_string(), index: None }).collect();
+        let plain = |name: &str| Segment { name: name.to_string(), index: None };
+        let path = key.split('.').map(|name| Segment::parse(name).unwrap_or_else(|| plain(name))).collect();
         let value = value.into();
         Override { text: format!("{key}={value}"), path, value }
     }
@@ -96,6 +97,10 @@ impl Override {
         if table.get(name).is_none() {
             if LISTS.contains(&name.as_str()) {
                 return Err(self.error(format!("the scene has no [[{name}]]"), "add one to the scene file"));
+            }
+            if ["mesh", "material"].contains(&name.as_str()) && table.contains_key("body") {
+                let help = format!("set body.{name}, that of all bodies, or body[0].{name}, that of the first");
+                return Err(self.error(format!("the scene has no [{name}], but [[body]]"), &help));
             }
             table.insert(name, Item::Table(Table::new()));
         }
@@ -154,7 +159,7 @@ impl Segment {
 
 /// The scene's text with all overrides in place.
 pub(super) fn apply(name: &str, text: &str, overrides: &[Override]) -> Result<Source, SceneError> {
-    let source = Source { name: name.to_string(), text: text.to_string() };
+    let source = Source::new(name.to_string(), text.to_string());
     if overrides.is_empty() {
         return Ok(source);
     }
@@ -164,5 +169,5 @@ pub(super) fn apply(name: &str, text: &str, overrides: &[Override]) -> Result<So
     for change in overrides {
         change.set(document.as_table_mut(), &change.path)?;
     }
-    Ok(Source { name: format!("{name}{MARK}"), text: document.to_string() })
+    Ok(Source::new(format!("{name}{MARK}"), document.to_string()))
 }

@@ -2,6 +2,7 @@
 //! and checked, where they are used.
 
 mod action;
+mod bodies;
 mod contact;
 mod mesh;
 mod obstacle;
@@ -15,19 +16,22 @@ use super::error::Source;
 use super::{Scene, SceneError, Time};
 use crate::description::Description;
 use crate::fault::{Fault, demand, finite};
-use crate::fem::{Layer, Material, MaterialGroup};
 use crate::formula::Formula;
 use crate::units::Units;
+use bodies::Bodies;
 
 /// The scene of `document`, which was read from `source`.
-pub(super) fn scene(document: Document, source: Source) -> Result<Scene, SceneError> {
+pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene, SceneError> {
+    let Bodies { mesh, element, material, keys } =
+        bodies::bodies(&mut document, &source).map_err(|fault| source.located(fault))?;
+    source.material_keys = keys;
     let at = |fault: Fault| source.located(fault);
     let time = time(&document.time).map_err(at)?;
     let contacts: Vec<_> = document.contact.into_iter().enumerate().collect();
     let given = Description {
-        mesh: mesh::source(&document.mesh, &source).map_err(at)?,
-        element: document.mesh.element.unwrap_or_default(),
-        material: material(document.material),
+        mesh,
+        element,
+        material,
         supports: keyed("support", document.support, |given, key| action::support(given, key).map_err(at))?,
         contacts: contacts.into_iter().map(|(k, given)| contact::contact(k, given, &source)).collect::<Result<_, _>>()?,
         springs: keyed("spring", document.spring, |given, key| action::spring(given, key).map_err(at))?,
@@ -75,20 +79,6 @@ fn time(time: &document::Time) -> Result<Time, Fault> {
     let sound = (1..=10_000_000).contains(&increments);
     demand(sound, "time.increments", &increments, "at least 1 and at most 10 million", help)?;
     Ok(Time { end, increments: increments as usize })
-}
-
-fn material(given: document::Material) -> Material {
-    let document::Material { young, poisson, plane, density, expansion, layers, group: group_list } = given;
-    let layer = |Tuple([thickness, young, poisson])| Layer { thickness, young, poisson };
-    let group = |document::MaterialGroup { name, young, poisson, density, expansion }| MaterialGroup {
-        name,
-        young,
-        poisson,
-        density,
-        expansion,
-    };
-    let (layers, groups) = (layers.into_iter().map(layer).collect(), group_list.into_iter().map(group).collect());
-    Material { young, poisson, plane, density, expansion, layers, groups }
 }
 
 /// The formula at `key`; what is wrong within it is underlined.

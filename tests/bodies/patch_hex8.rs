@@ -178,7 +178,7 @@ fn free_motions_in_space() {
     let slanted = words(free(&|node, _| corner(node, [0.0; 3]) || corner(node, [0.0, 1.0, 1.0])));
     assert_eq!(slanted, [about("(0, 0.5, 0.5)", "(0, 0.707107, 0.707107)")]);
     // Every motion keeps what is held where it is.
-    assert!(mesh.nodes.iter().filter(|x| x[1] == 0.0 && x[2] == 0.0).all(|&x| norm(hinge[0].at(x)) < 1e-14));
+    assert!(mesh.nodes.iter().filter(|x| x[1] == 0.0 && x[2] == 0.0).all(|&x| norm(hinge[0].bodies[0].at(x)) < 1e-14));
 }
 
 /// With the body force of u = sin(πx) sin(πy) sin(πz) (1, 2, 3), in the plane without z, the L2 error falls by

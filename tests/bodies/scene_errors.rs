@@ -114,7 +114,7 @@ fn a_missing_table_is_named() {
         let text = [&BLOCK[..start], &BLOCK[BLOCK.find(next).unwrap()..]].concat();
         verify(&located(&text), &text, 1, &[&format!("missing field `{table}`")], ADD);
     }
-    verify(&located(""), "", 1, &["missing field `mesh`"], ADD);
+    verify(&located(""), "", 1, &["missing field `time`"], ADD);
 }
 
 #[test]

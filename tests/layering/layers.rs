@@ -19,7 +19,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("problem", &["linear", "sets", "sparse", "units", "vector"]),
     ("loading", &["problem"]),
     ("solvability", &["null_space", "problem", "sets", "sparse", "vector"]),
-    ("fem", &["fault", "mesh", "null_space", "sparse", "units", "vector"]),
+    ("fem", &["fault", "mesh", "null_space", "sets", "sparse", "units", "vector"]),
     ("contact", &["fault", "fem", "formula", "input", "loading", "mesh", "problem", "timeline", "vector"]),
     ("description", &["contact", "fault", "fem", "formula", "mesh", "timeline", "units", "vector"]),
     ("formulation", &["contact", "null_space", "problem", "sparse", "units", "vector"]),

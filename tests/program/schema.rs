@@ -134,6 +134,17 @@ fn keys_of(value: &Value, at: &str, into: &mut BTreeSet<String>) {
 /// A ball under the middle of a face, and a plane under the rest.
 const ON_A_BALL: &str = "[{ kind = \"sphere\", radius = 50, apex = [0.5, 0.5, 0] }, { kind = \"plane\", gap = 1e-5 }]";
 
+/// The block and another one far above it, held by its top.
+fn two_bodies() -> String {
+    let one = |name: &str, at: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nat = {at}\n[body.mesh]\nkind = \"block\"\nsize = [1, 1]\nelements = [2, 2]\n\
+             [body.material]\nyoung = 1e9\npoisson = 0.3\n[[support]]\nboundary = \"{name}:top\"\nfix = [\"x\", \"y\"]\n"
+        )
+    };
+    [&one("lower", "[0, 0]"), &one("upper", "[0, 3]"), "[time]\nend = 1\nincrements = 1\n"].concat()
+}
+
 /// Changes of the block with which increments are halved.
 const HALVED: [&str; 12] = [
     "--setting",
@@ -179,6 +190,7 @@ fn reports() -> Vec<Value> {
         ),
         json_of(&small(), &["--set", "units.length=ft", "--set", "units.stress=psi"]),
         report(&without(&small(), "[[support]]", "[[load]]"), 1),
+        json_of(&two_bodies(), &[]),
     ]
 }
 
@@ -226,6 +238,8 @@ fn scenes_are_as_their_schema_says() {
         let scene = as_json(&fs::read_to_string(&path).unwrap());
         assert_eq!(faults(&schema, &schema, &scene, "scene"), [""; 0], "{}", path.display());
     }
+    let bodies = as_json(&two_bodies());
+    assert_eq!(faults(&schema, &schema, &bodies, "scene"), [""; 0]);
     for (from, to, fault) in [
         ("poisson", "poison", "scene.material: unknown key poison"),
         ("\"plane\"", "\"plain\"", "scene.contact[0].obstacle: fits none"),
@@ -258,6 +272,7 @@ fn the_schema_of_scenes_has_the_keys_of_the_reader() {
         ("mesh.{}", "mesh"),
         ("material.{}", "material"),
         ("material.group=[{name=\"body\",young=1,poisson=0,{}}]", "material_group"),
+        ("body=[{name=\"a\",mesh={kind=\"block\",size=[1,1],elements=[1,1]},material={young=1,poisson=0},{}}]", "body"),
         ("support.{}", "support"),
         ("contact.{}", "contact"),
         ("contact.obstacle.{}", "obstacle"),

@@ -1,0 +1,288 @@
+//! Scenes of several bodies: what is read of them, what is refused, and with which words.
+
+#![allow(clippy::unwrap_used)]
+
+use miette::Diagnostic;
+use stickslip::fem::{Element, MaterialGroup, Plane};
+use stickslip::mesh::{Body, MeshSource};
+use stickslip::model::Model;
+use stickslip::scene::Scene;
+
+use crate::common::edit;
+use crate::common::faults::{line_of, located, verify};
+
+/// Two blocks, one above the other, each held by its own top and pressed on its own floor.
+pub const TWO: &str = r#"
+[[body]]
+name = "lower"
+[body.mesh]
+kind = "block"
+size = [1.0, 0.5]
+elements = [8, 4]  # lower
+[body.material]
+young = 210e9  # steel
+poisson = 0.3
+
+[[body]]
+name = "upper"
+at = [0.1, 0.7]
+[body.mesh]
+kind = "block"
+size = [0.6, 0.4]
+elements = [5, 4]  # upper
+[body.material]
+young = 70e9  # aluminium
+poisson = 0.25  # aluminium, too
+density = 2700
+
+[[contact]]
+boundary = "lower:bottom"
+friction = 0.3
+obstacle = { kind = "plane" }
+
+[[contact]]
+boundary = "upper:bottom"
+friction = 0.2
+obstacle = { kind = "plane", gap = 1e-6 }
+
+[[support]]
+boundary = "lower:left"
+fix = ["x"]
+
+[[support]]
+boundary = "upper:left"
+fix = ["x"]
+
+[[load]]
+boundary = "lower:top"
+traction = [0, -1e7]
+
+[[load]]
+boundary = "upper:top"
+traction = [1e6, -2e7]
+
+[time]
+end = 1
+increments = 4
+"#;
+
+fn read(text: &str) -> Scene {
+    Scene::parse("scene.toml", text, &[]).unwrap()
+}
+
+fn with(overrides: &[&str]) -> Scene {
+    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
+    Scene::parse("scene.toml", TWO, &overrides).unwrap()
+}
+
+#[test]
+fn bodies_become_one_mesh_and_their_materials_groups() {
+    let scene = read(TWO);
+    let description = &scene.description;
+    let upper = Body::new("upper", MeshSource::block([0.6, 0.4], [5, 4])).at([0.1, 0.7]);
+    let lower = Body::new("lower", MeshSource::block([1.0, 0.5], [8, 4]));
+    assert_eq!(description.mesh, MeshSource::Bodies(vec![lower, upper]));
+    let group = |name: &str, young, poisson, density| MaterialGroup {
+        name: name.to_string(),
+        young,
+        poisson,
+        density,
+        expansion: None,
+    };
+    let groups = [group("lower", 210e9, 0.3, None), group("upper", 70e9, 0.25, Some(2700.0))];
+    assert_eq!(description.material.groups, groups);
+    assert_eq!((description.material.density, description.element), (None, Element::Bilinear));
+    let model = Model::new(&scene).unwrap();
+    let bodies = model.mesh.bodies();
+    let stiff = model.materials()[0];
+    for (law, body) in model.materials().iter().zip(bodies.of_cells()) {
+        assert_eq!(*law == stiff, *body == 0);
+    }
+}
+
+#[test]
+fn overrides_reach_bodies() {
+    let axes = |scene: &Scene| {
+        let MeshSource::Bodies(bodies) = &scene.description.mesh else { panic!() };
+        let elements = |body: &Body| match &body.mesh {
+            MeshSource::Block { axes, .. } => axes.concat().iter().map(|segment| segment.elements).collect::<Vec<_>>(),
+            _ => panic!(),
+        };
+        bodies.iter().map(elements).collect::<Vec<_>>()
+    };
+    assert_eq!(axes(&with(&["body[1].mesh.elements=[3,2]"])), [[8, 4], [3, 2]]);
+    assert_eq!(axes(&with(&["body.mesh.elements=[3,2]"])), [[3, 2], [3, 2]]);
+    let both = with(&["body.mesh.element=b-bar", "body.material.plane=stress", "body.mesh.element=bilinear"]);
+    assert_eq!(both.description.material.plane, Some(Plane::Stress));
+    assert_eq!(with(&["body[0].material.young=1e9"]).description.material.groups[0].young, 1e9);
+    for (text, words, help) in [
+        ("mesh.elements=[2,2]", "the scene has no [mesh], but [[body]]", "body[0].mesh"),
+        ("material.young=1e9", "the scene has no [material], but [[body]]", "body[0].material"),
+        ("body[2].material.young=1e9", "the scene has 2 [[body]]", "count from 0"),
+    ] {
+        let error = Scene::parse("scene.toml", TWO, &[text.parse().unwrap()]).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+        assert!(error.help().unwrap().to_string().contains(help), "{words}: {}", error.help().unwrap());
+    }
+}
+
+#[test]
+fn numbers_of_bodies_are_in_the_units_of_the_scene() {
+    let text = edit(
+        TWO,
+        "\n[[body]]\nname = \"lower\"",
+        "\n[units]\nlength = \"mm\"\nstress = \"MPa\"\n[[body]]\nname = \"lower\"",
+    );
+    let scene = read(&text);
+    let MeshSource::Bodies(bodies) = &scene.description.mesh else { panic!() };
+    assert_eq!(
+        (bodies[1].at, &bodies[1].mesh),
+        (Some([0.1e-3, 0.7e-3].into()), &MeshSource::block([0.6e-3, 0.4e-3], [5, 4]))
+    );
+    assert_eq!(scene.description.material.groups[1].young, 70e15);
+}
+
+/// Each fault is told on the line of the body that it is of.
+#[test]
+fn what_is_wrong_with_a_body_is_told_at_its_place() {
+    type Case = (&'static str, &'static str, &'static str, &'static [&'static str], &'static str);
+    let cases: &[Case] = &[
+        ("name = \"lower\"", "name = \"\"", "name = \"\"", &["must have a letter and no colon"], "name:boundary"),
+        ("name = \"upper\"", "name = \"a:b\"", "name = \"a:b\"", &["\"a:b\""], "name:boundary"),
+        (
+            "name = \"upper\"",
+            "name = \"lower\"",
+            "name = \"lower\"\nat",
+            &["another body is called `lower`"],
+            "of its own",
+        ),
+        ("name = \"upper\"\n", "", "[[body]]\nat", &["missing field `name`"], "add the key"),
+        (
+            "at = [0.1, 0.7]",
+            "at = [0.1, 0.7, 0]",
+            "at =",
+            &["body[1].at is [0.1, 0.7, 0.0]", "each dimension"],
+            "[0, 0.5]",
+        ),
+        ("at = [0.1, 0.7]", "at = [0.1, nan]", "at =", &["body[1].at", "NaN"], "origin of the body's mesh"),
+        ("at = [0.1, 0.7]", "at = [0.1, 0.7]\non = 1", "on = 1", &["unknown field `on`", "`at`"], "remove the key"),
+        ("elements = [5, 4]", "elements = [5, 0]", "elements = [5", &["mesh.elements is [5, 0]"], "along each axis"),
+        (
+            "elements = [5, 4]",
+            "elements = [5, 4]\nlayers = 3",
+            "layers = 3",
+            &["a block has no mesh.layers"],
+            "remove the key",
+        ),
+        (
+            "size = [0.6, 0.4]",
+            "size = [0.6, 0.4, 1]",
+            "elements = [5",
+            &["mesh.elements", "for each length"],
+            "mesh.size says",
+        ),
+        (
+            "young = 70e9",
+            "young = -70e9",
+            "young = -70e9",
+            &["Young's modulus of the group `upper`", "positive"],
+            "in Pa",
+        ),
+        ("young = 210e9", "young = 0", "young = 0", &["material.young is 0.0", "positive"], "in Pa"),
+        ("poisson = 0.25", "poisson = 0.5", "poisson = 0.5", &["Poisson's ratio of the group `upper`"], "0.49"),
+        (
+            "density = 2700",
+            "plane = \"stress\"",
+            "plane =",
+            &["`upper` is in another plane state"],
+            "the same material.plane",
+        ),
+        ("density = 2700", "layers = [[0.1, 1e9, 0.3]]", "layers =", &["`upper` has layers"], "a body for each layer"),
+        (
+            "density = 2700",
+            "[[body.material.group]]\nname = \"rim\"\nyoung = 0\npoisson = 0.1",
+            "young = 0",
+            &["Young's modulus of the group `upper:rim`"],
+            "in Pa",
+        ),
+        (
+            "elements = [5, 4]",
+            "elements = [5, 4]\nelement = \"b-bar\"",
+            "element = \"b-bar\"",
+            &["the elements of `upper` are \"b-bar\", those before it \"bilinear\""],
+            "the same mesh.element",
+        ),
+        (
+            "[time]",
+            "[mesh]\nkind = \"block\"\n[time]",
+            "[mesh]",
+            &["the scene has [mesh] and [[body]]"],
+            "remove [[body]]",
+        ),
+        (
+            "[time]",
+            "[material]\nyoung = 1\npoisson = 0\n[time]",
+            "[material]",
+            &["the scene has [material] and [[body]]"],
+            "[body.material]",
+        ),
+    ];
+    for &(from, to, marker, says, help) in cases {
+        let text = edit(TWO, from, to);
+        verify(&located(&text), &text, line_of(&text, marker), says, help);
+    }
+}
+
+/// What only the mesh tells.
+#[test]
+fn what_the_model_refuses_is_told_at_its_place() {
+    let weight = "[[load]]\nacceleration = [0, -9.81]\n\n[time]";
+    let on_top = "elements = [5, 4]  # upper\ncells = \"triangle\"";
+    let cases: &[(&str, &str, &str, &[&str], &str)] = &[
+        ("[time]", weight, "[body.material]\nyoung = 210e9", &["density of the group `lower`"], "7850"),
+        (
+            "density = 2700",
+            "[[body.material.group]]\nname = \"rim\"\nyoung = 1\npoisson = 0.1",
+            "name = \"rim\"",
+            &["no material group `upper:rim`"],
+            "lower, upper",
+        ),
+        (
+            "boundary = \"upper:bottom\"",
+            "boundary = \"bottom\"",
+            "boundary = \"bottom\"",
+            &["no boundary `bottom`"],
+            "upper:top",
+        ),
+        (
+            "at = [0.1, 0.7]",
+            "at = [0.125, 0.5]",
+            "[[body]]\nname = \"upper\"",
+            &["both have a node at (0.125, 0.5) m"],
+            "against",
+        ),
+        (
+            "at = [0.1, 0.7]",
+            "at = [0.1, 0.45]",
+            "[[body]]\nname = \"upper\"",
+            &["the body `lower` is inside `upper`, at (0.125, 0.5) m"],
+            "apart",
+        ),
+        ("elements = [5, 4]  # upper", on_top, "", &[], ""),
+    ];
+    for &(from, to, marker, says, help) in cases {
+        let text = edit(TWO, from, to);
+        let model = Model::new(&read(&text));
+        if marker.is_empty() {
+            assert!(model.is_ok(), "{to}");
+            continue;
+        }
+        let stickslip::model::ModelError::Scene(error) = model.unwrap_err() else { panic!("{to}") };
+        verify(&error, &text, line_of(&text, marker), says, help);
+    }
+    // A point that two bodies have is of neither.
+    let apart = edit(TWO, "at = [0.1, 0.7]", "at = [0.125, 0.50000001]");
+    let point = edit(&apart, "[time]", "[[load]]\npoint = [0.125, 0.5]\nforce = [0, 1]\n[time]");
+    let stickslip::model::ModelError::Scene(error) = Model::new(&read(&point)).unwrap_err() else { panic!() };
+    verify(&error, &point, line_of(&point, "point ="), &["`lower` and `upper` both have a node at"], "boundary");
+}
