@@ -21,6 +21,7 @@ mod layers;
 mod loads;
 mod locking;
 mod mesh_error;
+mod mortar;
 mod moving_obstacles;
 mod nodal_volume;
 mod nodal_volume_scenes;
