@@ -1,6 +1,8 @@
 //! Rows of pairs: what is exact of them, for every kind of facet, and what is refused.
 #![allow(clippy::unwrap_used)]
 
+mod prototype;
+
 use std::collections::BTreeMap;
 
 use stickslip::contact::{Mortar, MortarFault, MortarOptions, MortarRow, SlaveReason};
@@ -10,7 +12,7 @@ use stickslip::vector::{Vector, axis};
 
 /// What the two blocks of a pair are made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Cells {
+enum Cells {
     Bricks,
     Simplices,
     SecondOrder,
@@ -18,28 +20,35 @@ pub enum Cells {
 }
 
 /// The kinds of cells there are in a dimension.
-pub fn kinds(dimension: usize) -> Vec<Cells> {
+fn kinds(dimension: usize) -> Vec<Cells> {
     let all = vec![Cells::Bricks, Cells::Simplices, Cells::SecondOrder, Cells::Prisms];
     if dimension == 2 { all[..3].to_vec() } else { all }
 }
 
 /// A block with its lowest corner at `at`.
-pub fn body<const D: usize>(size: [f64; D], elements: [usize; D], at: [f64; D], cells: Cells) -> Mesh {
-    let mesh = block(&size, &elements);
-    let mut mesh = match cells {
+fn body<const D: usize>(size: [f64; D], elements: [usize; D], at: [f64; D], cells: Cells) -> Mesh {
+    shaped(size, elements, cells, |x| [0, 1, 2].map(|c| x[c] + at.get(c).unwrap_or(&0.0)))
+}
+
+/// A block whose nodes have moved before it is divided, so that edges are straight.
+fn shaped<const D: usize>(
+    size: [f64; D],
+    elements: [usize; D],
+    cells: Cells,
+    moved: impl Fn([f64; 3]) -> [f64; 3],
+) -> Mesh {
+    let mut mesh = block(&size, &elements);
+    mesh.nodes.iter_mut().for_each(|x| *x = moved(*x));
+    match cells {
         Cells::Bricks => mesh,
         Cells::Simplices => mesh.into_simplices(),
         Cells::SecondOrder => mesh.into_simplices().into_second_order(),
         Cells::Prisms => mesh.into_prisms(),
-    };
-    for node in &mut mesh.nodes {
-        node.iter_mut().zip(at).for_each(|(x, at)| *x += at);
     }
-    mesh
 }
 
 /// Both in one mesh, with the boundaries `lower:top`, `upper:bottom` and so on.
-pub fn joined(lower: Mesh, upper: Mesh) -> Mesh {
+fn joined(lower: Mesh, upper: Mesh) -> Mesh {
     let first = lower.nodes.len();
     let mut mesh = lower;
     mesh.boundaries.iter_mut().for_each(|boundary| boundary.name = format!("lower:{}", boundary.name));
@@ -57,7 +66,7 @@ pub fn joined(lower: Mesh, upper: Mesh) -> Mesh {
 }
 
 /// The upper block's bottom and the lower one's top.
-pub fn sides(mesh: &Mesh) -> [&Boundary; 2] {
+fn sides(mesh: &Mesh) -> [&Boundary; 2] {
     ["upper:bottom", "lower:top"].map(|name| mesh.boundary(name).unwrap())
 }
 
@@ -69,7 +78,7 @@ fn within(search: f64) -> MortarOptions {
     MortarOptions { search: Some(search), ..MortarOptions::default() }
 }
 
-pub fn pair(mesh: &Mesh, [slave, master]: [&Boundary; 2], search: f64) -> Mortar {
+fn pair(mesh: &Mesh, [slave, master]: [&Boundary; 2], search: f64) -> Mortar {
     Mortar::new(mesh, slave, master, &within(search), &free).unwrap()
 }
 
@@ -77,48 +86,39 @@ fn swapped([a, b]: [&Boundary; 2]) -> [&Boundary; 2] {
     [b, a]
 }
 
-/// Moves nodes along the interface by up to `share` of an element; `at` is its height.
-fn distort(mesh: &mut Mesh, size: [f64; 2], elements: [usize; 2], at: f64, share: f64) {
-    let up = mesh.dimension - 1;
-    for x in mesh.nodes.iter_mut().filter(|x| (x[up] - at).abs() < 1e-9) {
-        let old = *x;
-        for c in 0..up {
-            // Nothing at the rim.
-            let bump = (0..up)
-                .map(|c| {
-                    let s = old[c] / size[c];
-                    4.0 * s * (1.0 - s)
-                })
-                .product::<f64>();
-            x[c] += share * size[c] / elements[c] as f64 * bump * (7.0 * old[0] + 3.0 * old[1] + c as f64).sin();
-        }
-    }
+/// Moves what is at the height `at` along the interface, by up to `share` of an element, and the rim along itself.
+fn distorted(x: [f64; 3], up: usize, at: f64, size: [f64; 2], elements: [usize; 2], share: f64) -> [f64; 3] {
+    let bump = |c: usize| 4.0 * x[c] / size[c] * (1.0 - x[c] / size[c]);
+    let by = |c: usize| share * size[c] / elements[c] as f64 * bump(c) * (7.0 * x[0] + 3.0 * x[1] + c as f64).sin();
+    let at_it = (x[up] - at).abs() < 1e-9;
+    [0, 1, 2].map(|c| if at_it && c < up { x[c] + by(c) } else { x[c] })
 }
 
-/// Both sides in all kinds: two blocks, the upper one smaller and on part of the lower one, or of one size.
-fn flat_pairs(distorted: f64, each: impl Fn(&Mesh, &str)) {
+/// Both sides in all kinds, the upper block as large as the lower one, or smaller and on part of it, with nodes moved along the
+/// interface by a `share` of an element.
+fn flat_pairs(share: f64, each: impl Fn(&Mesh, &str)) {
     let pairs = |dimension| {
         let kinds = kinds(dimension);
         kinds.clone().into_iter().flat_map(move |a| kinds.clone().into_iter().map(move |b| (a, b)))
     };
     for (a, b) in pairs(2) {
         for (n, m, size, at) in [(3, 5, 1.0, 0.0), (1, 13, 1.0, 0.0), (10, 3, 0.53, 0.211)] {
-            let mut lower = body([1.0, 0.5], [n, 2], [0.0, 0.0], a);
-            let mut upper = body([size, 0.5], [m, 2], [0.0, 0.5], b);
-            distort(&mut lower, [1.0, 0.5], [n, 2], 0.5, distorted);
-            distort(&mut upper, [size, 0.5], [m, 2], 0.5, distorted);
-            upper.nodes.iter_mut().for_each(|x| x[0] += at);
+            let lower = shaped([1.0, 0.5], [n, 2], a, |x| distorted(x, 1, 0.5, [1.0; 2], [n; 2], share));
+            let upper = shaped([size, 0.5], [m, 2], b, |x| {
+                let [x, y, z] = distorted(x, 1, 0.0, [size; 2], [m; 2], share);
+                [x + at, y + 0.5, z]
+            });
             each(&joined(lower, upper), &format!("{a:?} {b:?} {n}:{m}"));
         }
     }
     for (a, b) in pairs(3) {
         for (n, m, size, at) in [([2, 3], [3, 2], [1.0, 1.0], [0.0, 0.0]), ([3, 4], [2, 2], [0.6, 0.53], [0.211, 0.3])]
         {
-            let mut lower = body([1.0, 1.0, 0.5], [n[0], n[1], 1], [0.0; 3], a);
-            let mut upper = body([size[0], size[1], 0.5], [m[0], m[1], 1], [0.0, 0.0, 0.5], b);
-            distort(&mut lower, [1.0, 1.0], n, 0.5, distorted);
-            distort(&mut upper, size, m, 0.5, distorted);
-            upper.nodes.iter_mut().for_each(|x| (0..2).for_each(|c| x[c] += at[c]));
+            let lower = shaped([1.0, 1.0, 0.5], [n[0], n[1], 1], a, |x| distorted(x, 2, 0.5, [1.0; 2], n, share));
+            let upper = shaped([size[0], size[1], 0.5], [m[0], m[1], 1], b, |x| {
+                let [x, y, z] = distorted(x, 2, 0.0, size, m, share);
+                [x + at[0], y + at[1], z + 0.5]
+            });
             each(&joined(lower, upper), &format!("{a:?} {b:?} {n:?}:{m:?}"));
         }
     }
@@ -134,8 +134,9 @@ fn total(terms: &[(usize, f64)]) -> f64 {
 }
 
 /// What makes patch tests exact: translations and linear fields pass, and a uniform pressure is put on the master as its own
-/// facets would have it.
-fn is_exact(mesh: &Mesh, [slave, master]: [&Boundary; 2], name: &str, tolerance: f64) {
+/// facets would have it, as far as `pressures`.
+fn is_exact(mesh: &Mesh, [slave, master]: [&Boundary; 2], name: &str, pressures: f64) {
+    let tolerance = 1e-13;
     let pair = pair(mesh, [slave, master], 0.1);
     let (mut largest, up) = (0.0_f64, mesh.dimension - 1);
     for row in &pair.rows {
@@ -156,7 +157,7 @@ fn is_exact(mesh: &Mesh, [slave, master]: [&Boundary; 2], name: &str, tolerance:
         pair.rows.iter().zip(&pressure).map(|(row, p)| row.normal.map(|n| -p * row.weight * n)).collect();
     for (node, traction) in pair.on_master(mesh, &forces) {
         let off = (traction[up].abs() - 1.0).abs();
-        assert!(off < 100.0 * tolerance, "{name}: traction {traction:?} on {node}");
+        assert!(off < pressures, "{name}: traction {traction:?} on {node}");
     }
     // Where the master is covered whole its weights are those of its facets.
     if area(mesh, master) <= smaller * (1.0 + 1e-9) {
@@ -167,7 +168,7 @@ fn is_exact(mesh: &Mesh, [slave, master]: [&Boundary; 2], name: &str, tolerance:
             }
         }
         for (node, weight) in &pair.master_weights {
-            assert!((weight / whole[node] - 1.0).abs() < 10.0 * tolerance, "{name}: {weight} of {}", whole[node]);
+            assert!((weight / whole[node] - 1.0).abs() < pressures, "{name}: {weight} of {}", whole[node]);
         }
     }
 }
@@ -175,18 +176,18 @@ fn is_exact(mesh: &Mesh, [slave, master]: [&Boundary; 2], name: &str, tolerance:
 #[test]
 fn linear_fields_and_pressures_pass_flat_interfaces() {
     flat_pairs(0.0, |mesh, name| {
-        is_exact(mesh, sides(mesh), name, 1e-13);
-        is_exact(mesh, swapped(sides(mesh)), name, 1e-13);
+        is_exact(mesh, sides(mesh), name, 1e-12);
+        is_exact(mesh, swapped(sides(mesh)), name, 1e-12);
     });
 }
 
-/// Quadrilaterals that are no parallelograms are integrated to 1e-12, and edges that are bent within the interface to less.
+/// On quadrilaterals that are no parallelograms integrals are not exact, but linear fields are.
 #[test]
 fn and_distorted_ones() {
     flat_pairs(0.2, |mesh, name| {
-        let tolerance = if name.contains("Second") { 1e-3 } else { 1e-11 };
-        is_exact(mesh, sides(mesh), name, tolerance);
-        is_exact(mesh, swapped(sides(mesh)), name, tolerance);
+        let pressures = if mesh.dimension == 3 && name.contains("Bricks") { 1e-8 } else { 1e-12 };
+        is_exact(mesh, sides(mesh), name, pressures);
+        is_exact(mesh, swapped(sides(mesh)), name, pressures);
     });
 }
 
@@ -208,9 +209,10 @@ fn matching_meshes_are_joined_node_to_node() {
     }) {
         for [mut lower, mut upper] in meshes(cells) {
             let up = lower.dimension - 1;
+            // After the blocks are divided: edges of second order are bent.
             for mesh in [&mut lower, &mut upper] {
-                distort(mesh, [1.0, 0.7], [7, 4], 0.5, share);
                 for x in &mut mesh.nodes {
+                    *x = distorted(*x, up, 0.5, [1.0, 0.7], [7, 4], share);
                     x[up] += bent * x[0] * (x[0] + if up == 2 { x[1] } else { 0.0 });
                 }
             }
@@ -234,7 +236,7 @@ fn matching_meshes_are_joined_node_to_node() {
                     assert_eq!(row.master, expected, "{name}");
                     assert_eq!(row.slave.len(), if row.slave.iter().any(|(_, c)| *c == 2.0) { 3 } else { 1 });
                     assert!(row.slave.len() == 3 || row.slave == [(row.node, 1.0)]);
-                    assert_eq!(row.gap, if sides[0].name.starts_with("upper") { gap } else { gap }, "{name}");
+                    assert_eq!(row.gap, gap, "{name}");
                 }
             }
         }
@@ -251,6 +253,47 @@ fn curved(elements: [usize; 2], x: [f64; 2], at: f64, up: bool) -> Mesh {
         *node = [along, at + node[1] + bend * along * along * share, 0.0];
     }
     mesh
+}
+
+fn agrees(found: &[MortarRow], expected: &[prototype::Row], all: bool, name: &str) {
+    assert!(!all || found.len() == expected.len(), "{name}: {} rows", found.len());
+    let near = |a: f64, b: f64, scale: f64| (a - b).abs() < 1e-13 * scale;
+    for &(node, weight, gap, normal, master) in expected {
+        let row = found.iter().find(|row| row.node == node).unwrap();
+        assert!(
+            near(row.weight, weight, weight) && near(row.gap, gap, 1.0),
+            "{name} {node}: {} {}",
+            row.weight,
+            row.gap
+        );
+        assert!((0..3).all(|c| near(row.normal[c], normal[c], 1.0)), "{name} {node}: {:?}", row.normal);
+        assert_eq!(row.master.len(), master.len(), "{name} {node}");
+        for (found, expected) in row.master.iter().zip(master) {
+            assert!(found.0 == expected.0 && near(found.1, expected.1, 10.0), "{name} {node}: {found:?} {expected:?}");
+        }
+    }
+}
+
+/// Curved, partly covered, not matching, with a node that is held; bricks and tetrahedra on bricks.
+#[test]
+fn rows_are_those_of_the_prototype() {
+    let mesh = joined(curved([5, 2], [0.0, 1.0], -0.4, false), curved([4, 2], [0.13, 0.83], 0.02, true));
+    agrees(&pair(&mesh, sides(&mesh), 2.0).rows, prototype::CURVED_UPPER, true, "upper");
+    agrees(&pair(&mesh, swapped(sides(&mesh)), 2.0).rows, prototype::CURVED_LOWER, true, "lower");
+    let held = |node: usize| if node == 18 { vec![axis(0), axis(1)] } else { Vec::new() };
+    let held = Mortar::new(&mesh, sides(&mesh)[0], sides(&mesh)[1], &within(2.0), &held).unwrap();
+    agrees(&held.rows, prototype::CURVED_HELD, true, "held");
+    for (cells, upper, lower) in [
+        (Cells::Bricks, prototype::BRICKS_UPPER, prototype::BRICKS_LOWER),
+        (Cells::Simplices, prototype::TETRAHEDRA_UPPER, prototype::TETRAHEDRA_LOWER),
+    ] {
+        let mesh = joined(
+            body([1.0, 1.0, 0.5], [3, 2, 1], [0.0; 3], Cells::Bricks),
+            body([0.9, 0.7, 0.49], [2, 2, 1], [0.2, 0.1, 0.51], cells),
+        );
+        agrees(&pair(&mesh, sides(&mesh), 0.2).rows, upper, false, "upper");
+        agrees(&pair(&mesh, swapped(sides(&mesh)), 0.2).rows, lower, false, "lower");
+    }
 }
 
 /// Where only part of a slave facet is covered, down to next to nothing.
@@ -503,4 +546,21 @@ fn gaps_at_points() {
     // The last of three Gauss points of the last segment, which goes from 0.75 to 1.
     let x = 0.875 + 0.125 * 0.6_f64.sqrt();
     assert!((least.at[0] - x).abs() < 1e-15 && (least.gap - (0.25 - 0.5 * x)).abs() < 1e-15, "{least:?}");
+}
+
+/// How long 10^5 facets a side take: `cargo test --release --test bodies -- --ignored mortar::speed --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+#[allow(clippy::print_stdout)]
+fn speed() {
+    for (cells, n) in [(Cells::Bricks, 316), (Cells::Simplices, 224), (Cells::SecondOrder, 112)] {
+        let mesh = joined(
+            body([1.0, 1.0, 0.01], [n, n, 1], [0.0; 3], cells),
+            body([1.0, 1.0, 0.01], [n - 3, n - 3, 1], [0.001, 0.002, 0.01], cells),
+        );
+        let start = std::time::Instant::now();
+        let pair = pair(&mesh, sides(&mesh), 0.01);
+        let facets = sides(&mesh).map(|side| side.facets.len());
+        println!("{cells:?}: {facets:?} facets, {} segments, {:.2?}", pair.segments(), start.elapsed());
+    }
 }
