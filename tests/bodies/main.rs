@@ -23,6 +23,7 @@ mod layers;
 mod loads;
 mod locking;
 mod mesh_error;
+mod mortar;
 mod moving_obstacles;
 mod nearly_incompressible;
 mod nodal_volume;
