@@ -129,7 +129,7 @@ impl Model {
         description.check()?;
         let mesh = meridian::meridian(description, description.mesh.made()?)?;
         description.formulas_suit(mesh.dimension)?;
-        bodies::keep_apart(description, &mesh, &mesh.bodies(), |_, _| false)?;
+        bodies::keep_apart(description, &mesh)?;
         let holdings = support::holdings(description, &mesh)?;
         let dofs = support::dofs(&mesh, &holdings)?;
         let element = element::element(description, &mesh)?;

@@ -1,26 +1,30 @@
 //! Bodies that are in each other's way when the history begins.
 
+use std::collections::BTreeSet;
+
+use super::find;
 use crate::description::Description;
 use crate::fault::Fault;
 use crate::fem::overlaps;
-use crate::mesh::{Bodies, Mesh, MeshSource};
+use crate::mesh::{Bodies, Boundary, Mesh, MeshSource};
+use crate::sets::Sets;
 
-/// Fails where two bodies that nothing joins, as `joined` says of their numbers, the lesser one first, have nodes in the same
-/// place or are inside one another: they would pass through each other. What joins bodies is a contact between them.
-pub(super) fn keep_apart(
-    description: &Description,
-    mesh: &Mesh,
-    bodies: &Bodies,
-    joined: impl Fn(usize, usize) -> bool,
-) -> Result<(), Fault> {
+/// Fails where two bodies that nothing joins have nodes in the same place or are inside one another: they would pass through each other.
+/// What joins bodies is a contact between them; those that touch in a node may be joined by way of others, as blocks around a point.
+pub(super) fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), Fault> {
+    let bodies = &mesh.bodies();
     if !bodies.are_several() {
         return Ok(());
     }
     let of = bodies.of_nodes();
+    let contacts = paired(description, mesh, bodies)?;
+    let mut together = Sets::new(bodies.count());
+    contacts.iter().for_each(|&(a, b)| together.join(a, b));
+    let together: Vec<usize> = (0..bodies.count()).map(|k| together.least(k)).collect();
     let pair = |a: usize, b: usize| (of[a].min(of[b]), of[a].max(of[b]));
     let place = |node: usize| description.system(mesh.dimension).place(mesh.nodes[node]);
     let touching = mesh.touching_nodes(bodies);
-    if let Some(&(node, other)) = touching.iter().find(|&&(a, b)| !joined(pair(a, b).0, pair(a, b).1)) {
+    if let Some(&(node, other)) = touching.iter().find(|&&(a, b)| together[of[a]] != together[of[b]]) {
         let (a, b) = pair(node, other);
         let message = format!(
             "the bodies {} and {} both have a node at {}, but nothing joins them",
@@ -32,7 +36,7 @@ pub(super) fn keep_apart(
                     Mesh), or move them apart";
         return Err(Fault::new(key(&description.mesh, bodies, b), message, help));
     }
-    if let Some(overlap) = overlaps(mesh, bodies, |a, b| !joined(a, b)).first() {
+    if let Some(overlap) = overlaps(mesh, bodies, |a, b| !contacts.contains(&(a.min(b), a.max(b)))).first() {
         let (inner, outer) = overlap.bodies;
         let message =
             format!("the body {} is inside {}, at {}", bodies.told(inner), bodies.told(outer), place(overlap.node));
@@ -40,6 +44,23 @@ pub(super) fn keep_apart(
         return Err(Fault::new(key(&description.mesh, bodies, inner.max(outer)), message, help));
     }
     Ok(())
+}
+
+/// Pairs of bodies with a contact between them, the lesser first.
+fn paired(description: &Description, mesh: &Mesh, bodies: &Bodies) -> Result<BTreeSet<(usize, usize)>, Fault> {
+    let mut pairs = BTreeSet::new();
+    for (k, contact) in description.contacts.iter().enumerate() {
+        let Some(opposite) = contact.opposite() else { continue };
+        let key = format!("contact[{k}]");
+        let of = |boundary: &Boundary| -> BTreeSet<usize> {
+            boundary.facets.iter().map(|facet| bodies.of_nodes()[facet[0]]).collect()
+        };
+        let first = of(find(mesh, &contact.boundary, &key)?);
+        let second = find(mesh, &opposite.boundary, &key).map(of);
+        let second = second.map_err(|fault| Fault { key: format!("{key}.against"), ..fault })?;
+        pairs.extend(first.iter().flat_map(|&a| second.iter().map(move |&b| (a.min(b), a.max(b)))));
+    }
+    Ok(pairs)
 }
 
 /// The key of body `k`.

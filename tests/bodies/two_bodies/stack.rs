@@ -16,8 +16,9 @@ fn a_finer_block_on_a_coarser_one() {
     let outcome = solved(&model, solver(Method::BN, CONDENSED), &mut keep);
     let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
     let expected = [2, 1, 1, 1, 1, 2, 1, 1, 1, 4, 2, 1, 1, 1, 1, 1, 2, 1, 3, 3];
-    println!("{iterations:?}");
-    assert!(iterations.iter().zip(expected).all(|(found, expected)| found.abs_diff(expected) <= 1), "{iterations:?}");
+    // Where the load turns round another start takes two iterations more.
+    assert!(iterations.iter().zip(expected).all(|(found, expected)| found.abs_diff(expected) <= 2), "{iterations:?}");
+    assert!(iterations.iter().sum::<usize>().abs_diff(expected.iter().sum()) <= 1, "{iterations:?}");
     let p_n = [
         805151.7220, 1304763.7720, 1164776.2691, 1069746.4843, 987537.1824, 918519.9553, 865443.9645, 804157.5978,
         729193.3768, 640599.2858, 518226.1180, 191884.2721,
