@@ -113,14 +113,15 @@ impl Mortar {
         let mut normals = normals::nodal(mesh, slave, held)?;
         if let Some(direction) = options.direction.map(unit) {
             for (&node, normal) in &mut normals {
-                // Not a comparison the other way: what is not a number is no direction.
-                if !(dot(*normal, direction) > 0.0) {
+                let outwards = dot(*normal, direction) > 0.0;
+                if !outwards {
                     return Err(MortarFault::Inwards { slave: slave.name.clone(), at: place(mesh, mesh.nodes[node]) });
                 }
                 *normal = direction;
             }
         }
-        let opposite = normals::nodal(mesh, master, held)?;
+        // As its facets are: on a plane of symmetry the row of the slave's node there has no part across it.
+        let opposite = normals::nodal(mesh, master, &|_| Vec::new())?;
         let covers = Covers::new(mesh, slave, master, search)?;
         let lost = lost(mesh, slave, master, &covers.facets, &normals, held);
         let mut edges = edges_of(mesh, &slave.facets);
@@ -215,7 +216,9 @@ fn nodal(terms: Vec<(usize, f64)>, edges: &Edges) -> BTreeMap<usize, f64> {
         match edges.get(&node) {
             Some(ends) => {
                 add(node, 2.0 * value);
-                ends.iter().for_each(|&end| add(end, -0.5 * value));
+                for &end in ends {
+                    add(end, -0.5 * value);
+                }
             }
             None => add(node, value),
         }
@@ -248,7 +251,9 @@ impl Sum {
         self.gaps.push((weight, minus(mean(&master), mean(&slave)), along));
         self.weight += weight;
         for (sums, terms) in [(&mut self.slave, slave), (&mut self.master, master)] {
-            terms.into_iter().for_each(|(node, value)| *sums.entry(node).or_default() += value);
+            for (node, value) in terms {
+                *sums.entry(node).or_default() += value;
+            }
         }
     }
 

@@ -329,6 +329,9 @@ fn first(mesh: &Mesh, name: &str) -> usize {
 /// part across it.
 #[test]
 fn supports_on_the_slave() {
+    const X: [f64; 3] = [1.0, 0.0, 0.0];
+    const Y: [f64; 3] = [0.0, 1.0, 0.0];
+    const SLOPE: [[f64; 3]; 2] = [[0.8, 0.6, 0.0], [0.6, -0.8, 0.0]];
     let mesh = joined(curved([5, 2], [0.0, 1.0], -0.4, false), curved([4, 2], [0.0, 0.8], 0.0, true));
     let corner = first(&mesh, "upper:bottom");
     let hold = |directions: &'static [[f64; 3]]| {
@@ -339,8 +342,6 @@ fn supports_on_the_slave() {
         Mortar::new(&mesh, sides(&mesh)[0], sides(&mesh)[1], &within(2.0), &held).unwrap()
     };
     let row = |pair: &Mortar, node: usize| pair.rows.iter().find(|row| row.node == node).cloned();
-    const X: [f64; 3] = [1.0, 0.0, 0.0];
-    const Y: [f64; 3] = [0.0, 1.0, 0.0];
     let symmetric = row(&hold(&[X]), corner).unwrap();
     assert_eq!(symmetric.normal, [0.0, -1.0, 0.0]);
     assert_ne!(row(&hold(&[]), corner).unwrap().normal, [0.0, -1.0, 0.0]);
@@ -354,7 +355,6 @@ fn supports_on_the_slave() {
         assert!((all(&pair) - all(&hold(&[]))).abs() < 1e-15);
     }
     // Oblique, across the normal: the part along it goes; along the normal: no row.
-    const SLOPE: [[f64; 3]; 2] = [[0.8, 0.6, 0.0], [0.6, -0.8, 0.0]];
     assert!(row(&hold(&SLOPE[..1]), corner).is_some() && row(&hold(&SLOPE), corner).is_none());
 }
 

@@ -70,8 +70,7 @@ fn dual(cover: &Cover, count: usize) -> Option<[Values; MOST]> {
     let mut inverse: [Values; MOST] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
     for k in 0..count {
         let pivot = mass[k][k];
-        // Not a comparison the other way: what is not a number is no pivot.
-        if !(pivot > SINGULAR && pivot.is_finite()) {
+        if !(SINGULAR..f64::INFINITY).contains(&pivot) {
             return None;
         }
         for matrix in [&mut mass, &mut inverse] {

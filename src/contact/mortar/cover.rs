@@ -65,7 +65,7 @@ impl Covers {
             };
             for f in masters.facing(&mesh.points(facet), plane.normal, search) {
                 let points = points(mesh.dimension, &seen, whole, &plane.project(mesh, &master.facets[f]), &rules);
-                if points.is_empty() || points.iter().any(|point| !(point.gap.abs() <= search)) {
+                if points.is_empty() || !points.iter().all(|point| point.gap.abs() <= search) {
                     continue;
                 }
                 covered += points.iter().map(|point| point.weight).sum::<f64>();

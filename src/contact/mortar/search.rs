@@ -1,8 +1,8 @@
 //! Which master facets may be in front of a slave facet, and how far two boundaries are from each other.
 
-use super::super::tree::{Bounds, Tree};
-use super::super::triangles::nearest_of;
 use super::error::{MortarFault, place};
+use crate::contact::tree::{Bounds, Tree};
+use crate::contact::triangles::nearest_of;
 use crate::mesh::{Boundary, Mesh};
 use crate::vector::{cross, dot, minus, unit};
 

@@ -87,41 +87,45 @@ pub(super) fn points(dimension: usize, slave: &Projected, size: f64, master: &Pr
 fn overlap(slave: &Projected, size: f64, master: &Projected) -> Vec<(Flat, f64)> {
     let ([a, b], [c, d]) = (slave.ends(), master.ends());
     let (from, to) = (a.min(b).max(c.min(d)), a.max(b).min(c.max(d)));
-    // Not a comparison the other way: nothing is in common with what is not a number.
-    if !(to - from > NO_PART * size) {
-        return Vec::new();
+    if to - from > NO_PART * size {
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        GAUSS.map(|(x, weight)| ([middle + x * half, 0.0], weight * half)).into()
+    } else {
+        Vec::new()
     }
-    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-    GAUSS.map(|(x, weight)| ([middle + x * half, 0.0], weight * half)).into()
 }
 
-/// In a plane: fans of triangles around the middles of the polygons.
+/// In a plane, polygon by polygon.
 fn common(slave: &Projected, size: f64, master: &Projected, rule: &[([f64; 3], f64)]) -> Vec<(Flat, f64)> {
+    let counterclockwise = |polygon: &Vec<Flat>| area(polygon) > 0.0;
+    // What faces the slave is seen the other way round.
+    let turned = |polygon: Vec<Flat>| polygon.into_iter().rev().collect::<Vec<Flat>>();
+    let masters: Vec<Vec<Flat>> = master.polygons().into_iter().map(turned).filter(counterclockwise).collect();
     let mut places = Vec::new();
-    let masters = master.polygons();
-    for window in slave.polygons().iter().filter(|polygon| area(polygon) > 0.0) {
+    for window in slave.polygons().into_iter().filter(counterclockwise) {
         for polygon in &masters {
-            // What faces the slave is seen the other way round.
-            let seen: Vec<Flat> = polygon.iter().rev().copied().collect();
-            if !(area(&seen) > 0.0) {
-                continue;
-            }
-            let part = clip(seen, window);
-            if !(area(&part) > NO_PART * size) {
-                continue;
-            }
-            let middle = [0, 1].map(|c| part.iter().map(|x| x[c]).sum::<f64>() / part.len() as f64);
-            for (k, &a) in part.iter().enumerate() {
-                let b = part[(k + 1) % part.len()];
-                let triangle = area(&[middle, a, b]);
-                if triangle > 0.01 * NO_PART * size {
-                    let at = |l: &[f64; 3]| [0, 1].map(|c| l[0] * middle[c] + l[1] * a[c] + l[2] * b[c]);
-                    places.extend(rule.iter().map(|(l, weight)| (at(l), weight * triangle)));
-                }
+            let part = clip(polygon.clone(), &window);
+            if area(&part) > NO_PART * size {
+                add_fan(&part, rule, &mut places);
             }
         }
     }
     places
+}
+
+/// The points of the triangles of a polygon around its middle.
+fn add_fan(polygon: &[Flat], rule: &[([f64; 3], f64)], places: &mut Vec<(Flat, f64)>) {
+    let middle = [0, 1].map(|c| polygon.iter().map(|x| x[c]).sum::<f64>() / polygon.len() as f64);
+    let whole = area(polygon);
+    for (k, &a) in polygon.iter().enumerate() {
+        let b = polygon[(k + 1) % polygon.len()];
+        let triangle = area(&[middle, a, b]);
+        // Corners that are one but for rounding.
+        if triangle > NO_PART * whole {
+            let at = |l: &[f64; 3]| [0, 1].map(|c| l[0] * middle[c] + l[1] * a[c] + l[2] * b[c]);
+            places.extend(rule.iter().map(|(l, weight)| (at(l), weight * triangle)));
+        }
+    }
 }
 
 /// The area of a polygon, positive where it is counterclockwise.
