@@ -20,7 +20,7 @@ use super::places::Places;
 use super::strains::{Strains, dilatation, volume};
 use crate::description::{Action, Load, Where};
 use crate::fem::{Elasticity, Element};
-use crate::mesh::CellKind;
+use crate::mesh::{Bodies, CellKind};
 use crate::model::Model;
 use crate::vector::{minus, norm};
 
@@ -153,17 +153,25 @@ fn around(model: &Model, pressed: &[usize]) -> Vec<bool> {
 
 /// What [`locking`] is expected to be before a run, of the law with the largest of Poisson's ratios.
 pub(crate) fn expected_locking(model: &Model) -> Option<f64> {
-    let kind = model.mesh.cells.first()?.kind;
     let law = model.materials().iter().max_by(|a, b| poisson(a).total_cmp(&poisson(b)))?;
+    let bodies = model.mesh.bodies();
+    let body = of_law(model, &bodies, law);
+    let kind = model.mesh.cells[bodies.cells(body).next()?].kind;
     if can_lock(model) { expected(model, kind, law) } else { None }
 }
 
-/// `c m^-1.4 (1 - 2ν)^-0.75` with m elements across the smaller side of the body; none where Poisson's ratio is below 0.45, as it was
+/// The first body that has cells of this law.
+fn of_law(model: &Model, bodies: &Bodies, law: &Elasticity) -> usize {
+    let first = model.materials().iter().position(|own| own == law);
+    first.map_or(0, |e| bodies.of_cells()[e])
+}
+
+/// `c m^-1.4 (1 - 2ν)^-0.75` with m elements across the smaller side of the body of this law; none where Poisson's ratio is below 0.45, as it was
 /// measured for blocks that are pressed with ratios from there on.
 fn expected(model: &Model, kind: CellKind, law: &Elasticity) -> Option<f64> {
     let [_, c] = measured(kind)?;
     let poisson = poisson(law);
-    let about = || c * across(model).powf(-1.4) * (1.0 - 2.0 * poisson.min(MEASURED[1])).powf(-0.75);
+    let about = || c * across(model, law).powf(-1.4) * (1.0 - 2.0 * poisson.min(MEASURED[1])).powf(-0.75);
     (poisson >= MEASURED[0] - ROUNDING).then(about)
 }
 
@@ -171,17 +179,21 @@ fn poisson(law: &Elasticity) -> f64 {
     0.5 * law.lambda / (law.lambda + law.mu)
 }
 
-/// The elements across the smaller side of the body; two triangles make up a square, two prisms or six tetrahedra a cube.
-fn across(model: &Model) -> f64 {
+/// The elements across the smaller side of the body that has this law; two triangles make up a square, two prisms or six tetrahedra a cube.
+fn across(model: &Model, law: &Elasticity) -> f64 {
     let mesh = &model.mesh;
     let d = mesh.dimension;
-    let smaller = mesh.extent()[..d].iter().copied().fold(f64::INFINITY, f64::min);
-    let together = match mesh.cells.first().map(|cell| cell.kind) {
+    let bodies = mesh.bodies();
+    let body = of_law(model, &bodies, law);
+    let bounds = mesh.bounds_of(bodies.nodes(body));
+    let smaller = bounds[..d].iter().map(|(lowest, highest)| highest - lowest).fold(f64::INFINITY, f64::min);
+    let cells: Vec<usize> = bodies.cells(body).collect();
+    let together = match cells.first().map(|&e| mesh.cells[e].kind) {
         Some(CellKind::Triangle | CellKind::Prism) => 2.0,
         Some(CellKind::Tetrahedron) => 6.0,
         _ => 1.0,
     };
-    let size = together * volume(mesh) / mesh.cells.len() as f64;
+    let size = together * volume(mesh, &cells) / cells.len() as f64;
     smaller / size.powf(1.0 / d as f64)
 }
 

@@ -175,11 +175,11 @@ fn strain_at<const D: usize>(
 }
 
 /// The volume of a body, m³; in two dimensions the area of its section, m².
-pub(super) fn volume(mesh: &Mesh) -> f64 {
+pub(super) fn volume(mesh: &Mesh, cells: &[usize]) -> f64 {
     let kinds = ReferenceCells::new(mesh);
     let mut all = 0.0;
     let at = if mesh.dimension == 2 { strain_at::<2> } else { strain_at::<3> };
-    for cell in &mesh.cells {
+    for cell in cells.iter().map(|&e| &mesh.cells[e]) {
         let Some(reference) = kinds.get(cell.kind) else { continue };
         let mut nodes = [[0.0; 3]; MOST_NODES];
         nodes.iter_mut().zip(&cell.nodes).for_each(|(x, &node)| *x = mesh.nodes[node]);

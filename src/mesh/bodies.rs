@@ -79,7 +79,7 @@ impl Mesh {
         let of_node = (0..self.nodes.len()).map(|node| numbers[pieces.least(node)].unwrap_or(0)).collect();
         let names =
             groups.iter().map(|groups| named(groups.iter().map(|&group| self.groups[group].as_str()).collect()));
-        Bodies { names: numbered(names.collect()), of_node, of_cell }
+        Bodies { names: numbered(&names.collect::<Vec<_>>()), of_node, of_cell }
     }
 
     /// Pairs of nodes in one place that belong to different bodies of `bodies`, those of this mesh: each node with the next one there.
@@ -101,9 +101,11 @@ fn named(groups: Vec<&str>) -> String {
 }
 
 /// The same names, numbered where several are alike.
-fn numbered(names: Vec<String>) -> Vec<String> {
+fn numbered(names: &[String]) -> Vec<String> {
     let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
-    names.iter().for_each(|name| counts.entry(name).or_default().0 += 1);
+    for name in names {
+        counts.entry(name).or_default().0 += 1;
+    }
     let number = |name: &String| match counts.get_mut(name.as_str()) {
         Some((2.., met)) => {
             *met += 1;
@@ -126,7 +128,7 @@ mod tests {
         assert_eq!(named(vec!["steel", "rubber"]), "steel+rubber");
         assert_eq!(named(vec!["", "rubber"]), "body+rubber");
         assert_eq!(named(vec![""]), "body");
-        let names = ["disc", "plate", "disc"].map(str::to_string).to_vec();
-        assert_eq!(numbered(names), ["disc 1", "plate", "disc 2"]);
+        let names = ["disc", "plate", "disc"].map(str::to_string);
+        assert_eq!(numbered(&names), ["disc 1", "plate", "disc 2"]);
     }
 }

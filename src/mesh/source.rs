@@ -368,7 +368,7 @@ fn check_bodies(bodies: &[Body]) -> Result<(), Fault> {
             demand(sound, &key("at"), at, "a finite number for each dimension of the body", help)?;
             not_huge(&key("at"), at.components())?;
         }
-        let known = dimension.or(at.map(|at| at.dimension()));
+        let known = dimension.or(at.map(Vector::dimension));
         match (plane_or_not, known) {
             (Some((first, of)), Some(other)) if first != other => {
                 let message = format!("`{name}` has {other} dimensions, but `{of}` has {first}");
@@ -388,7 +388,7 @@ fn joined(bodies: &[Body]) -> Result<Mesh, MeshError> {
         let under = |fault: Fault| MeshError::Source(fault.under(&format!("body[{k}]")));
         let mesh = mesh.made().map_err(|error| match error {
             MeshError::Source(fault) => under(fault),
-            file => file,
+            file @ MeshError::File(_) => file,
         })?;
         let mesh = named(Arc::unwrap_or_clone(mesh), name, *at);
         match &mut all {
