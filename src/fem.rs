@@ -18,6 +18,7 @@ mod spring;
 mod stiffness;
 mod strain;
 mod stress;
+mod transform;
 
 pub use assembly::assemble;
 pub use body_force::{body_force, free_stretch, thermal_forces, thermal_stress};
@@ -33,9 +34,9 @@ pub use inverted::InvertedElement;
 pub use locate::reference_point;
 pub use material::{Layer, Material, MaterialGroup, Plane};
 pub use nodal_volume::NodalVolumes;
+pub use overlap::{Overlap, overlaps};
 pub(crate) use relative::merged;
 pub use relative::{Relative, Ring};
-pub use overlap::{Overlap, overlaps};
 pub use rigid::{BodyMotion, RigidMotion, Tie, rigid_motions, unresisted_motions};
 pub use shape::gradients;
 pub use spring::{Bedding, Spring};

@@ -7,6 +7,7 @@ mod element;
 mod energy;
 mod load;
 mod meridian;
+mod motions;
 mod pair;
 mod place;
 mod range;
@@ -148,7 +149,7 @@ impl Model {
         let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
         let alone = contacts.clone();
         share_edges(&mut contacts, &mu, &dofs);
-        let (mut motions, bends) = contact::motions(&contacts, &obstacles, &description.times)?;
+        let (mut motions, bends) = motions::motions(&contacts, &obstacles, &description.times)?;
         let map = |contacts: &[ContactNode], row: fn(&ContactNode) -> &Row| {
             Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))
         };

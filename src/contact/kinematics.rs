@@ -21,7 +21,7 @@ use super::motion::ObstacleMotion;
 use super::obstacle::{Facing, PlacedObstacle};
 use crate::fem::{Dofs, bernstein, facet_weights, merged};
 use crate::mesh::{Boundary, Mesh};
-use crate::vector::{cross, dot, norm, plus, unit};
+use crate::vector::{cross, dot, plus, unit};
 
 /// A normal that is turned round but for as much, by its cosine plus 1.
 const TURNED_BACK: f64 = 1e-9;
@@ -279,38 +279,12 @@ impl ContactNode {
     }
 
     /// Takes `tangents` for its own, 0 for one that it does not have.
-    fn slide_along(&mut self, dofs: &Dofs, tangents: [[f64; 3]; 2]) {
+    pub(super) fn slide_along(&mut self, dofs: &Dofs, tangents: [[f64; 3]; 2]) {
         self.facing.tangents = tangents;
         for end in self.ends.iter_mut().flatten() {
             end.facing.tangents = turned(&self.facing, &end.facing);
         }
         self.tangents = [0, 1].map(|k| self.row(dofs, |facing| facing.tangents[k]));
-    }
-}
-
-/// Nodes that meet two obstacles, as on an edge of the body: closed at both they can slide along that edge only, and
-/// friction in other directions would make the equations dependent. So there is one tangent, along the edge, at the
-/// obstacle that is nearer at first (of those with friction, `mu`, n_c). A node that is not free in all of
-/// space, or meets more obstacles, as in a corner, carries no friction.
-pub fn share_edges(contacts: &mut [ContactNode], mu: &[f64], dofs: &Dofs) {
-    let mut at_node: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (i, contact) in contacts.iter().enumerate() {
-        at_node.entry(contact.node).or_default().push(i);
-    }
-    for (node, sharing) in at_node.into_iter().filter(|(_, sharing)| sharing.len() > 1) {
-        let free = dofs.node(node).iter().flatten().count() == 3;
-        let edge = match sharing[..] {
-            [a, b] if free => cross(contacts[a].facing.normal, contacts[b].facing.normal),
-            _ => [0.0; 3],
-        };
-        let edge = if norm(edge) > 0.0 { unit(edge) } else { edge };
-        let gap = |i: &usize| contacts[*i].facing.gap;
-        let rough = sharing.iter().copied().filter(|&i| mu[i] > 0.0);
-        let carrier = rough.min_by(|a, b| gap(a).total_cmp(&gap(b)));
-        for i in sharing {
-            let tangent = if Some(i) == carrier { edge } else { [0.0; 3] };
-            contacts[i].slide_along(dofs, [tangent, [0.0; 3]]);
-        }
     }
 }
 

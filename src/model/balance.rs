@@ -184,9 +184,11 @@ impl Model {
         let coupled = contact.coupled().is_some();
         // What carries both bodies takes neither past the other.
         let carried = if coupled { [0.0; 3] } else { self.carried(t) };
-        let of = |moved: &Moved| match coupled {
-            true => moved.beyond_contact(rows, &self.dofs, contact),
-            false => directions.map(|n| dot(moved.beyond(rows, contact.node), n)),
+        let of = |moved: &Moved| {
+            if coupled {
+                return moved.beyond_contact(rows, &self.dofs, contact);
+            }
+            directions.map(|n| dot(moved.beyond(rows, contact.node), n))
         };
         let mut sum = directions.map(|n| dot(carried, n));
         for moved in &self.moved {

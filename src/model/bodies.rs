@@ -19,7 +19,9 @@ pub(super) fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), F
     let of = bodies.of_nodes();
     let contacts = paired(description, mesh, bodies)?;
     let mut together = Sets::new(bodies.count());
-    contacts.iter().for_each(|&(a, b)| together.join(a, b));
+    for &(a, b) in &contacts {
+        together.join(a, b);
+    }
     let together: Vec<usize> = (0..bodies.count()).map(|k| together.least(k)).collect();
     let pair = |a: usize, b: usize| (of[a].min(of[b]), of[a].max(of[b]));
     let place = |node: usize| description.system(mesh.dimension).place(mesh.nodes[node]);

@@ -6,13 +6,13 @@ use super::find;
 use super::pair::Pairs;
 use super::support::Moved;
 use crate::contact::{
-    ContactBoundary, ContactNode, Counterpart, Facing, Meeting, ObstacleMotion, PlacedObstacle, Rates, Term, Unclear, contact_nodes,
+    ContactBoundary, ContactNode, Counterpart, Meeting, ObstacleMotion, PlacedObstacle, Unclear, contact_nodes,
     meetings, unreachable,
 };
 use crate::description::{Contact, Description};
 use crate::fault::Fault;
 use crate::fem::{Dofs, HeldRows};
-use crate::loading::{Bend, FrictionHistory, Motion};
+use crate::loading::FrictionHistory;
 use crate::mesh::{Boundary, Mesh};
 use crate::problem::ProblemError;
 use crate::timeline::within;
@@ -241,8 +241,7 @@ fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Resu
             let corners = facet.len() as f64;
             let middle = facet.iter().fold([0.0; 3], |sum, node| plus(sum, 1.0 / corners, mesh.nodes[*node]));
             let place = description.system(mesh.dimension).place(middle);
-            let message =
-                format!("the boundaries `{other}` and `{own}` have the facet at {place} in common");
+            let message = format!("the boundaries `{other}` and `{own}` have the facet at {place} in common");
             let help = "let each facet be of one [[contact]]; several obstacles may be in front of one boundary";
             return Err(Fault::new(format!("contact[{k}].boundary"), message, help));
         }
@@ -358,78 +357,4 @@ fn met(
         return Err(Fault::new(format!("contact[{k}].boundary"), message, help));
     }
     Ok(met)
-}
-
-/// What the motions of `obstacles` do to the contact nodes: rates times histories, and what these leave out at `times` (s). A
-/// node that meets another obstacle has zeros.
-pub(super) fn motions(
-    contacts: &[ContactNode],
-    obstacles: &[(PlacedObstacle, ObstacleMotion)],
-    times: &[f64],
-) -> Result<(Vec<Motion>, Vec<Bend>), ProblemError> {
-    let times: Vec<f64> = [0.0].into_iter().chain(times.iter().copied()).collect();
-    let (mut motions, mut bends) = (Vec::new(), Vec::new());
-    for (k, (obstacle, motion)) in obstacles.iter().enumerate() {
-        let met: Vec<usize> = (0..contacts.len()).filter(|&i| contacts[i].obstacle() == Some(k)).collect();
-        let (Some(&first), Some(&last)) = (met.first(), met.last()) else { continue };
-        // All nodes in the rows of each.
-        let terms: Vec<Vec<Term>> = met.iter().map(|&i| contacts[i].terms().collect()).collect();
-        let all = || terms.iter().flatten();
-        let (positions, facings): (Vec<[f64; 3]>, Vec<Facing>) = all().map(|term| (term.position, term.facing)).unzip();
-        let rows = |of_node: &[Rates], add: &mut dyn FnMut(usize, Rates)| {
-            let mut rest = of_node;
-            for (&i, terms) in met.iter().zip(&terms) {
-                let (own, others) = rest.split_at(terms.len());
-                rest = others;
-                let sum = |rate: &dyn Fn(&Rates) -> f64| match own {
-                    [one] => rate(one),
-                    _ => own.iter().zip(terms).map(|(rates, term)| term.coefficient * rate(rates)).sum(),
-                };
-                add(i - first, Rates { gap: sum(&|r| r.gap), drift: [0, 1].map(|k| sum(&|r| r.drift[k])) });
-            }
-        };
-        for (rates, history) in motion.rates(&positions, &facings) {
-            let (mut gap, mut drift) = (vec![0.0; last + 1 - first], vec![[0.0; 2]; last + 1 - first]);
-            rows(&rates, &mut |i, rates| (gap[i], drift[i]) = (rates.gap, rates.drift));
-            motions.push(Motion::new(first..last + 1, gap, drift, history)?);
-        }
-        if let Some(of_nodes) = motion.bends(obstacle, &positions, &facings, &times) {
-            let of_rows = |(t, of_nodes): (&f64, Vec<f64>)| {
-                let mut gap = vec![0.0; last + 1 - first];
-                let mut rest = &of_nodes[..];
-                for (&i, terms) in met.iter().zip(&terms) {
-                    let (own, others) = rest.split_at(terms.len());
-                    rest = others;
-                    gap[i - first] = bend(&contacts[i], terms, own, (obstacle, motion), *t);
-                }
-                gap
-            };
-            let table = times.iter().zip(of_nodes).map(of_rows).collect();
-            bends.push(Bend::new(first..last + 1, times.clone(), table)?);
-        }
-    }
-    Ok((motions, bends))
-}
-
-/// What the rates of its motion leave out at time `t` (s) of the gap of the rows of a contact node, m, where that is `own` at each of
-/// their nodes, `terms`.
-fn bend(
-    contact: &ContactNode,
-    terms: &[Term],
-    own: &[f64],
-    (obstacle, motion): (&PlacedObstacle, &ObstacleMotion),
-    t: f64,
-) -> f64 {
-    if let [one] = own {
-        return *one;
-    }
-    let by_rates: Vec<f64> = terms.iter().map(|term| motion.gap(t, term.position, &term.facing)).collect();
-    let exact: Vec<f64> = by_rates.iter().zip(own).map(|(gap, bend)| gap + bend).collect();
-    let at_rest: Vec<f64> = terms.iter().map(|term| term.facing.gap).collect();
-    if obstacle.is_in_front_of_all(&at_rest) && obstacle.is_in_front_of_all(&exact) {
-        // Without the digits that are lost beside whole gaps.
-        return terms.iter().zip(own).map(|(term, bend)| term.coefficient * bend).sum();
-    }
-    let changes = terms.iter().zip(&by_rates).map(|(term, gap)| term.coefficient * (gap - term.facing.gap));
-    contact.gap(obstacle, &exact) - contact.gap(obstacle, &at_rest) - changes.sum::<f64>()
 }

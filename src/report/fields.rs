@@ -110,7 +110,7 @@ fn contact_fields(model: &Model, step: &Step<'_>) -> Vec<Field> {
     for (node, sigma) in masters {
         let normal = normals.as_ref().map_or([0.0; 3], |normals| normals[node]);
         let sigma_n = dot(sigma, normal);
-        if !(pressure[node] >= sigma_n) {
+        if pressure[node].is_nan() || pressure[node] < sigma_n {
             pressure[node] = sigma_n;
             traction[node] = across(sigma, normal);
         }
@@ -132,7 +132,9 @@ fn nodal_normals(model: &Model) -> Vec<[f64; 3]> {
     for boundary in model.pairs.iter().filter_map(|pair| model.mesh.boundary(&pair.master)) {
         for facet in &boundary.facets {
             let area = model.mesh.area_vector(facet);
-            facet.iter().for_each(|&node| normals[node] = plus(normals[node], 1.0, area));
+            for &node in facet {
+                normals[node] = plus(normals[node], 1.0, area);
+            }
         }
     }
     normals.into_iter().map(|n| if norm(n) > 0.0 { unit(n) } else { n }).collect()

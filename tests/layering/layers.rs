@@ -72,6 +72,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "mesh",
             "problem",
             "scene",
+            "sets",
             "sparse",
             "timeline",
             "units",
