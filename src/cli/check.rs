@@ -173,7 +173,7 @@ fn contacts(scene: &Scene, model: &Model) {
         let changing = contact.friction_history.as_ref().map(|history| points(history, |factor| factor[0].to_string()));
         let mu = changing.map_or(mu.clone(), |factors| format!("{mu}, times {factors}"));
         if let Some(pair) = boundary.pair {
-            say!("contact      {} against {}, mu = {mu}", model.pairs[pair].slave, model.pairs[pair].master);
+            say!("contact      {} against {}, mu = {mu}", model.pairs[pair].slave, model.pairs[pair].master.name);
         }
         if several {
             say!("contact      {}: {} obstacles, mu = {mu}", contact.boundary, contact.obstacles().len());

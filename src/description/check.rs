@@ -40,11 +40,15 @@ impl Description {
 impl Contact {
     /// Checks it beside those before it.
     fn check(&self, earlier: &[Contact]) -> Result<(), Fault> {
-        // A boundary may be in front of several others, but not of those and of obstacles.
-        let alone = |other: &Contact| self.opposite().is_none() || other.opposite().is_none();
-        if earlier.iter().any(|other| other.boundary == self.boundary && alone(other)) {
+        if earlier.iter().any(|other| other.boundary == self.boundary) {
             let message = format!("the boundary `{}` has a [[contact]] already", self.boundary);
-            return Err(Fault::new("boundary", message, "keep one [[contact]] for each boundary"));
+            let help = match self.opposite() {
+                None => "keep one [[contact]] for each boundary",
+                Some(_) => {
+                    "keep one [[contact]] for each boundary: against may be a list of all that is in front of it"
+                }
+            };
+            return Err(Fault::new("boundary", message, help));
         }
         self.friction.check()?;
         if let Some(history) = &self.friction_history {
@@ -73,7 +77,7 @@ impl Contact {
 
     fn check_opposite(&self, opposite: &Opposite) -> Result<(), Fault> {
         opposite.check()?;
-        if opposite.boundary == self.boundary {
+        if opposite.boundaries.contains(&self.boundary) {
             let message = format!("the boundary `{}` is against itself", self.boundary);
             return Err(Fault::new("against", message, "name the boundary that is in front of it"));
         }

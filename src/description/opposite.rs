@@ -7,8 +7,8 @@ use crate::vector::{Vector, norm};
 /// The boundary of a deformable body in front of another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Opposite {
-    /// The boundary.
-    pub boundary: String,
+    /// The boundary, or several, of one body or more, that count as one.
+    pub boundaries: Vec<String>,
     /// Whether the two are glued: they neither part nor slide, whatever the load.
     pub glued: bool,
     /// How far apart parts of the two may be that belong to each other, m; without it, a tenth of the size of the smaller one.
@@ -48,8 +48,15 @@ pub enum Slave {
 impl From<&str> for Opposite {
     /// With measured gaps and everything else by default.
     fn from(boundary: &str) -> Self {
+        Opposite::from([boundary])
+    }
+}
+
+impl<const N: usize> From<[&str; N]> for Opposite {
+    /// Several boundaries that count as one, with measured gaps and everything else by default.
+    fn from(boundaries: [&str; N]) -> Self {
         Opposite {
-            boundary: boundary.to_string(),
+            boundaries: boundaries.map(str::to_string).to_vec(),
             glued: false,
             search: None,
             gap: FirstGap::Measured,
@@ -91,6 +98,12 @@ impl Opposite {
             let length = norm(direction.components());
             let sound = length > 0.0 && length.is_finite();
             demand(sound, "direction", &direction, "a vector with a direction", "give e.g. [0, -1]")?;
+        }
+        let help = "name the boundary that is in front of it";
+        demand(!self.boundaries.is_empty(), "against", &"[]", "a name, or a list of names", help)?;
+        if let Some(twice) = (1..self.boundaries.len()).find(|&k| self.boundaries[..k].contains(&self.boundaries[k])) {
+            let message = format!("`{}` stands there twice", self.boundaries[twice]);
+            return Err(Fault::new("against", message, "keep it once"));
         }
         let measured = self.gap == FirstGap::Measured;
         demand(

@@ -211,14 +211,14 @@ impl Si {
     }
 
     fn opposite(self, opposite: Opposite) -> Opposite {
-        let Opposite { boundary, glued, search, gap, adjust, direction, slave } = opposite;
+        let Opposite { boundaries, glued, search, gap, adjust, direction, slave } = opposite;
         let gap = match gap {
             FirstGap::Measured => FirstGap::Measured,
             FirstGap::Uniform(gap) => FirstGap::Uniform(self.length(gap)),
             FirstGap::Formula(formula) => FirstGap::Formula(self.formula(Quantity::Length, formula)),
         };
         let search = search.map(|x| self.length(x));
-        Opposite { boundary, glued, search, gap, adjust: self.length(adjust), direction, slave }
+        Opposite { boundaries, glued, search, gap, adjust: self.length(adjust), direction, slave }
     }
 
     fn obstacle(self, obstacle: Obstacle) -> Obstacle {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::find;
+use super::{find, pair};
 use crate::description::Description;
 use crate::fault::Fault;
 use crate::fem::overlaps;
@@ -58,8 +58,7 @@ fn paired(description: &Description, mesh: &Mesh, bodies: &Bodies) -> Result<BTr
             boundary.facets.iter().map(|facet| bodies.of_nodes()[facet[0]]).collect()
         };
         let first = of(find(mesh, &contact.boundary, &key)?);
-        let second = find(mesh, &opposite.boundary, &key).map(of);
-        let second = second.map_err(|fault| Fault { key: format!("{key}.against"), ..fault })?;
+        let second = of(&pair::opposite(mesh, opposite, k)?);
         pairs.extend(first.iter().flat_map(|&a| second.iter().map(move |&b| (a.min(b), a.max(b)))));
     }
     Ok(pairs)

@@ -24,8 +24,8 @@ pub struct Pair {
     pub contact: usize,
     /// The boundary whose nodes have the contact forces.
     pub slave: String,
-    /// The other.
-    pub master: String,
+    /// The other; of several boundaries that count as one it has all facets and their names.
+    pub master: Boundary,
     /// Why that is the slave, where it was chosen.
     pub choice: Option<SlaveChoice>,
     /// Whether the two are glued.
@@ -146,6 +146,17 @@ impl Pair {
     }
 }
 
+/// What the contact `k` is in front of, as one boundary.
+pub(super) fn opposite(mesh: &Mesh, opposite: &Opposite, k: usize) -> Result<Boundary, Fault> {
+    let of_name = |name: &String| {
+        let found = find(mesh, name, &format!("contact[{k}]"));
+        found.map_err(|fault| Fault { key: format!("contact[{k}].against"), ..fault })
+    };
+    let all = opposite.boundaries.iter().map(of_name).collect::<Result<Vec<_>, _>>()?;
+    let facets = all.iter().flat_map(|boundary| boundary.facets.iter().cloned()).collect();
+    Ok(Boundary { name: opposite.boundaries.join("+"), facets })
+}
+
 /// The pair of contact `k`, which is in front of `opposite`.
 fn pair(
     description: &Description,
@@ -157,8 +168,7 @@ fn pair(
 ) -> Result<Pair, Fault> {
     let key = format!("contact[{k}]");
     let first = find(mesh, &description.contacts[k].boundary, &key)?;
-    let second =
-        find(mesh, &opposite.boundary, &key).map_err(|fault| Fault { key: format!("{key}.against"), ..fault })?;
+    let second = &self::opposite(mesh, opposite, k)?;
     share_nothing(description, mesh, first, second, k)?;
     let units = description.system(mesh.dimension);
     let direction = opposite.direction.map(|direction| unit(direction.components()));
@@ -168,7 +178,12 @@ fn pair(
         Fault::new(format!("{key}.{}", key_of(&fault)), message, fault.help())
     };
     let all_held = first.nodes().into_iter().all(|node| held(node).len() == 3);
-    let (mortar, choice) = if opposite.slave == Slave::Automatic || all_held {
+    if opposite.slave == Slave::Automatic && opposite.boundaries.len() > 1 {
+        let message = "several boundaries that are against one cannot be the slave";
+        return Err(Fault::new(format!("{key}.slave"), message, "remove the key, or name one boundary"));
+    }
+    let may_change = opposite.boundaries.len() == 1;
+    let (mortar, choice) = if opposite.slave == Slave::Automatic || all_held && may_change {
         let young = [first, second].map(|boundary| young(mesh, boundary, materials));
         let (mortar, choice) =
             Mortar::of_better_slave(mesh, [first, second], young, &options, held).map_err(refused)?;
@@ -212,7 +227,7 @@ fn pair(
         }
     }
     let edges = edges(mesh, master, &mortar.rows);
-    let (slave, master) = (slave.name.clone(), master.name.clone());
+    let (slave, master) = (slave.name.clone(), master.clone());
     let relative = BTreeSet::new();
     Ok(Pair { contact: k, slave, master, choice, glued: opposite.glued, mortar, gaps, edges, relative })
 }

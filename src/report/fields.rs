@@ -129,7 +129,7 @@ fn contact_fields(model: &Model, step: &Step<'_>) -> Vec<Field> {
 /// The unit outward normal at each node of a master, the mean of its facets.
 fn nodal_normals(model: &Model) -> Vec<[f64; 3]> {
     let mut normals = vec![[0.0; 3]; model.mesh.nodes.len()];
-    for boundary in model.pairs.iter().filter_map(|pair| model.mesh.boundary(&pair.master)) {
+    for boundary in model.pairs.iter().map(|pair| &pair.master) {
         for facet in &boundary.facets {
             let area = model.mesh.area_vector(facet);
             for &node in facet {

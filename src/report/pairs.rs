@@ -58,7 +58,7 @@ impl PairRecord {
         let [least, largest] = pair.mortar.gaps.map(|gap| gap.gap);
         PairRecord {
             slave: pair.slave.clone(),
-            master: pair.master.clone(),
+            master: pair.master.name.clone(),
             reason: pair.choice.map(|choice| choice.reason.to_string()),
             glued: pair.glued,
             rows: pair.mortar.rows.len(),

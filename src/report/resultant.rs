@@ -102,7 +102,7 @@ impl Resultant {
 
 impl OfOpposite {
     fn of(model: &Model, state: &State, boundary: &ContactBoundary) -> Option<Self> {
-        let name = model.pairs[boundary.pair?].master.clone();
+        let name = model.pairs[boundary.pair?].master.name.clone();
         let (force, moment) = wrench(model, state, boundary.parts(&model.contacts), true);
         Some(OfOpposite { boundary: name, force, moment })
     }

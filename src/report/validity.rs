@@ -100,7 +100,7 @@ impl Validity {
         // Without a converged increment nothing is known of the contact.
         let untouched = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| self.touched[i]));
         if let (Some(boundary), Some(_)) = (untouched, self.largest) {
-            let message = match boundary.pair.map(|k| &model.pairs[k].master) {
+            let message = match boundary.pair.map(|k| &model.pairs[k].master.name) {
                 None => format!(
                     "`{}` never touched its obstacle; `stickslip check` tells where that is and how it moves",
                     boundary.name

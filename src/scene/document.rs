@@ -181,13 +181,21 @@ pub(super) struct Contact {
     pub friction: Option<Friction>,
     pub friction_history: Option<Vec<Tuple<f64>>>,
     pub obstacle: Option<Obstacles>,
-    pub against: Option<String>,
+    pub against: Option<Names>,
     pub glue: Option<bool>,
     pub search: Option<f64>,
     pub gap: Option<Scalar>,
     pub adjust: Option<f64>,
     pub direction: Option<Vector>,
     pub slave: Option<Slave>,
+}
+
+/// A name, or a list of several.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "invalid type, expected a name in quotes, or a list of names")]
+pub(super) enum Names {
+    One(String),
+    Several(Vec<String>),
 }
 
 /// Whose nodes carry the forces of a pair.

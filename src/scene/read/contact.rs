@@ -4,7 +4,7 @@ use crate::contact::Friction;
 use crate::description::{Against, Contact, FirstGap, Opposite, Slave};
 use crate::fault::Fault;
 use crate::scene::SceneError;
-use crate::scene::document::{self, Scalar};
+use crate::scene::document::{self, Names, Scalar};
 use crate::scene::error::Source;
 
 use super::{foreign, formula, obstacle, points};
@@ -47,7 +47,11 @@ pub(super) fn contact(k: usize, given: document::Contact, source: &Source) -> Re
             let obstacles = obstacles_at(obstacles, &format!("{key}.obstacle"), source)?;
             (Against::Obstacles(obstacles), friction.ok_or_else(needs_friction)?)
         }
-        (None, Some(boundary)) => {
+        (None, Some(names)) => {
+            let boundaries = match names {
+                Names::One(name) => vec![name],
+                Names::Several(names) => names,
+            };
             let gap = match given.gap {
                 None => FirstGap::Measured,
                 Some(Scalar::Number(gap)) => FirstGap::Uniform(gap),
@@ -63,7 +67,7 @@ pub(super) fn contact(k: usize, given: document::Contact, source: &Source) -> Re
             };
             let glued = given.glue.unwrap_or(false);
             let opposite = Opposite {
-                boundary,
+                boundaries,
                 glued,
                 search: given.search,
                 gap,

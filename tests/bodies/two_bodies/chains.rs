@@ -22,14 +22,15 @@ const WAYS: [(Method, LinearAlgebra); 5] = [
     (Method::IP, CONDENSED),
 ];
 
-/// Blocks of the same material, each with its name, place, size and elements.
-fn blocks(blocks: &[(&str, [f64; 2], [f64; 2], [usize; 2])], times: Vec<f64>) -> Description {
+/// A block: its name, place, size and elements.
+type Block<'a> = (&'a str, [f64; 2], [f64; 2], [usize; 2]);
+
+/// Blocks of the same material.
+fn blocks(blocks: &[Block<'_>], times: Vec<f64>) -> Description {
     let mut material = Material::new(70e9, 0.3);
     let group = |name: &str| MaterialGroup { name: name.into(), young: 70e9, poisson: 0.3, ..MaterialGroup::default() };
     material.groups = blocks.iter().map(|(name, ..)| group(name)).collect();
-    let body = |(name, at, size, elements): &(&str, [f64; 2], [f64; 2], [usize; 2])| {
-        Body::new(name, MeshSource::block(*size, *elements)).at(*at)
-    };
+    let body = |(name, at, size, elements): &Block<'_>| Body::new(name, MeshSource::block(*size, *elements)).at(*at);
     Description::new(MeshSource::Bodies(blocks.iter().map(body).collect()), material, times)
 }
 
@@ -67,6 +68,35 @@ fn four_blocks_around_a_point() {
             }
         }
     }
+}
+
+/// Two blocks side by side, glued, count as one for what lies on both.
+#[test]
+fn a_block_on_two() {
+    let all = [
+        ("left", [0.0, 0.0], [0.45, 0.5], [3, 3]),
+        ("right", [0.45, 0.0], [0.55, 0.5], [5, 4]),
+        ("above", [0.0, 0.5], [1.0, 0.5], [6, 3]),
+    ];
+    let body = blocks(&all, vec![1.0])
+        .glued("left:right", "right:left")
+        .pair("above:bottom", 0.3, ["left:top", "right:top"])
+        .support("left:bottom", &[Axis::Y])
+        .support("right:bottom", &[Axis::Y])
+        .held(Support::new("", &[Axis::X]).at([0.0, 0.0]))
+        .load(Load::new("above:top", &[0.0, -1e7]));
+    let model = Model::build(&body).unwrap();
+    for (method, linear) in WAYS {
+        let state = solved(&model, solver(method, linear), &mut ()).state;
+        let u = model.displacements(1.0, &state.u).unwrap();
+        for stress in model.centre_stresses(1.0, &u).unwrap() {
+            let off = [stress[0] / 1e7, stress[1] / 1e7 + 1.0, stress[3] / 1e7];
+            assert!(off.iter().all(|off| off.abs() < 1e-9), "{method:?} {linear:?} {off:?}");
+        }
+    }
+    let twice = body.pair("above:bottom", 0.3, "left:top");
+    let error = Model::build(&twice).unwrap_err().to_string();
+    assert_eq!(error, "contact[2].boundary: the boundary `above:bottom` has a [[contact]] already");
 }
 
 #[test]

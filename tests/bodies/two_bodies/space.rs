@@ -32,7 +32,6 @@ fn bricks_slide_round_a_corner() {
         for linear in [LinearAlgebra::Condensed(SparseCholesky::Cholmod), LinearAlgebra::Whole(SparseLu::Umfpack)] {
             let outcome = solved(&model, solver(Method::BN, linear), &mut ());
             let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
-            println!("{slave:?} {iterations:?}");
             let near = |(found, expected): (&usize, usize)| found.abs_diff(expected) <= 1;
             assert!(iterations.iter().zip(expected_iterations).all(near), "{slave:?} {linear:?} {iterations:?}");
             let state = outcome.state;
