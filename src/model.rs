@@ -182,7 +182,7 @@ impl Model {
         let gap = contacts.iter().map(gap).collect();
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
-        let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries);
+        let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &pairs.ties(&dofs, mesh.dimension));
         let problem = ContactProblem::new(Parts {
             stiffness,

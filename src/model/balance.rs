@@ -198,11 +198,14 @@ impl Model {
         sum
     }
 
-    /// The gap (m) of contact node `i` at time `t` (s), from which its own displacement leaves a distance, where `of_rows` is that of
-    /// its rows: on boundaries of second order these are made of other nodes, too.
-    pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: f64) -> f64 {
+    /// The gap (m) of contact node `i` at time `t` (s), from which its own displacement leaves a distance, where `of_rows` (n_c) are those
+    /// of rows: on boundaries of second order these are made of other nodes, too.
+    pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: &[f64]) -> f64 {
         let contact = &self.contacts[i];
-        let (Some(k), Some(_)) = (contact.obstacle(), contact.ends) else { return of_rows };
+        let Some(k) = contact.obstacle() else { return self.of_node_from_rows(i, |j| of_rows[j]) };
+        if contact.ends.is_none() {
+            return of_rows[i];
+        }
         let (obstacle, motion) = &self.obstacles[k];
         motion.exact_gap(obstacle, t, contact.position, &contact.facing) - self.beyond(i, t)
     }

@@ -11,7 +11,7 @@
 //! tension, which is taken off: the law and the status are those of `p̃`. What supports hold of a boundary has no contact force; its traction
 //! counts as that of the node beside it.
 
-use super::Model;
+use super::{Model, Pair};
 use crate::contact::{ContactBoundary, ContactNode};
 use crate::fem::facet_mass;
 use crate::mesh::Mesh;
@@ -29,21 +29,32 @@ pub(super) struct Recovery {
 
 impl Recovery {
     /// `None` where no boundary with contact is of second order.
-    pub(super) fn new(mesh: &Mesh, contacts: &[ContactNode], boundaries: &[ContactBoundary]) -> Option<Self> {
-        if contacts.iter().all(|contact| contact.ends.is_none()) {
+    pub(super) fn new(
+        mesh: &Mesh,
+        contacts: &[ContactNode],
+        boundaries: &[ContactBoundary],
+        pairs: &[Pair],
+    ) -> Option<Self> {
+        let facets = |own: &ContactBoundary| mesh.boundary(&own.name).map_or(&[][..], |boundary| &boundary.facets);
+        if boundaries.iter().flat_map(facets).all(|facet| !mesh.is_quadratic(facet)) {
             return None;
         }
         let mut recovery = Recovery { mass: vec![Vec::new(); contacts.len()], ends: vec![None; contacts.len()] };
         for own in boundaries {
             let mut at_node = vec![None; mesh.nodes.len()];
             own.nodes.iter().for_each(|&i| at_node[contacts[i].node] = Some(i));
-            for &i in &own.nodes {
-                recovery.ends[i] = contacts[i].ends.map(|ends| ends.map(|end| at_node[end.node]));
-            }
-            for facet in mesh.boundary(&own.name).map_or(&[][..], |boundary| &boundary.facets) {
+            for (f, facet) in facets(own).iter().enumerate() {
+                for [a, middle, b] in mesh.bent_edges(facet) {
+                    if let Some(i) = at_node[middle] {
+                        recovery.ends[i] = Some([at_node[a], at_node[b]]);
+                    }
+                }
+                // Of a facet that another body is in front of in part the rest carries nothing.
+                let covered = own.pair.map_or(1.0, |pair| pairs[pair].mortar.covered[f].min(1.0));
                 for (row, &node) in facet_mass(mesh, facet).iter().zip(facet) {
                     let Some(i) = at_node[node] else { continue };
-                    let others = facet.iter().zip(row).filter_map(|(&other, mass)| Some((at_node[other]?, *mass)));
+                    let others = facet.iter().zip(row);
+                    let others = others.filter_map(|(&other, mass)| Some((at_node[other]?, covered * mass)));
                     recovery.mass[i].extend(others.filter(|(j, _)| *j != i));
                 }
             }
@@ -53,6 +64,15 @@ impl Recovery {
 }
 
 impl Model {
+    /// What rows in front of another body say of the contact node itself: on boundaries of second order `½ w̃_m + ¼ (w̃_a + w̃_b)` at a
+    /// node between corners of which `value` gives the `w̃`, and `w̃` elsewhere.
+    pub(crate) fn of_node_from_rows(&self, i: usize, value: impl Fn(usize) -> f64) -> f64 {
+        match self.recovery.as_ref().and_then(|recovery| recovery.ends[i]) {
+            Some([Some(a), Some(b)]) => 0.5 * value(i) + 0.25 * (value(a) + value(b)),
+            _ => value(i),
+        }
+    }
+
     /// The pressure (Pa) at each contact node: `p_n / l` (32), on boundaries of second order as in [`Model::recovered_tractions`].
     pub(crate) fn contact_pressures(&self, state: &State) -> Vec<f64> {
         match self.recovered_tractions(state) {

@@ -198,7 +198,12 @@ pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &S
         let contact = &model.contacts[i];
         let (p_n, l) = (state.p_n[i], model.contacts[i].weight);
         // Displacements from where supports have moved the body, which gaps and drifts count from, too.
-        let (relative, along) = if contact.ends.is_none() {
+        let gap = &step.increment.gap;
+        let (relative, along) = if contact.coupled().is_some() {
+            let normal = model.of_node_from_rows(i, |j| problem.c_n().dot(j, &state.u));
+            let tangential = |k: usize| model.of_node_from_rows(i, |j| problem.tangential_maps()[k].dot(j, &state.u));
+            (normal, [0, 1].map(tangential))
+        } else if contact.ends.is_none() {
             (problem.c_n().dot(i, &state.u), problem.tangential_maps().map(|map| map.dot(i, &state.u)))
         } else {
             let own = |n: [f64; 3]| model.dofs.along(contact.node, n).map(|(dof, c)| c * state.u[dof]).sum::<f64>();
@@ -232,7 +237,7 @@ pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &S
             w_n,
             w_t,
             w_o,
-            gap: model.nodal_gap(i, step.record.time, step.increment.gap[i]) - relative,
+            gap: model.nodal_gap(i, step.record.time, gap) - relative,
             slip_t,
             slip_o,
             force: model.contact_force(state, i),

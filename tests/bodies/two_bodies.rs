@@ -4,5 +4,6 @@
 mod chains;
 mod glue;
 mod patch;
+mod random;
 mod space;
 mod stack;

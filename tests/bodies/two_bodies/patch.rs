@@ -2,11 +2,14 @@
 
 use crate::common::pairs::{Side, bodies, paired, solved, solver};
 use stickslip::contact::ContactNode;
-use stickslip::description::{Action, Axis, Description, Load, Support, Where};
-use stickslip::history::{LinearAlgebra, Method};
+use stickslip::description::{Action, Axis, Description, Load, Opposite, Support, Where};
+use stickslip::fem::{Material, MaterialGroup, Plane};
+use stickslip::history::{LinearAlgebra, Method, Observer, Step};
 use stickslip::linear::SparseCholesky;
-use stickslip::mesh::{CellKind, MeshSource, Segment};
+use stickslip::mesh::{Body, CellKind, MeshSource, Segment};
 use stickslip::model::Model;
+use stickslip::nonlinear::Flow;
+use stickslip::report::{ContactLine, ContactPoint};
 
 const PRESSURE: f64 = 1e7;
 
@@ -115,5 +118,43 @@ fn in_space() {
             let errors = errors(&body);
             assert!(errors.iter().all(|error| *error < 1e-11), "{kinds:?} {slave:?} {errors:?}");
         }
+    }
+}
+
+/// Keeps the contact line of the last increment.
+#[derive(Default)]
+struct Line<'a>(Option<&'a Model>, Vec<ContactPoint>);
+
+impl Observer for Line<'_> {
+    fn increment(&mut self, step: &Step<'_>) -> Flow {
+        self.1 = self.0.map(|model| ContactLine::all(model, step).remove(0).points).unwrap_or_default();
+        Flow::Continue
+    }
+}
+
+/// A hub on a shaft with interference has Lamé's pressure and no gap at all nodes, at corners and between them.
+#[test]
+fn nodes_of_second_order_tell_what_is_there() {
+    let group =
+        |name: &str| MaterialGroup { name: name.into(), young: 210e9, poisson: 0.3, ..MaterialGroup::default() };
+    let mut material = Material::new(210e9, 0.3).in_plane(Plane::Axisymmetric);
+    material.groups = vec![group("hub"), group("shaft")];
+    let ring =
+        |name: &str, at: f64, n: usize| Body::new(name, mesh([0.02, 0.01], [8, n], CellKind::Triangle6)).at([at, 0.0]);
+    let all = MeshSource::Bodies(vec![ring("hub", 0.03, 3), ring("shaft", 0.01, 4)]);
+    let interference = Opposite::from("shaft:right").apart(-1e-5);
+    let mut body = Description::new(all, material, vec![1.0]).pair("hub:left", 0.0, interference);
+    for boundary in ["hub:bottom", "hub:top", "shaft:bottom", "shaft:top"] {
+        body = body.support(boundary, &[Axis::Y]);
+    }
+    let model = Model::build(&body).unwrap();
+    let mut line = Line(Some(&model), Vec::new());
+    solved(&model, solver(Method::BN, LinearAlgebra::Condensed(SparseCholesky::Cholmod)), &mut line);
+    // Radii of 10, 30 and 50 mm.
+    let pressure = 210e9 / 0.91 / 0.03 * 1e-5 * (800.0 * 1600.0) / (2.0 * 900.0 * 2400.0);
+    assert_eq!(line.1.len(), 7);
+    for point in &line.1 {
+        assert!((point.sigma_n / pressure - 1.0).abs() < 1e-3, "{} {}", point.y, point.sigma_n / pressure);
+        assert!(point.gap.abs() < 1e-15 && (point.w_n + 1e-5).abs() < 1e-15, "{} {}", point.y, point.gap);
     }
 }
