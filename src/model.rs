@@ -2,6 +2,7 @@
 
 mod balance;
 mod bodies;
+mod carrying;
 mod contact;
 mod element;
 mod energy;
@@ -34,6 +35,7 @@ use crate::sparse::Csr;
 use crate::timeline::within;
 use crate::units::{Scaling, UnitSystem};
 use balance::Statics;
+use carrying::Carrying;
 use contact::Contacts;
 use load::{Body, FreeStrain};
 use pair::Pairs;
@@ -67,8 +69,9 @@ pub struct Model {
     pub loading: Loading,
     /// The rigid motions behind `problem.free_motions()`.
     pub rigid_motions: Vec<RigidMotion>,
-    /// Where supports move the body.
+    /// Where supports move the bodies, and which of these together.
     moved: Vec<Moved>,
+    carrying: Carrying,
     /// The stress-free strains of loads by temperature at factor 1, and the number of the load.
     thermal: Vec<(FreeStrain, usize)>,
     statics: Statics,
@@ -141,9 +144,10 @@ impl Model {
         let beds = load::springs(description, &mesh)?;
         let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
         let (stiffness, rows) = HeldRows::beside(&mesh, &dofs, element, &volumes, |e| materials[e], &springs)?;
-        let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows)?;
+        let carrying = Carrying::new(description, &mesh, &pairs, holdings.iter().flatten().map(|(node, ..)| *node))?;
+        let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, &carrying)?;
 
-        let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved, &pairs)?;
+        let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved, &pairs, &carrying)?;
         let friction = contacts.friction_history(description)?;
         let Contacts { nodes: mut contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
         let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
@@ -166,15 +170,16 @@ impl Model {
         }
         // What supports move beyond the body comes as forces on the rest of it, and as gaps.
         for moved in &moved {
-            cases.push(LoadCase::new(dofs.forces(moved.forces(&mesh, &rows, &springs)), moved.history.clone())?);
-            let beyond: Vec<_> = contacts.iter().map(|contact| moved.beyond_contact(&rows, &dofs, contact)).collect();
+            cases.push(LoadCase::new(dofs.forces(moved.forces(&carrying, &rows, &springs)), moved.history.clone())?);
+            let beyond: Vec<_> =
+                contacts.iter().map(|contact| moved.beyond_contact(&rows, &dofs, &carrying, contact)).collect();
             if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
                 let gap = beyond.iter().map(|[n, ..]| -n).collect();
                 let drift = beyond.iter().map(|[_, t, o]| [-t, -o]).collect();
                 motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
             }
         }
-        let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&mesh, &springs)).collect();
+        let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&carrying, &springs)).collect();
         let statics = Statics::new(&mesh, rows.clone(), support::shares(&holdings, &rows), beds, &forces, &on_springs);
         let gap = |contact: &ContactNode| {
             contact.obstacle().map_or(contact.facing.gap, |k| contact.gap_at_rest(&obstacles[k].0))
@@ -213,6 +218,7 @@ impl Model {
             loading,
             rigid_motions,
             moved,
+            carrying,
             thermal,
             statics,
             recovery,

@@ -9,7 +9,7 @@ use crate::fem::{HeldRows, NodalForces, Spring};
 use crate::mesh::{Geometry, Mesh};
 use crate::problem::error::expect_length;
 use crate::problem::{ProblemError, State};
-use crate::vector::{cross, dot, minus, norm};
+use crate::vector::{cross, dot, minus, norm, plus};
 
 /// A force, and its moment about the origin at the reference positions of the nodes; in two dimensions per m of depth. Of a body of
 /// revolution forces are those all around, those along x add up to what leads away from the axis on all sides, and there is no moment.
@@ -139,10 +139,10 @@ impl Model {
     /// The same of unknowns that are known to be as many.
     pub(crate) fn displaced(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
         let mut all = self.strained(t, u);
-        let carried = self.carried(t);
-        if carried != [0.0; 3] {
-            for u in &mut all {
-                (0..3).for_each(|c| u[c] += carried[c]);
+        let carried: Vec<[f64; 3]> = (0..self.carrying.groups).map(|group| self.carried(group, t)).collect();
+        if carried.iter().any(|carried| *carried != [0.0; 3]) {
+            for (node, u) in all.iter_mut().enumerate() {
+                *u = plus(*u, 1.0, carried[self.carrying.of(node)]);
             }
         }
         all
@@ -163,9 +163,9 @@ impl Model {
         all
     }
 
-    /// How far supports have carried the body as a whole until time `t` (s), m.
-    fn carried(&self, t: f64) -> [f64; 3] {
-        [0, 1, 2].map(|c| self.moved.iter().map(|moved| moved.factor(t) * moved.carried[c]).sum())
+    /// How far supports have carried the bodies of a group as a whole until time `t` (s), m.
+    fn carried(&self, group: usize, t: f64) -> [f64; 3] {
+        [0, 1, 2].map(|c| self.moved.iter().map(|moved| moved.factor(t) * moved.carried[group][c]).sum())
     }
 
     /// How far supports have moved contact node `i` along its normal beyond the body, m: its gap counts from there.
@@ -183,10 +183,10 @@ impl Model {
         let directions = [contact.facing.normal, contact.facing.tangents[0], contact.facing.tangents[1]];
         let coupled = contact.coupled().is_some();
         // What carries both bodies takes neither past the other.
-        let carried = if coupled { [0.0; 3] } else { self.carried(t) };
+        let carried = if coupled { [0.0; 3] } else { self.carried(self.carrying.of(contact.node), t) };
         let of = |moved: &Moved| {
             if coupled {
-                return moved.beyond_contact(rows, &self.dofs, contact);
+                return moved.beyond_contact(rows, &self.dofs, &self.carrying, contact);
             }
             directions.map(|n| dot(moved.beyond(rows, contact.node), n))
         };

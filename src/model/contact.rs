@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::carrying::Carrying;
 use super::find;
 use super::pair::Pairs;
 use super::support::Moved;
@@ -31,6 +32,7 @@ struct Body<'a> {
     rows: &'a HeldRows,
     moved: &'a [Moved],
     pairs: &'a Pairs,
+    carrying: &'a Carrying,
 }
 
 /// The contacts of a description.
@@ -57,10 +59,11 @@ impl Contacts {
         rows: &HeldRows,
         moved: &[Moved],
         pairs: &Pairs,
+        carrying: &Carrying,
     ) -> Result<Self, Fault> {
         let mut contacts = Contacts::default();
         share_no_facet(description, mesh, pairs)?;
-        let body = Body { description, mesh, dofs, rows, moved, pairs };
+        let body = Body { description, mesh, dofs, rows, moved, pairs, carrying };
         for k in 0..description.contacts.len() {
             match pairs.of_contact(k) {
                 Some(pair) => contacts.add_pair(&body, k, pair)?,
@@ -108,13 +111,15 @@ impl Contacts {
     }
 
     fn add(&mut self, body: &Body<'_>, k: usize) -> Result<(), Fault> {
-        let Body { description, mesh, dofs, moved, .. } = *body;
+        let Body { description, mesh, dofs, moved, carrying, .. } = *body;
         let contact = &description.contacts[k];
         let boundary = find(mesh, &contact.boundary, &format!("contact[{k}]"))?;
         let mut obstacles = placed(contact, description.end(), mesh, boundary, k)?;
         for (_, motion) in &mut obstacles {
+            // All bodies behind one obstacle are carried along together.
+            let group = boundary.nodes().first().map_or(0, |&node| carrying.of(node));
             for Moved { carried, history, .. } in moved {
-                motion.pass(*carried, history);
+                motion.pass(carried[group], history);
             }
         }
         let met = met(contact, body, boundary, &obstacles, k)?;

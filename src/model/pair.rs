@@ -71,13 +71,18 @@ impl Pairs {
         let mut pairs = Pairs::default();
         let mut tied: BTreeSet<usize> = BTreeSet::new();
         let mut taken: BTreeSet<usize> = BTreeSet::new();
+        // Those that are named first are so in any case.
+        let chosen = |opposite: &Opposite| opposite.slave == Slave::Automatic;
+        let named = description.contacts.iter().filter(|contact| !contact.opposite().is_some_and(chosen));
+        let mut slaves: BTreeSet<String> = named.map(|contact| contact.boundary.clone()).collect();
         for glued in [true, false] {
             for (k, contact) in description.contacts.iter().enumerate() {
                 let Some(opposite) = contact.opposite().filter(|opposite| opposite.glued == glued) else { continue };
                 let held = |node: usize| {
                     if glued && tied.contains(&node) { [0, 1, 2].map(axis).to_vec() } else { dofs.held(node).collect() }
                 };
-                let mut pair = pair(description, mesh, k, opposite, materials, &held)?;
+                let mut pair = pair(description, mesh, k, opposite, materials, &held, &slaves)?;
+                slaves.insert(pair.slave.clone());
                 for row in &pair.mortar.rows {
                     if taken.insert(row.node) {
                         pairs.relative.push(relative(row, glued));
@@ -165,6 +170,7 @@ fn pair(
     opposite: &Opposite,
     materials: &[Elasticity],
     held: &dyn Fn(usize) -> Vec<[f64; 3]>,
+    slaves: &BTreeSet<String>,
 ) -> Result<Pair, Fault> {
     let key = format!("contact[{k}]");
     let first = find(mesh, &description.contacts[k].boundary, &key)?;
@@ -185,8 +191,9 @@ fn pair(
     let may_change = opposite.boundaries.len() == 1;
     let (mortar, choice) = if opposite.slave == Slave::Automatic || all_held && may_change {
         let young = [first, second].map(|boundary| young(mesh, boundary, materials));
-        let (mortar, choice) =
-            Mortar::of_better_slave(mesh, [first, second], young, &options, held).map_err(refused)?;
+        let taken = [first, second].map(|boundary| slaves.contains(&boundary.name));
+        let sides = [first, second];
+        let (mortar, choice) = Mortar::of_better_slave(mesh, sides, young, taken, &options, held).map_err(refused)?;
         (mortar, Some(choice))
     } else {
         (Mortar::new(mesh, first, second, &options, held).map_err(refused)?, None)

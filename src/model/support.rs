@@ -1,5 +1,6 @@
 //! The supports of a description on its mesh: which displacements are held, and where they are moved to.
 
+use super::carrying::Carrying;
 use super::find;
 use super::place::{nodes, normals, suits};
 use crate::contact::{ContactNode, Facing};
@@ -10,7 +11,7 @@ use crate::loading::piecewise_linear;
 use crate::mesh::{Geometry, Mesh};
 use crate::timeline::within;
 use crate::units::UnitSystem;
-use crate::vector::{axis, dot, minus, norm, unit};
+use crate::vector::{axis, dot, minus, norm, plus, unit};
 
 /// Displacements that supports prescribe in one place may differ by this share of the largest.
 const SAME: f64 = 1e-9;
@@ -102,12 +103,13 @@ pub(super) fn dofs(mesh: &Mesh, holdings: &[Holding]) -> Result<Dofs, Fault> {
     Ok(dofs)
 }
 
-/// A motion of supports that have one history. The body is carried along by the translation that comes nearest to theirs, which
-/// strains nothing: it is as if the obstacles came the other way, and displacements count from where the body then is.
+/// A motion of supports that have one history. A body is carried along by the translation that comes nearest to theirs, which
+/// strains nothing: it is as if the obstacles came the other way, and displacements count from where the body then is. Bodies with
+/// supports of their own have translations of their own, see [`Carrying`].
 #[derive(Debug, Clone)]
 pub(super) struct Moved {
-    /// How far the body is carried along at factor 1, m.
-    pub carried: [f64; 3],
+    /// How far the bodies of each group are carried along at factor 1, m.
+    pub carried: Vec<[f64; 3]>,
     /// Where the nodes of [`HeldRows`] are moved beyond that at factor 1, m.
     pub beyond: Vec<[f64; 3]>,
     /// Points `[time (s), factor]`.
@@ -122,6 +124,7 @@ impl Moved {
         dofs: &Dofs,
         holdings: &[Holding],
         rows: &HeldRows,
+        carrying: &Carrying,
     ) -> Result<Vec<Self>, Fault> {
         let supports = || description.supports.iter().zip(holdings).enumerate();
         let history = |support: &Support| within(description.end(), &support.factors(description.end()));
@@ -141,13 +144,18 @@ impl Moved {
             }
             prescribed.sort_by_key(|(_, node, ..)| *node);
             // Nothing carries a body of revolution aside.
-            let carrying = |n: [f64; 3]| if axisymmetric { [0.0, n[1], n[2]] } else { n };
-            let values = prescribed.iter().map(|(_, _, n, to)| (carrying(*n), *to));
-            let carried = nearest_translation(values);
+            let carrying_along = |n: [f64; 3]| if axisymmetric { [0.0, n[1], n[2]] } else { n };
+            let carried: Vec<[f64; 3]> = (carrying.carrier.iter())
+                .map(|&group| {
+                    let own = prescribed.iter().filter(|(_, node, ..)| carrying.of(*node) == group);
+                    nearest_translation(own.map(|(_, _, n, to)| (carrying_along(*n), *to)))
+                })
+                .collect();
             let size = prescribed.iter().fold(0.0_f64, |m, (.., to)| m.max(to.abs()));
             let mut beyond = vec![[0.0; 3]; rows.nodes().len()];
             for at_node in prescribed.chunk_by(|a, b| a.1 == b.1) {
                 let node = at_node[0].1;
+                let carried = carried[carrying.of(node)];
                 let values: Vec<_> = at_node.iter().map(|(_, _, n, to)| (*n, to - dot(carried, *n))).collect();
                 let rest = solved(dofs, node, &values);
                 let missed = |(n, to): &([f64; 3], f64)| (dot(rest, *n) - to).abs() > SAME * size;
@@ -176,17 +184,17 @@ impl Moved {
 
     /// The forces (N) on all nodes at factor 1 that take the place of this motion: what it strains of the body, and of the springs
     /// that are fixed to the ground.
-    pub(super) fn forces(&self, mesh: &Mesh, rows: &HeldRows, springs: &[Spring]) -> NodalForces {
+    pub(super) fn forces(&self, carrying: &Carrying, rows: &HeldRows, springs: &[Spring]) -> NodalForces {
         let strained = rows.response(&self.beyond).into_iter().map(|(node, force)| (node, force.map(|f| -f)));
-        strained.chain(self.forces_of_springs(mesh, springs)).collect()
+        strained.chain(self.forces_of_springs(carrying, springs)).collect()
     }
 
     /// The forces (N) at factor 1 of the springs of a body that is carried along.
-    pub(super) fn forces_of_springs(&self, mesh: &Mesh, springs: &[Spring]) -> NodalForces {
-        if springs.is_empty() || self.carried == [0.0; 3] {
+    pub(super) fn forces_of_springs(&self, carrying: &Carrying, springs: &[Spring]) -> NodalForces {
+        if springs.is_empty() || self.carried.iter().all(|carried| *carried == [0.0; 3]) {
             return Vec::new();
         }
-        let carried = vec![self.carried; mesh.nodes.len()];
+        let carried: Vec<[f64; 3]> = (0..carrying.nodes()).map(|node| self.carried[carrying.of(node)]).collect();
         springs.iter().flat_map(|spring| spring.forces(&carried)).collect()
     }
 
@@ -196,18 +204,31 @@ impl Moved {
     }
 
     /// The same of what the rows of a contact node are made of, along its normal and its tangents.
-    pub(super) fn beyond_contact(&self, rows: &HeldRows, dofs: &Dofs, contact: &ContactNode) -> [f64; 3] {
+    /// In front of a body that is carried elsewhere its own counts from that.
+    pub(super) fn beyond_contact(
+        &self,
+        rows: &HeldRows,
+        dofs: &Dofs,
+        carrying: &Carrying,
+        contact: &ContactNode,
+    ) -> [f64; 3] {
         let relative = contact.coupled().is_some_and(|coupled| coupled.relative);
+        let own = self.carried[carrying.of(contact.node)];
+        let apart = contact
+            .terms()
+            .filter(|term| term.opposite)
+            .fold([0.0; 3], |sum, term| plus(sum, term.coefficient, minus(self.carried[carrying.of(term.node)], own)));
         let along = |direction: fn(&Facing) -> [f64; 3]| {
+            let apart = dot(apart, direction(&contact.facing));
             if !relative {
-                return contact.sum(|term| dot(self.beyond(rows, term.node), direction(&term.facing)));
+                return apart + contact.sum(|term| dot(self.beyond(rows, term.node), direction(&term.facing)));
             }
             // What is free goes along with the other side.
             let held = dofs.held(contact.node).filter(|held| dot(*held, direction(&contact.facing)) != 0.0);
             let of_axis = |held: [f64; 3]| {
                 dot(held, direction(&contact.facing)) * contact.sum(|term| dot(self.beyond(rows, term.node), held))
             };
-            held.map(of_axis).sum()
+            apart + held.map(of_axis).sum::<f64>()
         };
         [along(|facing| facing.normal), along(|facing| facing.tangents[0]), along(|facing| facing.tangents[1])]
     }

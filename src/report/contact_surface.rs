@@ -1,10 +1,10 @@
 //! A contact surface in space at the end of an increment, seen along its normal.
 
-use crate::contact::{ContactBoundary, ContactStatus, ObstacleMotion, PlacedObstacle};
+use crate::contact::{ContactBoundary, ContactStatus};
 use crate::history::Step;
 use crate::model::Model;
 use crate::units::UnitSystem;
-use crate::vector::{across, axis_across, cross, dot, norm, unit};
+use crate::vector::{across, axis, axis_across, cross, dot, norm, plus, unit};
 
 /// The nodes and facets of a boundary with contact, projected on the plane at right angles to the obstacle's normal.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +47,7 @@ impl ContactSurface {
 
     fn new(model: &Model, step: &Step<'_>, boundary: &ContactBoundary) -> Option<Self> {
         let facets = &model.mesh.boundary(&boundary.name)?.facets;
-        let axes = axes(view(&model.obstacles[boundary.obstacles.clone()]));
+        let axes = axes(view(model, boundary));
         let along = |v: [f64; 3]| axes.map(|axis| dot(axis, v));
         let mut number = vec![None; model.mesh.nodes.len()];
         let mut nodes = Vec::new();
@@ -89,11 +89,15 @@ impl ContactSurface {
     }
 }
 
-/// The normal of the obstacle; of several the mean, or that of the first where they surround the body.
-fn view(obstacles: &[(PlacedObstacle, ObstacleMotion)]) -> [f64; 3] {
-    let first = obstacles[0].0.normal;
-    let sum = obstacles[1..].iter().fold(first, |sum, (other, _)| [0, 1, 2].map(|c| sum[c] + other.normal[c]));
-    if obstacles.len() == 1 || norm(sum) < NOTHING { first } else { unit(sum) }
+/// The normal of the obstacle; of several, or of contact nodes in front of a body, the mean, or the first where they surround the body.
+fn view(model: &Model, boundary: &ContactBoundary) -> [f64; 3] {
+    let normals: Vec<[f64; 3]> = match boundary.pair {
+        None => model.obstacles[boundary.obstacles.clone()].iter().map(|(obstacle, _)| obstacle.normal).collect(),
+        Some(_) => boundary.nodes.iter().map(|&i| model.contacts[i].facing.normal).collect(),
+    };
+    let [first, others @ ..] = &normals[..] else { return axis(2) };
+    let sum = others.iter().fold(*first, |sum, other| plus(sum, 1.0, *other));
+    if others.is_empty() || norm(sum) < NOTHING { *first } else { unit(sum) }
 }
 
 /// A sum of unit vectors that is shorter is none.

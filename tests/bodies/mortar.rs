@@ -508,7 +508,7 @@ fn the_better_slave() {
         joined(body([1.0, 0.5], [n, 2], [0.0, 0.0], Cells::Bricks), body([1.0, 0.5], [m, 2], [0.0, 0.5], Cells::Bricks))
     };
     let choice = |mesh: &Mesh, young: [f64; 2], held: &dyn Fn(usize) -> Vec<[f64; 3]>| {
-        let (pair, choice) = Mortar::of_better_slave(mesh, sides(mesh), young, &within(0.1), held).unwrap();
+        let (pair, choice) = Mortar::of_better_slave(mesh, sides(mesh), young, [false; 2], &within(0.1), held).unwrap();
         assert_eq!(pair.rows.len(), choice.rows[choice.slave]);
         (choice.slave, choice.rows, choice.reason)
     };
@@ -521,7 +521,7 @@ fn the_better_slave() {
     let held = |node: usize| if node >= tool { vec![axis(0), axis(1), axis(2)] } else { Vec::new() };
     assert_eq!(choice(&coarse, [1.0, 1.0], &held), (1, [0, 5], SlaveReason::OtherHeld));
     let all = |_: usize| vec![axis(0), axis(1), axis(2)];
-    let refused = Mortar::of_better_slave(&coarse, sides(&coarse), [1.0; 2], &within(0.1), &all);
+    let refused = Mortar::of_better_slave(&coarse, sides(&coarse), [1.0; 2], [false; 2], &within(0.1), &all);
     assert!(matches!(refused, Err(MortarFault::SlaveHeld { .. })));
 }
 

@@ -24,6 +24,8 @@ pub struct SlaveChoice {
 pub enum SlaveReason {
     /// Supports hold the other.
     OtherHeld,
+    /// The nodes of the other carry the forces of another contact.
+    OtherTaken,
     /// It has more nodes in front of the other.
     MoreNodes,
     /// It is the softer, with about as many nodes.
@@ -36,6 +38,7 @@ impl fmt::Display for SlaveReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             SlaveReason::OtherHeld => "supports hold the other",
+            SlaveReason::OtherTaken => "the other is that of another contact",
             SlaveReason::MoreNodes => "it has more nodes in front of the other",
             SlaveReason::Softer => "it is the softer, with about as many nodes",
             SlaveReason::Alike => "the two are alike",
@@ -46,7 +49,7 @@ impl fmt::Display for SlaveReason {
 impl Mortar {
     /// The rows of two boundaries with the better one as the slave: what supports leave free; of two that are free the one with more
     /// nodes in front of the other, for the law is asked at the nodes of the slave; with about as many the softer, by the two Young's
-    /// moduli `young` (Pa).
+    /// moduli `young` (Pa). One that is `taken`, as it is the slave of another contact, gives way.
     ///
     /// # Errors
     ///
@@ -55,6 +58,7 @@ impl Mortar {
         mesh: &Mesh,
         sides: [&Boundary; 2],
         young: [f64; 2],
+        taken: [bool; 2],
         options: &MortarOptions,
         held: &Held,
     ) -> Result<(Self, SlaveChoice), MortarFault> {
@@ -70,7 +74,11 @@ impl Mortar {
             (Err(fault), _) | (_, Err(fault)) => return Err(fault),
         };
         let rows = [first.rows.len(), second.rows.len()];
-        let (slave, reason) = better(rows, young);
+        let (slave, reason) = match taken {
+            [true, false] => (1, SlaveReason::OtherTaken),
+            [false, true] => (0, SlaveReason::OtherTaken),
+            _ => better(rows, young),
+        };
         Ok((if slave == 0 { first } else { second }, SlaveChoice { slave, rows, reason }))
     }
 }

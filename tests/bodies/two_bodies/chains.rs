@@ -2,10 +2,10 @@
 
 use crate::common::pairs::{solved, solver};
 use crate::common::{Keep, difference};
-use stickslip::contact::Obstacle;
-use stickslip::description::{Axis, Description, Load, Support};
+use stickslip::contact::{Obstacle, SlaveReason};
+use stickslip::description::{Axis, Description, Load, Opposite, Slave, Support};
 use stickslip::fem::{Material, MaterialGroup};
-use stickslip::history::{LinearAlgebra, Method};
+use stickslip::history::{LinearAlgebra, Method, Solver};
 use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::mesh::{Body, MeshSource};
 use stickslip::model::Model;
@@ -165,4 +165,51 @@ fn it_does_not_matter_which_support_moves() {
         let off = u.iter().zip(&moved).map(|(a, b)| (b[0] - a[0] - lower[0]).hypot(b[1] - a[1] - lower[1]));
         assert!(off.fold(0.0, f64::max) < 1e-14, "{lower:?}");
     }
+}
+
+/// A soft body that is moved against a stiff one that stays: errors are compared with the forces that act, not with what it would take
+/// to move the stiff one along.
+#[test]
+fn stiff_bodies_that_stay_make_no_forces() {
+    let group =
+        |name: &str, young| MaterialGroup { name: name.into(), young, poisson: 0.3, ..MaterialGroup::default() };
+    for contrast in [1.0, 1e6] {
+        let mut material = Material::new(70e9, 0.3);
+        material.groups = vec![group("low", 70e9), group("high", 70e9 / contrast)];
+        let low = Body::new("low", MeshSource::block([1.0, 0.4], [5, 2]));
+        let high = Body::new("high", MeshSource::block([0.8, 0.3], [4, 2])).at([0.1, 0.4]);
+        let mesh = MeshSource::Bodies(vec![low, high]);
+        let slide = Support::new("high:top", &[Axis::X, Axis::Y]).moved(&[2e-5, -1e-4]);
+        let body = Description::new(mesh, material, equal_increments(2.0, 4))
+            .pair("high:bottom", 0.1, "low:top")
+            .held(slide.over(&[[0.0, 0.0], [2.0, 1.0]]))
+            .support("low:bottom", &[Axis::X, Axis::Y]);
+        let model = Model::build(&body).unwrap();
+        let outcome = solved(&model, Solver::new(Method::BN), &mut ());
+        let largest = outcome.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+        assert!(outcome.scales.force < 10.0 * largest, "{contrast}: {:e} {largest:e}", outcome.scales.force);
+        assert!(outcome.state.p_t.iter().any(|p| *p != 0.0));
+    }
+}
+
+/// A boundary that two others are against is the slave of one of them at most.
+#[test]
+fn the_slave_of_one_contact_is_no_other() {
+    let all = [
+        ("left", [0.0, 0.0], [0.4, 0.5], [3, 3]),
+        ("right", [0.6, 0.0], [0.4, 0.5], [3, 4]),
+        ("above", [0.0, 0.5], [1.0, 0.5], [12, 3]),
+    ];
+    let automatic = |name: &str| Opposite { slave: Slave::Automatic, ..name.into() };
+    let body = blocks(&all, vec![1.0])
+        .pair("left:top", 0.3, automatic("above:bottom"))
+        .pair("right:top", 0.3, automatic("above:bottom"))
+        .support("left:bottom", &[Axis::X, Axis::Y])
+        .support("right:bottom", &[Axis::X, Axis::Y])
+        .load(Load::new("above:top", &[0.0, -1e7]));
+    let model = Model::build(&body).unwrap();
+    let slaves: Vec<&str> = model.pairs.iter().map(|pair| pair.slave.as_str()).collect();
+    assert_eq!(slaves, ["above:bottom", "right:top"]);
+    assert_eq!(model.pairs[1].choice.unwrap().reason, SlaveReason::OtherTaken);
+    solved(&model, solver(Method::BN, CONDENSED), &mut ());
 }

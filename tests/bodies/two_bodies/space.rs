@@ -2,11 +2,28 @@
 
 use crate::common::pairs::{Side, bodies, paired, solved, solver};
 use stickslip::description::{Axis, Description, Load};
-use stickslip::history::{LinearAlgebra, Method};
+use stickslip::history::{LinearAlgebra, Method, Observer, Step};
 use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::mesh::MeshSource;
 use stickslip::model::Model;
+use stickslip::nonlinear::Flow;
+use stickslip::report::ContactSurface;
 use stickslip::timeline::equal_increments;
+
+/// Looks at the surface that pictures show.
+struct Maps<'a>(&'a Model, usize);
+
+impl Observer for Maps<'_> {
+    fn increment(&mut self, step: &Step<'_>) -> Flow {
+        let maps = ContactSurface::all(self.0, step);
+        let drawn: f64 = maps[0].nodes.iter().map(|node| node.pressure).fold(0.0, f64::max);
+        let contacts = self.0.contacts.iter().zip(&step.state.p_n);
+        let largest = contacts.map(|(contact, p)| p / contact.weight).fold(0.0, f64::max);
+        assert_eq!((maps.len(), drawn), (1, largest));
+        self.1 += 1;
+        Flow::Continue
+    }
+}
 
 fn bricks(slave: Side) -> Description {
     let lower = (MeshSource::block([1.0, 1.0, 0.5], [3, 3, 2]), 210e9);
@@ -30,7 +47,9 @@ fn bricks_slide_round_a_corner() {
         let weights: f64 = model.contacts.iter().map(|contact| contact.weight).sum();
         assert!((weights - 0.36).abs() < 1e-14);
         for linear in [LinearAlgebra::Condensed(SparseCholesky::Cholmod), LinearAlgebra::Whole(SparseLu::Umfpack)] {
-            let outcome = solved(&model, solver(Method::BN, linear), &mut ());
+            let mut maps = Maps(&model, 0);
+            let outcome = solved(&model, solver(Method::BN, linear), &mut maps);
+            assert_eq!(maps.1, 10);
             let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
             let near = |(found, expected): (&usize, usize)| found.abs_diff(expected) <= 1;
             assert!(iterations.iter().zip(expected_iterations).all(near), "{slave:?} {linear:?} {iterations:?}");
