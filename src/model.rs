@@ -188,7 +188,7 @@ impl Model {
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
-        let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &pairs.ties(&dofs, mesh.dimension));
+        let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &pairs.ties(&dofs));
         let problem = ContactProblem::new(Parts {
             stiffness,
             c_n: map(&contacts, |contact| &contact.normal),

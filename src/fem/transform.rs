@@ -110,8 +110,7 @@ impl Dofs {
     pub fn carried_along(&self, node: usize, at: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
         let Some(Resolved { own, others, .. }) = self.relative.get(&node) else { return [0.0; 3] };
         let mut sum = [0.0; 3];
-        let free = self.axes(node).into_iter().enumerate().filter(|(a, _)| !self.is_held_along(node, *a));
-        for (_, n) in free {
+        for n in self.free_axes(node) {
             let along: f64 = others.iter().map(|&(other, c)| c / own * dot(at(other), n)).sum();
             (0..3).for_each(|c| sum[c] += along * n[c]);
         }
@@ -159,6 +158,12 @@ impl Dofs {
             self.node(node).iter().enumerate().map(axis).collect::<Vec<_>>()
         };
         nodes.iter().flat_map(of_node).collect::<Vec<_>>().into_iter()
+    }
+
+    /// The axes of the frame of `node` along which no support holds it.
+    pub fn free_axes(&self, node: usize) -> Vec<[f64; 3]> {
+        let axes = self.axes(node).into_iter().enumerate();
+        axes.filter(|(a, _)| !self.is_held_along(node, *a)).map(|(_, n)| n).collect()
     }
 
     /// The axes of the frame of `node`, as many as there are dimensions.

@@ -8,7 +8,7 @@ use crate::contact::{
 };
 use crate::description::{Description, FirstGap, Opposite, Slave};
 use crate::fault::Fault;
-use crate::fem::{Dofs, Elasticity, Relative};
+use crate::fem::{Dofs, Elasticity, Relative, Tie};
 use crate::mesh::{Bodies, Boundary, Mesh};
 use crate::problem::State;
 use crate::units::{Quantity, UnitSystem};
@@ -120,17 +120,15 @@ impl Pairs {
     }
 
     /// What is tied together: sums of displacements along axes that are 0.
-    pub(super) fn ties(&self, dofs: &Dofs, dimension: usize) -> Vec<Vec<(usize, [f64; 3])>> {
+    pub(super) fn ties(&self, dofs: &Dofs) -> Vec<Tie> {
         let glued = self.all.iter().filter(|pair| pair.glued);
         let rows = glued.flat_map(|pair| pair.mortar.rows.iter().filter(|row| pair.relative.contains(&row.node)));
         let of_row = |row: &MortarRow| {
-            let held: Vec<[f64; 3]> = dofs.held(row.node).collect();
-            let free = move |n: &[f64; 3]| held.iter().all(|h| dot(*h, *n) == 0.0);
             let along = |n: [f64; 3]| {
                 let own = row.slave.iter().map(|&(node, c)| (node, n.map(|x| c * x)));
                 own.chain(row.master.iter().map(|&(node, c)| (node, n.map(|x| -c * x)))).collect::<Vec<_>>()
             };
-            (0..dimension).map(axis).filter(free).map(along).collect::<Vec<_>>()
+            dofs.free_axes(row.node).into_iter().map(along).collect::<Vec<_>>()
         };
         rows.flat_map(of_row).collect()
     }
