@@ -191,6 +191,7 @@ fn reports() -> Vec<Value> {
         json_of(&small(), &["--set", "units.length=ft", "--set", "units.stress=psi"]),
         report(&without(&small(), "[[support]]", "[[load]]"), 1),
         json_of(&two_bodies(), &[]),
+        json_of(include_str!("../../data/scenes/two_blocks.toml"), &["--set", "contact.slave=\"automatic\""]),
     ]
 }
 
