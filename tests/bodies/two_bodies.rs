@@ -2,7 +2,14 @@
 #![allow(clippy::unwrap_used)]
 
 mod chains;
+mod contrast;
+mod cylinders;
 mod glue;
 mod patch;
+mod roller;
+mod shrink;
 mod space;
+mod spheres;
 mod stack;
+mod stick;
+mod units;

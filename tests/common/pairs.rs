@@ -19,7 +19,8 @@ pub enum Side {
 /// The body `lower` with its material, and `upper` on it.
 pub fn bodies(lower: (MeshSource, f64), upper: (MeshSource, f64), at: Option<Vector>, times: Vec<f64>) -> Description {
     let body = |name: &str, mesh: MeshSource, at| Body { name: name.into(), mesh, at };
-    let group = |name: &str, young| MaterialGroup { name: name.into(), young, poisson: 0.3, ..MaterialGroup::default() };
+    let group =
+        |name: &str, young| MaterialGroup { name: name.into(), young, poisson: 0.3, ..MaterialGroup::default() };
     let mut material = Material::new(lower.1, 0.3);
     material.groups = vec![group("lower", lower.1), group("upper", upper.1)];
     let mesh = MeshSource::Bodies(vec![body("lower", lower.0, None), body("upper", upper.0, at)]);
@@ -38,7 +39,11 @@ pub fn paired(description: Description, slave: Side, friction: f64) -> Descripti
 pub fn stack(lower: [usize; 2], upper: [usize; 2], slave: Side) -> Description {
     let lower = (MeshSource::block([1.0, 0.5], lower), 210e9);
     let upper = (MeshSource::block([1.0, 0.5], upper), 70e9);
-    let description = bodies(lower, upper, Some([0.0, 0.5].into()), equal_increments(20.0, 20));
+    pushed(bodies(lower, upper, Some([0.0, 0.5].into()), equal_increments(20.0, 20)), slave)
+}
+
+/// The lower body clamped, the upper one pressed, pushed and pushed back with friction.
+pub fn pushed(description: Description, slave: Side) -> Description {
     paired(description, slave, 0.2)
         .support("lower:bottom", &[Axis::X, Axis::Y])
         .load(Load::new("upper:top", &[0.0, -10e6]).over(&[[0.0, 0.0], [5.0, 1.0]]))

@@ -1,10 +1,13 @@
 //! A block on another with friction, pressed, pushed and pushed back.
 
-use crate::common::pairs::{Side, solved, solver, stack};
+use crate::common::pairs::{Side, bodies, pushed, solved, solver, stack};
 use crate::common::{Keep, difference};
+use stickslip::description::Description;
 use stickslip::history::{LinearAlgebra, Method};
 use stickslip::linear::{SparseCholesky, SparseLu};
+use stickslip::mesh::MeshSource;
 use stickslip::model::Model;
+use stickslip::timeline::equal_increments;
 
 const CONDENSED: LinearAlgebra = LinearAlgebra::Condensed(SparseCholesky::Cholmod);
 
@@ -20,12 +23,32 @@ fn a_finer_block_on_a_coarser_one() {
     assert!(iterations.iter().zip(expected).all(|(found, expected)| found.abs_diff(expected) <= 2), "{iterations:?}");
     assert!(iterations.iter().sum::<usize>().abs_diff(expected.iter().sum()) <= 1, "{iterations:?}");
     let p_n = [
-        805151.7220, 1304763.7720, 1164776.2691, 1069746.4843, 987537.1824, 918519.9553, 865443.9645, 804157.5978,
-        729193.3768, 640599.2858, 518226.1180, 191884.2721,
+        805151.7220,
+        1304763.7720,
+        1164776.2691,
+        1069746.4843,
+        987537.1824,
+        918519.9553,
+        865443.9645,
+        804157.5978,
+        729193.3768,
+        640599.2858,
+        518226.1180,
+        191884.2721,
     ];
     let p_t = [
-        -161030.34441, -194227.30420, -232955.25380, -213949.29687, -197507.43647, -183703.99106, -173088.79290,
-        -160831.51957, -145838.67535, -128119.85717, -3526.23548, -5221.29273,
+        -161030.34441,
+        -194227.30420,
+        -232955.25380,
+        -213949.29687,
+        -197507.43647,
+        -183703.99106,
+        -173088.79290,
+        -160831.51957,
+        -145838.67535,
+        -128119.85717,
+        -3526.23548,
+        -5221.29273,
     ];
     let mut order: Vec<usize> = (0..model.contacts.len()).collect();
     order.sort_by(|a, b| model.contacts[*a].position[0].total_cmp(&model.contacts[*b].position[0]));
@@ -43,12 +66,125 @@ fn the_coarser_side_as_the_slave() {
         model.contacts.iter().zip(&outcome.state.p_n).map(|(contact, p)| (contact.position[0], *p)).collect();
     p_n.sort_by(|a, b| a.0.total_cmp(&b.0));
     let expected = [
-        1053722.6767, 1727464.7745, 1490806.1295, 1351907.9913, 1227197.2279, 1110004.7537, 984203.3680, 766378.5232,
+        1053722.6767,
+        1727464.7745,
+        1490806.1295,
+        1351907.9913,
+        1227197.2279,
+        1110004.7537,
+        984203.3680,
+        766378.5232,
         288314.5552,
     ];
     for ((x, found), expected) in p_n.iter().zip(expected) {
         assert!((found / expected - 1.0).abs() < 1e-9, "{x}: {found}");
     }
+}
+
+/// A block on a larger one, which covers parts of facets at its ends.
+fn narrow() -> Description {
+    let lower = (MeshSource::block([1.0, 0.5], [12, 6]), 210e9);
+    let upper = (MeshSource::block([0.6, 0.5], [7, 6]), 70e9);
+    pushed(bodies(lower, upper, Some([0.23, 0.5].into()), equal_increments(20.0, 20)), Side::Upper)
+}
+
+/// What a history must come to: iterations, nodes that are open, stick and slip after every fifth increment, forces from left to right.
+struct Expected<'a> {
+    iterations: [usize; 20],
+    statuses: [[usize; 3]; 4],
+    p_n: &'a [f64],
+    p_t: &'a [f64],
+}
+
+fn assert_history(description: &Description, expected: &Expected<'_>) {
+    let model = Model::build(description).unwrap();
+    for linear in [CONDENSED, LinearAlgebra::Whole(SparseLu::Umfpack)] {
+        let outcome = solved(&model, solver(Method::BN, linear), &mut ());
+        let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
+        assert!(iterations.iter().zip(expected.iterations).all(|(a, b)| a.abs_diff(b) <= 1), "{iterations:?}");
+        let fifth = outcome.records.iter().skip(4).step_by(5).map(|record| &record.contact);
+        let statuses: Vec<[usize; 3]> = fifth.map(|count| [count.open, count.stick, count.slip]).collect();
+        assert_eq!(statuses, expected.statuses);
+        let mut order: Vec<usize> = (0..model.contacts.len()).collect();
+        order.sort_by(|a, b| model.contacts[*a].position[0].total_cmp(&model.contacts[*b].position[0]));
+        assert_eq!(order.len(), expected.p_n.len());
+        for (k, i) in order.into_iter().enumerate() {
+            let (n, t) = (outcome.state.p_n[i], outcome.state.p_t[i]);
+            let largest = expected.p_n[k];
+            assert!(
+                (n - largest).abs() < 1e-9 * largest && (t - expected.p_t[k]).abs() < 1e-9 * largest,
+                "{k}: {n} {t}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_narrow_block_on_a_wide_one() {
+    let expected = Expected {
+        iterations: [3, 1, 1, 1, 1, 2, 1, 2, 2, 2, 2, 2, 1, 1, 1, 2, 2, 1, 2, 2],
+        statuses: [[0, 4, 4], [0, 3, 5], [0, 7, 1], [0, 3, 5]],
+        p_n: &[
+            1041345.1704521239,
+            1299571.1379285709,
+            1015395.1852244978,
+            855373.1673131896,
+            719484.2873895401,
+            579679.9997839216,
+            396875.52215183014,
+            92275.52975627582,
+        ],
+        p_t: &[
+            -208269.03409042477,
+            -259914.2275857142,
+            -203079.03704489957,
+            -166193.98240000542,
+            -81765.50157711063,
+            -62948.00692024028,
+            -79375.10443036603,
+            -18455.10595125517,
+        ],
+    };
+    assert_history(&narrow(), &expected);
+}
+
+/// On meshes that match each node of the one has a node of the other in front of it: the figures are those of rows from node to node.
+#[test]
+fn matching_meshes_are_node_to_node() {
+    let expected = Expected {
+        iterations: [2, 1, 1, 1, 1, 2, 1, 1, 1, 3, 2, 1, 1, 1, 1, 1, 2, 1, 2, 2],
+        statuses: [[0, 7, 2], [0, 3, 6], [0, 9, 0], [0, 3, 6]],
+        p_n: &[
+            1052323.4957945812,
+            1723892.1217779757,
+            1499890.6285459273,
+            1347272.083659251,
+            1227273.6914424272,
+            1113536.6730105346,
+            974683.4730520322,
+            779391.26072013,
+            281736.5719971117,
+        ],
+        p_t: &[
+            -210464.69915891628,
+            -280431.9355489124,
+            -299978.1257091855,
+            -269454.4167318502,
+            -245454.73828848547,
+            -222707.33460210692,
+            -194936.69461040644,
+            -82275.51966401805,
+            5703.464313903363,
+        ],
+    };
+    let matching = stack([8, 4], [8, 4], Side::Upper);
+    let model = Model::build(&matching).unwrap();
+    for contact in &model.contacts {
+        // A row of the relative displacement of the node, in whole numbers.
+        let one = |row: &Vec<(usize, f64)>| row.len() == 1 && row[0].1.abs() == 1.0;
+        assert!(one(&contact.normal) && one(&contact.tangents[0]), "{contact:?}");
+    }
+    assert_history(&matching, &expected);
 }
 
 /// Every linear algebra and every method come to the same.
@@ -67,6 +203,7 @@ fn all_ways_agree() {
         (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
         (Method::IP, LinearAlgebra::Whole(SparseLu::Umfpack)),
         (Method::IP, CONDENSED),
+        (Method::Bn { r_factor: 1.0, rescue: false }, CONDENSED),
     ] {
         let apart = difference(&reference, &run(method, linear));
         assert!(apart < 1e-8, "{method:?} {linear:?}: {apart:e}");
