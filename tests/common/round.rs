@@ -8,7 +8,7 @@ use stickslip::mesh::{Mesh, block};
 pub fn lines(fine: f64, n: usize, end: f64, ratio: f64) -> Vec<f64> {
     let (h, rest) = (fine / n as f64, end - fine);
     let sum = |k: i32| (ratio.powi(k + 1) - ratio) / (ratio - 1.0);
-    let count = (1..).find(|&k| h * sum(k) >= rest).unwrap();
+    let count = (1..1000).find(|&k| h * sum(k) >= rest).unwrap();
     let grown = (1..=count).map(|k| fine + rest * sum(k) / sum(count));
     (0..=n).map(|i| fine * i as f64 / n as f64).chain(grown).collect()
 }
