@@ -1,9 +1,17 @@
 //! Deformable bodies in front of each other. Figures without a closed form are those of a program that shares nothing with this one.
-#![allow(clippy::unwrap_used)]
+// Figures as that program prints them; those of doc/verification.md with --nocapture.
+#![allow(clippy::unwrap_used, clippy::unreadable_literal, clippy::print_stdout)]
 
 mod chains;
+mod contrast;
+mod cylinders;
 mod glue;
 mod patch;
 mod random;
+mod roller;
+mod shrink;
 mod space;
+mod spheres;
 mod stack;
+mod stick;
+mod units;

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use crate::common;
 use crate::common::Keep;
-use crate::common::hertz::Hertz;
+use crate::common::hertz::{self, Hertz, order};
 use stickslip::contact::ContactStatus;
 use stickslip::fem::{Dofs, assemble};
 use stickslip::history::{
@@ -17,7 +17,6 @@ use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::report::Resultant;
 use stickslip::scene::Scene;
-use stickslip::vector::norm;
 
 const YOUNG: f64 = 210e9;
 const RADIUS: f64 = 100.0;
@@ -34,49 +33,9 @@ fn sum(values: &[f64]) -> f64 {
     values.iter().sum()
 }
 
-/// Points of the midpoint rule along a side of a facet: the edge of the contact runs through it anywhere.
-const POINTS: usize = 20;
-
-/// `∫ N exact dA` at each contact node, `exact` by position: the forces that the exact stress puts on the nodes. Facets are
-/// straight or rectangles.
-fn nodal(model: &Model, exact: impl Fn([f64; 3]) -> f64) -> Vec<f64> {
-    let mesh = &model.mesh;
-    let mut at_node = vec![0.0; mesh.nodes.len()];
-    for contact in &model.contact_boundaries {
-        for facet in &mesh.boundary(&contact.name).unwrap().facets {
-            let corners = mesh.points(facet);
-            let across = if corners.len() == 2 { 1 } else { POINTS };
-            let area = norm(mesh.area_vector(facet)) / (POINTS * across) as f64;
-            for k in 0..POINTS * across {
-                let [s, t] = [k % POINTS, k / POINTS].map(|k| (k as f64 + 0.5) / POINTS as f64);
-                let shape = match corners.len() {
-                    2 => vec![1.0 - s, s],
-                    _ => vec![(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t],
-                };
-                let x = [0, 1, 2].map(|c| shape.iter().zip(&corners).map(|(n, corner)| n * corner[c]).sum());
-                let stress = exact(x);
-                facet.iter().zip(&shape).for_each(|(&node, n)| at_node[node] += n * stress * area);
-            }
-        }
-    }
-    model.contacts.iter().map(|contact| at_node[contact.node]).collect()
-}
-
-/// The distance of the contact forces from those of an exact stress, as stresses in the L2 norm:
-/// `√(Σ (p - p_exact)² / l / Σ p_exact² / l)` over the contact nodes.
+/// How far the contact forces are from those of an exact stress, on the one boundary of the scene.
 fn distance(model: &Model, forces: &[f64], exact: impl Fn([f64; 3]) -> f64) -> f64 {
-    let (mut error, mut size) = (0.0, 0.0);
-    for ((contact, found), exact) in model.contacts.iter().zip(forces).zip(nodal(model, exact)) {
-        error += (found - exact).powi(2) / contact.weight;
-        size += exact * exact / contact.weight;
-    }
-    (error / size).sqrt()
-}
-
-/// The power of the element size with which `errors` fall from the first to the last of meshes with so many `elements`.
-fn order(elements: &[usize], errors: &[f64]) -> f64 {
-    let fall = |values: &[f64]| (values[0] / values[values.len() - 1]).abs().ln();
-    fall(errors) / -fall(&elements.iter().map(|&n| n as f64).collect::<Vec<_>>())
+    hertz::distance(model, &model.contact_boundaries[0].name, forces, exact)
 }
 
 /// On meshes with so many `elements`, the errors of p0 and of a fall with each refinement, to less than 2 %. The end of the

@@ -8,6 +8,7 @@ pub mod pairs;
 pub mod program;
 pub mod random;
 pub mod rings;
+pub mod round;
 pub mod scratch;
 
 use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver};

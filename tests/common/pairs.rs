@@ -39,7 +39,11 @@ pub fn paired(description: Description, slave: Side, friction: f64) -> Descripti
 pub fn stack(lower: [usize; 2], upper: [usize; 2], slave: Side) -> Description {
     let lower = (MeshSource::block([1.0, 0.5], lower), 210e9);
     let upper = (MeshSource::block([1.0, 0.5], upper), 70e9);
-    let description = bodies(lower, upper, Some([0.0, 0.5].into()), equal_increments(20.0, 20));
+    pushed(bodies(lower, upper, Some([0.0, 0.5].into()), equal_increments(20.0, 20)), slave)
+}
+
+/// The lower body clamped, the upper one pressed, pushed and pushed back with friction.
+pub fn pushed(description: Description, slave: Side) -> Description {
     paired(description, slave, 0.2)
         .support("lower:bottom", &[Axis::X, Axis::Y])
         .load(Load::new("upper:top", &[0.0, -10e6]).over(&[[0.0, 0.0], [5.0, 1.0]]))

@@ -66,12 +66,19 @@ fn in_the_plane() {
 /// The upper body covers parts of facets at its ends; beside it the lower one has the pressure as a load.
 #[test]
 fn partly_covered_in_the_plane() {
-    let (from, to) = (0.211, 0.741);
-    for slave in [Side::Upper, Side::Lower] {
+    // Of the facet at one end as little as rounding leaves is covered.
+    let covered = [0.5, 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-11].map(|share| (0.3 - 0.1 * share, 0.8 - 0.1 * share));
+    let ends = covered.into_iter().chain([(0.211, 0.741)]).flat_map(|ends| [(ends, Side::Upper), (ends, Side::Lower)]);
+    for ((from, to), slave) in ends {
         let lower = (MeshSource::block([1.0, 0.5], [10, 4]), 210e9);
         let upper = (MeshSource::block([to - from, 0.5], [4, 3]), 70e9);
-        let body = paired(bodies(lower, upper, Some([from, 0.5].into()), vec![1.0]), slave, 0.0);
-        let mut body = held(body, [[0.0, 0.0], [from, 1.0]]).load(Load::new("upper:top", &[0.0, -PRESSURE]));
+        let body = bodies(lower, upper, Some([from, 0.501].into()), vec![1.0]);
+        // Apart, so that a point is one of one body.
+        let body = match slave {
+            Side::Upper => body.pair("upper:bottom", 0.0, Opposite::from("lower:top").apart(0.0)),
+            Side::Lower => body.pair("lower:top", 0.0, Opposite::from("upper:bottom").apart(0.0)),
+        };
+        let mut body = held(body, [[0.0, 0.0], [from, 1.001]]).load(Load::new("upper:top", &[0.0, -PRESSURE]));
         let mut forces = [0.0; 11];
         for k in 0..10 {
             let [a, b] = [0.1 * k as f64, 0.1 * (k + 1) as f64];
@@ -88,7 +95,7 @@ fn partly_covered_in_the_plane() {
             body = body.load(Action::Force { at, force: vec![0.0, force] }.into());
         }
         let errors = errors(&body);
-        assert!(errors[0] < 1e-11 && errors[1] < 1e-9, "{slave:?} {errors:?}");
+        assert!(errors[0] < 1e-11 && errors[1] < 1e-8, "{slave:?} {from} {errors:?}");
     }
 }
 

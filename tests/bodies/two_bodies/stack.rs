@@ -1,10 +1,13 @@
 //! A block on another with friction, pressed, pushed and pushed back.
 
-use crate::common::pairs::{Side, solved, solver, stack};
+use crate::common::pairs::{Side, bodies, pushed, solved, solver, stack};
 use crate::common::{Keep, difference};
+use stickslip::description::Description;
 use stickslip::history::{LinearAlgebra, Method};
 use stickslip::linear::{SparseCholesky, SparseLu};
+use stickslip::mesh::MeshSource;
 use stickslip::model::Model;
+use stickslip::timeline::equal_increments;
 
 const CONDENSED: LinearAlgebra = LinearAlgebra::Condensed(SparseCholesky::Cholmod);
 
@@ -78,6 +81,112 @@ fn the_coarser_side_as_the_slave() {
     }
 }
 
+/// A block on a larger one, which covers parts of facets at its ends.
+fn narrow() -> Description {
+    let lower = (MeshSource::block([1.0, 0.5], [12, 6]), 210e9);
+    let upper = (MeshSource::block([0.6, 0.5], [7, 6]), 70e9);
+    pushed(bodies(lower, upper, Some([0.23, 0.5].into()), equal_increments(20.0, 20)), Side::Upper)
+}
+
+/// What a history must come to: iterations, nodes that are open, stick and slip after every fifth increment, forces from left to right.
+struct Expected<'a> {
+    iterations: [usize; 20],
+    statuses: [[usize; 3]; 4],
+    p_n: &'a [f64],
+    p_t: &'a [f64],
+}
+
+fn assert_history(description: &Description, expected: &Expected<'_>) {
+    let model = Model::build(description).unwrap();
+    for linear in [CONDENSED, LinearAlgebra::Whole(SparseLu::Umfpack)] {
+        let outcome = solved(&model, solver(Method::BN, linear), &mut ());
+        let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
+        assert!(iterations.iter().zip(expected.iterations).all(|(a, b)| a.abs_diff(b) <= 1), "{iterations:?}");
+        let fifth = outcome.records.iter().skip(4).step_by(5).map(|record| &record.contact);
+        let statuses: Vec<[usize; 3]> = fifth.map(|count| [count.open, count.stick, count.slip]).collect();
+        assert_eq!(statuses, expected.statuses);
+        let mut order: Vec<usize> = (0..model.contacts.len()).collect();
+        order.sort_by(|a, b| model.contacts[*a].position[0].total_cmp(&model.contacts[*b].position[0]));
+        assert_eq!(order.len(), expected.p_n.len());
+        for (k, i) in order.into_iter().enumerate() {
+            let (n, t) = (outcome.state.p_n[i], outcome.state.p_t[i]);
+            let largest = expected.p_n[k];
+            assert!(
+                (n - largest).abs() < 1e-9 * largest && (t - expected.p_t[k]).abs() < 1e-9 * largest,
+                "{k}: {n} {t}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_narrow_block_on_a_wide_one() {
+    let expected = Expected {
+        iterations: [3, 1, 1, 1, 1, 2, 1, 2, 2, 2, 2, 2, 1, 1, 1, 2, 2, 1, 2, 2],
+        statuses: [[0, 4, 4], [0, 3, 5], [0, 7, 1], [0, 3, 5]],
+        p_n: &[
+            1041345.1704521239,
+            1299571.1379285709,
+            1015395.1852244978,
+            855373.1673131896,
+            719484.2873895401,
+            579679.9997839216,
+            396875.52215183014,
+            92275.52975627582,
+        ],
+        p_t: &[
+            -208269.03409042477,
+            -259914.2275857142,
+            -203079.03704489957,
+            -166193.98240000542,
+            -81765.50157711063,
+            -62948.00692024028,
+            -79375.10443036603,
+            -18455.10595125517,
+        ],
+    };
+    assert_history(&narrow(), &expected);
+}
+
+/// On meshes that match each node of the one has a node of the other in front of it: the figures are those of rows from node to node.
+#[test]
+fn matching_meshes_are_node_to_node() {
+    let expected = Expected {
+        iterations: [2, 1, 1, 1, 1, 2, 1, 1, 1, 3, 2, 1, 1, 1, 1, 1, 2, 1, 2, 2],
+        statuses: [[0, 7, 2], [0, 3, 6], [0, 9, 0], [0, 3, 6]],
+        p_n: &[
+            1052323.4957945812,
+            1723892.1217779757,
+            1499890.6285459273,
+            1347272.083659251,
+            1227273.6914424272,
+            1113536.6730105346,
+            974683.4730520322,
+            779391.26072013,
+            281736.5719971117,
+        ],
+        p_t: &[
+            -210464.69915891628,
+            -280431.9355489124,
+            -299978.1257091855,
+            -269454.4167318502,
+            -245454.73828848547,
+            -222707.33460210692,
+            -194936.69461040644,
+            -82275.51966401805,
+            5703.464313903363,
+        ],
+    };
+    let matching = stack([8, 4], [8, 4], Side::Upper);
+    let model = Model::build(&matching).unwrap();
+    for contact in &model.contacts {
+        // A row of the relative displacement of the node, in whole numbers.
+        let one = |row: &Vec<(usize, f64)>| row.len() == 1 && row[0].1.abs() == 1.0;
+        assert!(one(&contact.normal) && one(&contact.tangents[0]), "{contact:?}");
+    }
+    assert_history(&matching, &expected);
+}
+
 /// Every linear algebra and every method come to the same.
 #[test]
 fn all_ways_agree() {
@@ -94,6 +203,7 @@ fn all_ways_agree() {
         (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
         (Method::IP, LinearAlgebra::Whole(SparseLu::Umfpack)),
         (Method::IP, CONDENSED),
+        (Method::Bn { r_factor: 1.0, rescue: false }, CONDENSED),
     ] {
         let apart = difference(&reference, &run(method, linear));
         assert!(apart < 1e-8, "{method:?} {linear:?}: {apart:e}");
