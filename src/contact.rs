@@ -26,7 +26,9 @@ pub use description::{GapDirection, Obstacle, Place, Rotation, Shape};
 pub use friction::Friction;
 pub use front::{Meeting, Unclear, meetings};
 pub use gap_table::{GapTable, TableError};
-pub use kinematics::{ContactBoundary, ContactNode, Counterpart, Coupled, End, Row, Term, contact_nodes, share_edges, unreachable};
+pub use kinematics::{
+    ContactBoundary, ContactNode, Counterpart, Coupled, End, Row, Term, contact_nodes, share_edges, unreachable,
+};
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
 pub(crate) use kkt::{judge, rounding_level, statuses_of};
 pub use mortar::{GapAt, Held, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, SlaveReason};

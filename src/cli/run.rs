@@ -163,13 +163,14 @@ fn print_verdict(report: &RunReport, increments: usize) {
     let unit = units.name(Quantity::Force);
     let told = |x: f64| units.of_si(Quantity::Force, x);
     let components = |force: &[f64]| force.iter().map(|f| format!("{:.6e}", told(*f))).collect::<Vec<_>>().join(", ");
-    for Resultant { boundary, force, sums: ComponentSums { sum_p_n, sum_p_t, sum_p_o }, obstacles, .. } in
+    for Resultant { boundary, force, sums: ComponentSums { sum_p_n, sum_p_t, sum_p_o }, obstacles, opposite, .. } in
         &report.boundaries
     {
         let other = sum_p_o.map_or(String::new(), |sum| format!(", sum p_o = {:.6e} {unit}", told(sum)));
         let [normal, tangential] = [sum_p_n, sum_p_t].map(|sum| told(*sum));
         say!("contact      {boundary}: sum p_n = {normal:.6e} {unit}, sum p_t = {tangential:.6e} {unit}{other}");
-        say!("             force on the obstacle ({}) {unit}", components(force));
+        let on = opposite.as_ref().map_or("the obstacle", |of| &of.boundary);
+        say!("             force on {on} ({}) {unit}", components(force));
         for on in obstacles {
             say!("             of it on {} ({}) {unit}", on.obstacle, components(&on.force));
         }

@@ -93,6 +93,12 @@ impl Opposite {
             demand(sound, "direction", &direction, "a vector with a direction", "give e.g. [0, -1]")?;
         }
         let measured = self.gap == FirstGap::Measured;
-        demand(measured || self.adjust == 0.0, "adjust", &self.adjust, "left out where gap says what the gap is", "remove the key")
+        demand(
+            measured || self.adjust == 0.0,
+            "adjust",
+            &self.adjust,
+            "left out where gap says what the gap is",
+            "remove the key",
+        )
     }
 }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    Action, Against, Bed, Contact, Description, Field, FirstGap, Held, Load, Opposite, Probe, ProbePlace, Support, Where,
+    Action, Against, Bed, Contact, Description, Field, FirstGap, Held, Load, Opposite, Probe, ProbePlace, Support,
+    Where,
 };
 use crate::contact::{Friction, Obstacle, Place, Rotation, Shape};
 use crate::fem::{Layer, Material, MaterialGroup};

@@ -41,7 +41,8 @@ impl HertzContact {
     pub(super) fn under(model: &Model, p_n: &[f64], closed: &[usize], peak: usize) -> Option<Self> {
         let obstacle = model.contacts[peak].obstacle()?;
         let Round { radius, centre, axis } = model.obstacles[obstacle].0.roundness()?;
-        let nodes: Vec<usize> = closed.iter().copied().filter(|&i| model.contacts[i].obstacle() == Some(obstacle)).collect();
+        let nodes: Vec<usize> =
+            closed.iter().copied().filter(|&i| model.contacts[i].obstacle() == Some(obstacle)).collect();
         let force: f64 = nodes.iter().map(|&i| p_n[i]).sum();
         let modulus = modulus(model, model.contacts[peak].node)?;
         if model.mesh.geometry == Geometry::Axisymmetric {

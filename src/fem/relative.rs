@@ -49,7 +49,8 @@ impl Dofs {
     /// [`Ring`] where nodes are relative to each other.
     pub fn relative_to(mut self, nodes: Vec<Relative>) -> Result<Self, Ring> {
         let order = in_order(&nodes)?;
-        let mut nodes: BTreeMap<usize, Relative> = nodes.into_iter().map(|relative| (relative.node, relative)).collect();
+        let mut nodes: BTreeMap<usize, Relative> =
+            nodes.into_iter().map(|relative| (relative.node, relative)).collect();
         self.leave_out(|node| nodes.get(&node).is_some_and(|relative| relative.tied));
         for node in order {
             let Some(Relative { own, others, tied, .. }) = nodes.remove(&node) else { continue };
@@ -88,7 +89,8 @@ impl Dofs {
             match dof {
                 Some(dof) => row.push((*dof, component)),
                 None if component != 0.0 && self.is_held_along(node, a) => {
-                    let others = others.iter().flat_map(|&(other, c)| self.along(other, n).map(move |(k, x)| (k, c * x)));
+                    let others =
+                        others.iter().flat_map(|&(other, c)| self.along(other, n).map(move |(k, x)| (k, c * x)));
                     row.extend(others.map(|(dof, value)| (dof, -component * value)));
                 }
                 None => (),
@@ -228,7 +230,8 @@ fn in_order(nodes: &[Relative]) -> Result<Vec<usize>, Ring> {
     let Some(mut node) = waits.iter().find(|(_, count)| **count > 0).map(|(node, _)| *node) else { return Ok(order) };
     // Whoever waits for ever waits for one who does, so that the way from one to the next ends in a ring.
     for _ in 0..all.len() {
-        let next = all[&node].others.iter().map(|(other, _)| *other).find(|other| waits.get(other).is_some_and(|n| *n > 0));
+        let next =
+            all[&node].others.iter().map(|(other, _)| *other).find(|other| waits.get(other).is_some_and(|n| *n > 0));
         node = next.unwrap_or(node);
     }
     Err(Ring(node))

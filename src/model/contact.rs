@@ -6,8 +6,8 @@ use super::find;
 use super::pair::Pairs;
 use super::support::Moved;
 use crate::contact::{
-    ContactBoundary, ContactNode, Counterpart, Facing, Meeting, ObstacleMotion, PlacedObstacle, Rates, Term, Unclear, contact_nodes,
-    meetings, unreachable,
+    ContactBoundary, ContactNode, Counterpart, Facing, Meeting, ObstacleMotion, PlacedObstacle, Rates, Term, Unclear,
+    contact_nodes, meetings, unreachable,
 };
 use crate::description::{Contact, Description};
 use crate::fault::Fault;
@@ -241,8 +241,7 @@ fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Resu
             let corners = facet.len() as f64;
             let middle = facet.iter().fold([0.0; 3], |sum, node| plus(sum, 1.0 / corners, mesh.nodes[*node]));
             let place = description.system(mesh.dimension).place(middle);
-            let message =
-                format!("the boundaries `{other}` and `{own}` have the facet at {place} in common");
+            let message = format!("the boundaries `{other}` and `{own}` have the facet at {place} in common");
             let help = "let each facet be of one [[contact]]; several obstacles may be in front of one boundary";
             return Err(Fault::new(format!("contact[{k}].boundary"), message, help));
         }

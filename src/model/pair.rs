@@ -3,7 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Model, find};
-use crate::contact::{ContactNode, ContactStatus, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, coupled_nodes, relative};
+use crate::contact::{
+    ContactNode, ContactStatus, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, coupled_nodes, relative,
+};
 use crate::description::{Description, FirstGap, Opposite, Slave};
 use crate::fault::Fault;
 use crate::fem::{Dofs, Elasticity, Relative};
@@ -101,7 +103,8 @@ impl Pairs {
             let place = description.system(mesh.dimension).place(mesh.nodes[ring.0]);
             let of = self.all.iter().find(|pair| pair.relative.contains(&ring.0));
             let k = of.map_or(0, |pair| pair.contact);
-            let message = format!("the node at {place} is in front of nodes that are, in other contacts, in front of it");
+            let message =
+                format!("the node at {place} is in front of nodes that are, in other contacts, in front of it");
             let help = "let boundary and against change places in one of these contacts";
             Fault::new(format!("contact[{k}].against"), message, help)
         })
@@ -137,7 +140,8 @@ impl Pair {
 
     /// Its contact nodes.
     pub(super) fn nodes(&self, mesh: &Mesh, dofs: &Dofs, number: usize) -> Vec<ContactNode> {
-        let gaps: BTreeMap<usize, f64> = self.mortar.rows.iter().map(|row| row.node).zip(self.gaps.iter().copied()).collect();
+        let gaps: BTreeMap<usize, f64> =
+            self.mortar.rows.iter().map(|row| row.node).zip(self.gaps.iter().copied()).collect();
         let gap = |row: &MortarRow| gaps[&row.node];
         coupled_nodes(mesh, dofs, number, &self.mortar.rows, gap, |node| self.relative.contains(&node))
     }
@@ -154,7 +158,8 @@ fn pair(
 ) -> Result<Pair, Fault> {
     let key = format!("contact[{k}]");
     let first = find(mesh, &description.contacts[k].boundary, &key)?;
-    let second = find(mesh, &opposite.boundary, &key).map_err(|fault| Fault { key: format!("{key}.against"), ..fault })?;
+    let second =
+        find(mesh, &opposite.boundary, &key).map_err(|fault| Fault { key: format!("{key}.against"), ..fault })?;
     share_nothing(description, mesh, first, second, k)?;
     let units = description.system(mesh.dimension);
     let direction = opposite.direction.map(|direction| unit(direction.components()));
@@ -166,7 +171,8 @@ fn pair(
     let all_held = first.nodes().into_iter().all(|node| held(node).len() == 3);
     let (mortar, choice) = if opposite.slave == Slave::Automatic || all_held {
         let young = [first, second].map(|boundary| young(mesh, boundary, materials));
-        let (mortar, choice) = Mortar::of_better_slave(mesh, [first, second], young, &options, held).map_err(refused)?;
+        let (mortar, choice) =
+            Mortar::of_better_slave(mesh, [first, second], young, &options, held).map_err(refused)?;
         (mortar, Some(choice))
     } else {
         (Mortar::new(mesh, first, second, &options, held).map_err(refused)?, None)
@@ -264,11 +270,15 @@ fn told(fault: &MortarFault, units: &UnitSystem) -> Option<String> {
         MortarFault::TwoLayers { slave, master, at } => {
             format!("two layers of `{master}` are in front of the facet of `{slave}` at {}", place(at))
         }
-        MortarFault::NotConvex { boundary, at } => format!("the quadrilateral of `{boundary}` at {} is not convex", place(at)),
+        MortarFault::NotConvex { boundary, at } => {
+            format!("the quadrilateral of `{boundary}` at {} is not convex", place(at))
+        }
         MortarFault::NormalsCancel { boundary, at } => {
             format!("the normals of the facets of `{boundary}` around {} cancel", place(at))
         }
-        MortarFault::Inwards { slave, at } => format!("the direction points into the body at {} of `{slave}`", place(at)),
+        MortarFault::Inwards { slave, at } => {
+            format!("the direction points into the body at {} of `{slave}`", place(at))
+        }
         MortarFault::SlaveHeld { .. } => return None,
     })
 }

@@ -32,7 +32,8 @@ impl Model {
     /// all others held. In two dimensions that is about E, as of a contact of any width; in three it grows with the width, that is
     /// with the root of the number of nodes.
     fn pressed_in(&self, k: usize, state: &State) -> f64 {
-        let pressed = (0..self.contacts.len()).filter(|&i| self.contacts[i].obstacle() == Some(k) && state.p_n[i] > 0.0);
+        let pressed =
+            (0..self.contacts.len()).filter(|&i| self.contacts[i].obstacle() == Some(k) && state.p_n[i] > 0.0);
         let shares: Vec<f64> = pressed.map(|i| state.p_n[i] / self.problem.own_stiffness(i)).collect();
         let width = if self.mesh.dimension == 3 { (shares.len() as f64).sqrt() } else { 1.0 };
         let sum: f64 = shares.iter().filter(|share| share.is_finite()).sum();

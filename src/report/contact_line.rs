@@ -92,7 +92,12 @@ impl ContactLine {
             points: points(model, boundary.nodes.iter().copied(), step),
             obstacles: match boundary.obstacles.len() {
                 0 | 1 => Vec::new(),
-                _ => boundary.nodes.iter().filter_map(|&i| model.contacts[i].obstacle()).map(|k| model.obstacle_key(k)).collect(),
+                _ => boundary
+                    .nodes
+                    .iter()
+                    .filter_map(|&i| model.contacts[i].obstacle())
+                    .map(|k| model.obstacle_key(k))
+                    .collect(),
             },
             units: model.units(),
         };

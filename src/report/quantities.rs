@@ -44,7 +44,20 @@ const FIELDS: &Table = &[
 
 /// The keys of a report below which there is something with a unit of these; doc/results.md has them all.
 const KEYS: &Table = &[
-    (&["position", "length", "linearised", "exact", "element_size", "half_width", "least_gap", "largest_gap", "overlap"], Length),
+    (
+        &[
+            "position",
+            "length",
+            "linearised",
+            "exact",
+            "element_size",
+            "half_width",
+            "least_gap",
+            "largest_gap",
+            "overlap",
+        ],
+        Length,
+    ),
     (&["force", "sum_p_n", "sum_p_t", "sum_p_o"], Force),
     (&["moment"], Moment),
     (&["friction_work", "strain_energy"], Energy),

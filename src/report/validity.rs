@@ -106,7 +106,10 @@ impl Validity {
                     boundary.name
                 ),
                 Some(master) => {
-                    format!("`{}` never touched `{master}`; `stickslip check` tells how far apart they are", boundary.name)
+                    format!(
+                        "`{}` never touched `{master}`; `stickslip check` tells how far apart they are",
+                        boundary.name
+                    )
                 }
             };
             warn(WarningKind::NoContact, message);

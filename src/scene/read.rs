@@ -33,7 +33,10 @@ pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene,
         element,
         material,
         supports: keyed("support", document.support, |given, key| action::support(given, key).map_err(at))?,
-        contacts: contacts.into_iter().map(|(k, given)| contact::contact(k, given, &source)).collect::<Result<_, _>>()?,
+        contacts: contacts
+            .into_iter()
+            .map(|(k, given)| contact::contact(k, given, &source))
+            .collect::<Result<_, _>>()?,
         springs: keyed("spring", document.spring, |given, key| action::spring(given, key).map_err(at))?,
         loads: keyed("load", document.load, |given, key| action::load(given, key, &source))?,
         times: time.all(),

@@ -21,11 +21,19 @@ pub(super) fn contact(k: usize, given: document::Contact, source: &Source) -> Re
     let (against, friction) = match (given.obstacle, given.against) {
         (Some(_), Some(_)) => {
             let help = "keep one of them; a boundary that meets both takes two [[contact]]s with parts of it";
-            return Err(at(Fault::new("against", "a contact has both an obstacle and a boundary that it is against", help)));
+            return Err(at(Fault::new(
+                "against",
+                "a contact has both an obstacle and a boundary that it is against",
+                help,
+            )));
         }
         (None, None) => {
             let help = "add [contact.obstacle], or against = \"name of a boundary\"";
-            return Err(source.located(Fault::new(key, "a contact needs an obstacle or a boundary that it is against", help)));
+            return Err(source.located(Fault::new(
+                key,
+                "a contact needs an obstacle or a boundary that it is against",
+                help,
+            )));
         }
         (Some(obstacles), None) => {
             let whose = "a contact with an obstacle";
