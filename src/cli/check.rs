@@ -144,7 +144,7 @@ fn body(scene: &Scene, model: &Model) {
 /// What the meshes of bodies in front of each other have in common.
 fn pairs(model: &Model) {
     let units = model.units();
-    let length = |x: f64| format!("{:e} {}", units.number(Quantity::Length, x), units.name(Quantity::Length));
+    let length = |x: f64| told(&units, Quantity::Length, x);
     for (pair, record) in model.pairs.iter().zip(PairRecord::all(model)) {
         let PairRecord { slave, master, reason, glued, rows, segments, covered, least_gap, largest_gap, .. } = record;
         let glued = if glued { ", glued" } else { "" };

@@ -74,7 +74,13 @@ fn forces(report: &RunReport, found: &[&ForceRecord]) -> Chart {
     Chart {
         title: report.title.clone(),
         subtitle: match &boundaries[..] {
-            [one] => format!("force of the body on the obstacle at {one}"),
+            [one] => match found.iter().find_map(|record| record.resultant.opposite.as_ref()) {
+                Some(of) => format!("force of {one} on {}", of.boundary),
+                None => format!("force of the body on the obstacle at {one}"),
+            },
+            _ if found.iter().any(|record| record.resultant.opposite.is_some()) => {
+                "force of the body on what is in front of each boundary".to_string()
+            }
             _ => "force of the body on the obstacle at each boundary".to_string(),
         },
         x: Axis { label: "time, s".into(), scale: Scale::Linear },

@@ -134,7 +134,7 @@ fn keys_of(value: &Value, at: &str, into: &mut BTreeSet<String>) {
 /// A ball under the middle of a face, and a plane under the rest.
 const ON_A_BALL: &str = "[{ kind = \"sphere\", radius = 50, apex = [0.5, 0.5, 0] }, { kind = \"plane\", gap = 1e-5 }]";
 
-/// The block and another one far above it, held by its top.
+/// The block and another one on it, both held by their tops.
 fn two_bodies() -> String {
     let one = |name: &str, at: &str| {
         format!(
@@ -142,7 +142,9 @@ fn two_bodies() -> String {
              [body.material]\nyoung = 1e9\npoisson = 0.3\n[[support]]\nboundary = \"{name}:top\"\nfix = [\"x\", \"y\"]\n"
         )
     };
-    [&one("lower", "[0, 0]"), &one("upper", "[0, 3]"), "[time]\nend = 1\nincrements = 1\n"].concat()
+    let between = "[[contact]]\nboundary = \"upper:bottom\"\nagainst = \"lower:top\"\nfriction = 0.3\nslave = \"automatic\"\n\
+                   [[load]]\nboundary = \"upper:right\"\ntraction = [0, -1e5]\n";
+    [&one("lower", "[0, 0]"), &one("upper", "[0, 1]"), between, "[time]\nend = 1\nincrements = 1\n"].concat()
 }
 
 /// Changes of the block with which increments are halved.
