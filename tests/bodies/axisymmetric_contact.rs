@@ -86,7 +86,8 @@ fn methods_agree_over_a_history() {
         let mut scene = cylinder(cells, 4, "bilinear", 0.3, 0.2);
         scene.description.times = times.clone();
         let contact = &mut scene.description.contacts[0];
-        contact.against = contact.obstacles()[0].clone().approaching(&[[0.0, -0.02], [2.0, 0.01], [4.0, -0.005]]).into();
+        contact.against =
+            contact.obstacles()[0].clone().approaching(&[[0.0, -0.02], [2.0, 0.01], [4.0, -0.005]]).into();
         let model = Model::new(&scene).unwrap();
         let all = METHODS.map(|(method, linear)| {
             let mut keep = Keep::default();

@@ -19,7 +19,8 @@ pub enum Side {
 /// The body `lower` with its material, and `upper` on it.
 pub fn bodies(lower: (MeshSource, f64), upper: (MeshSource, f64), at: Option<Vector>, times: Vec<f64>) -> Description {
     let body = |name: &str, mesh: MeshSource, at| Body { name: name.into(), mesh, at };
-    let group = |name: &str, young| MaterialGroup { name: name.into(), young, poisson: 0.3, ..MaterialGroup::default() };
+    let group =
+        |name: &str, young| MaterialGroup { name: name.into(), young, poisson: 0.3, ..MaterialGroup::default() };
     let mut material = Material::new(lower.1, 0.3);
     material.groups = vec![group("lower", lower.1), group("upper", upper.1)];
     let mesh = MeshSource::Bodies(vec![body("lower", lower.0, None), body("upper", upper.0, at)]);

@@ -43,7 +43,9 @@ fn four(pairs: [[&str; 2]; 4], friction: f64) -> Description {
     ];
     let body = pairs.iter().fold(blocks(&all, vec![1.0]), |body, [slave, master]| body.pair(slave, friction, *master));
     let pressed = [("b:right", [-1e7, 0.0]), ("d:right", [-1e7, 0.0]), ("c:top", [0.0, -1e7]), ("d:top", [0.0, -1e7])];
-    pressed.iter().fold(body, |body, (boundary, traction)| body.load(Load::new(boundary, traction)))
+    pressed
+        .iter()
+        .fold(body, |body, (boundary, traction)| body.load(Load::new(boundary, traction)))
         .support("a:left", &[Axis::X])
         .support("c:left", &[Axis::X])
         .support("a:bottom", &[Axis::Y])
@@ -82,7 +84,8 @@ fn a_tower_between_obstacles() {
         ("middle", [0.1, 0.4], [0.7, 0.3], [6, 3]),
         ("high", [0.0, 0.7], [1.0, 0.3], [4, 2]),
     ];
-    let slide = [(0.0, [0.0, 0.0].into()), (2.0, [0.0, 0.0].into()), (6.0, [3e-5, 0.0].into()), (10.0, [-1e-5, 0.0].into())];
+    let slide =
+        [(0.0, [0.0, 0.0].into()), (2.0, [0.0, 0.0].into()), (6.0, [3e-5, 0.0].into()), (10.0, [-1e-5, 0.0].into())];
     let above = Obstacle { translation: Some(slide.to_vec()), ..Obstacle::plane(0.0) };
     let body = blocks(&tower, equal_increments(10.0, 10))
         .contact("low:bottom", 0.6, Obstacle::plane(0.0))

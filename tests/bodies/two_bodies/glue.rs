@@ -40,7 +40,8 @@ fn tension_goes_through() {
             let top = u.iter().map(|u| u[1]).fold(0.0, f64::max);
             let off = u.iter().zip(&model.mesh.nodes).map(|(u, x)| (u[1] - top * x[1]).abs() / top).fold(0.0, f64::max);
             assert!(off < 1e-11, "{kinds:?} {slave} {off:e}");
-            let off = model.centre_stresses(1.0, &u).unwrap().iter().map(|s| (s[1] / 1e7 - 1.0).abs()).fold(0.0, f64::max);
+            let off =
+                model.centre_stresses(1.0, &u).unwrap().iter().map(|s| (s[1] / 1e7 - 1.0).abs()).fold(0.0, f64::max);
             assert!(off < 1e-11, "{kinds:?} {slave} {off:e}");
         }
     }
@@ -56,6 +57,7 @@ fn what_is_glued_goes_along() {
         .held(Support::new("lower:top", &[Axis::X, Axis::Y]).moved(&[1e-3, -2e-3]))
         .support("lower:bottom", &[Axis::X, Axis::Y]);
     let (model, u) = solved(&body);
-    let apart = u.iter().zip(&model.mesh.nodes).filter(|(_, x)| x[1] >= 0.5).map(|(u, _)| (u[0] - 1e-3).hypot(u[1] + 2e-3));
+    let apart =
+        u.iter().zip(&model.mesh.nodes).filter(|(_, x)| x[1] >= 0.5).map(|(u, _)| (u[0] - 1e-3).hypot(u[1] + 2e-3));
     assert!(apart.fold(0.0, f64::max) < 1e-15);
 }
