@@ -44,6 +44,7 @@ mod scene_errors;
 mod scene_loads;
 mod scene_output;
 mod scene_overrides;
+mod scene_pairs;
 mod scene_values;
 mod second_order;
 mod second_order_contact;

@@ -48,7 +48,7 @@ const KEYS_AND_TYPES: &[Fault] = &[
     ("poisson = 0.3\n", "", "[material]", &["missing field `poisson`, in `material`"], ADD),
     ("kind = \"block\"\n", "", "[mesh]", &["missing field `kind`"], ADD),
     ("fix = [\"x\", \"y\"]\n", "", "[[support]]", &["a support needs fix or direction"], "fix = [\"x\", \"y\"]"),
-    ("friction = 0.4\n", "", "[[contact]]", &["missing field `friction`"], ADD),
+    ("friction = 0.4\n", "", "[[contact]]", &["a contact needs its friction"], "add friction = 0.3"),
     ("kind = \"plane\", ", "", "obstacle =", &["missing field `kind`"], ADD),
     ("boundary = \"top\"\n", "", "# Q2\n", &["a traction needs a boundary"], "add the key"),
     ("end = 2.0\n", "", "[time]", &["missing field `end`"], ADD),

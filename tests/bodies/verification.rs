@@ -7,7 +7,8 @@ use std::f64::consts::PI;
 
 use crate::common;
 use crate::common::Keep;
-use crate::common::hertz::{self, Hertz, order};
+use crate::common::convergence::{self, order};
+use crate::common::hertz::Hertz;
 use stickslip::contact::ContactStatus;
 use stickslip::fem::{Dofs, assemble};
 use stickslip::history::{
@@ -35,7 +36,7 @@ fn sum(values: &[f64]) -> f64 {
 
 /// How far the contact forces are from those of an exact stress, on the one boundary of the scene.
 fn distance(model: &Model, forces: &[f64], exact: impl Fn([f64; 3]) -> f64) -> f64 {
-    hertz::distance(model, &model.contact_boundaries[0].name, forces, exact)
+    convergence::distance(model, &model.contact_boundaries[0].name, forces, exact)
 }
 
 /// On meshes with so many `elements`, the errors of p0 and of a fall with each refinement, to less than 2 %. The end of the

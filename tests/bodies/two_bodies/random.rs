@@ -22,9 +22,11 @@ fn scene(random: &mut Random) -> Description {
     let (lower, upper) = (1e9_f64, 1e9 * contrast);
     let softer = lower.min(upper);
     let (from, width) = (0.3 * random.next(), 0.5 + 0.4 * random.next());
-    let block = |width: f64, n: usize, high: usize| match space {
-        true => MeshSource::block([width, 0.6, 0.5], [n.min(4), 2 + n % 2, high.min(2)]),
-        false => MeshSource::block([width, 0.5], [n, high]),
+    let block = |width: f64, n: usize, high: usize| {
+        if space {
+            return MeshSource::block([width, 0.6, 0.5], [n.min(4), 2 + n % 2, high.min(2)]);
+        }
+        MeshSource::block([width, 0.5], [n, high])
     };
     let at = if space { [from, 0.1, 0.5].into() } else { [from, 0.5].into() };
     let description = bodies(

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::common::hertz::order;
+use crate::common::convergence::order;
 use crate::common::pairs::solved;
 use crate::common::round::moved;
 use stickslip::description::{Axis, Description, Opposite};

@@ -1,6 +1,7 @@
 //! Hertz: two elastic spheres, by their section and a quarter of them in space.
 
-use crate::common::hertz::{Hertz, distance, order};
+use crate::common::convergence::{distance, order};
+use crate::common::hertz::Hertz;
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::Round;
 use stickslip::description::{Axis, Description, Load, Opposite};

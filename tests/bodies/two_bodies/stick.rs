@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use crate::common::hertz::{Hertz, distance, order};
+use crate::common::convergence::{distance, order};
+use crate::common::hertz::Hertz;
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::Round;
 use stickslip::description::{Axis, Description, Load, Opposite};
