@@ -113,7 +113,7 @@ impl Judge<'_> {
             }
         }
         // Rounding of displacements, beside what strains the stiffer body.
-        let rounding = stiffness.diagonal().into_iter().fold(0.0_f64, |m, k| m.max(k)) * length * 1e-15;
+        let rounding = stiffness.diagonal().into_iter().fold(0.0, f64::max) * length * 1e-15;
         let left = left.into_iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         laws.max(left / (largest + rounding / 1e-9))
     }
