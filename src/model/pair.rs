@@ -278,7 +278,7 @@ fn key_of(fault: &MortarFault) -> &'static str {
 /// The faults with lengths, in `units`.
 fn told(fault: &MortarFault, units: &UnitSystem) -> Option<String> {
     let place = |at: &Vector| units.place(at.components());
-    let length = |x: f64| format!("{:e} {}", units.number(Quantity::Length, x), units.name(Quantity::Length));
+    let length = |x: f64| format!("{:.3e} {}", units.number(Quantity::Length, x), units.name(Quantity::Length));
     Some(match fault {
         MortarFault::NothingInFront { slave, master, search, least, at } => format!(
             "nothing of `{master}` is in front of `{slave}` within {}; the least distance is {}, at {}",
