@@ -159,6 +159,15 @@ fn pairs(model: &Model) {
             length(least_gap),
             length(largest_gap)
         );
+        if !pair.glued && !pair.is_measured() {
+            let least = pair.gaps.iter().copied().fold(f64::INFINITY, f64::min);
+            let largest = pair.gaps.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            say!(
+                "             in place of these, gaps {} to {} when the history begins",
+                length(least),
+                length(largest)
+            );
+        }
     }
 }
 

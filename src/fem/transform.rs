@@ -106,6 +106,16 @@ impl Dofs {
         self.relative_order.iter().copied().filter(|node| follows.contains(node)).collect()
     }
 
+    /// To which nodes the force on a tied node is passed on, with its share for each; none where it is not tied.
+    pub fn passed_on(&self, node: usize) -> Vec<(usize, f64)> {
+        match self.relative.get(&node) {
+            Some(Resolved { own, others, tied: true, .. }) => {
+                others.iter().map(|&(other, c)| (other, c / own)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
     /// How far (m) a relative node is moved along by what it is relative to where that moves as `at` says, beside where supports hold it.
     pub fn carried_along(&self, node: usize, at: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
         let Some(Resolved { own, others, .. }) = self.relative.get(&node) else { return [0.0; 3] };

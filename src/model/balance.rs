@@ -263,6 +263,17 @@ impl Model {
                 }
             }
         }
+        // What glue passes on to held nodes is carried by their supports.
+        for node in self.dofs.followers().into_iter().rev() {
+            let Ok(from) = rows.nodes().binary_search(&node) else { continue };
+            let free = self.dofs.free_axes(node).into_iter();
+            let passed = free.fold([0.0; 3], |sum, n| plus(sum, dot(forces[from], n), n));
+            for (other, share) in self.dofs.passed_on(node) {
+                if let Ok(to) = rows.nodes().binary_search(&other) {
+                    forces[to] = plus(forces[to], share, passed);
+                }
+            }
+        }
         let position = |held: usize| self.mesh.nodes[rows.nodes()[held]];
         let supports: Vec<Wrench> = (shares.iter())
             .map(|shares| {

@@ -1,6 +1,6 @@
 //! Bodies that are in each other's way when the history begins.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{find, pair};
 use crate::description::Description;
@@ -8,6 +8,7 @@ use crate::fault::Fault;
 use crate::fem::overlaps;
 use crate::mesh::{Bodies, Boundary, Mesh, MeshSource};
 use crate::sets::Sets;
+use crate::vector::{cross, minus, norm};
 
 /// Fails where two bodies that nothing joins have nodes in the same place or are inside one another: they would pass through each other.
 /// What joins bodies is a contact between them; those that touch in a node may be joined by way of others, as blocks around a point.
@@ -26,7 +27,18 @@ pub(super) fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), F
     let pair = |a: usize, b: usize| (of[a].min(of[b]), of[a].max(of[b]));
     let place = |node: usize| description.system(mesh.dimension).place(mesh.nodes[node]);
     let touching = mesh.touching_nodes(bodies);
-    if let Some(&(node, other)) = touching.iter().find(|&&(a, b)| together[of[a]] != together[of[b]]) {
+    // Bodies that others join may touch at a point, in space along an edge, but not over a side.
+    let mut at: BTreeMap<(usize, usize), Vec<[f64; 3]>> = BTreeMap::new();
+    let mut joined = |a: usize, b: usize| {
+        let of_pair = pair(a, b);
+        if contacts.contains(&of_pair) {
+            return true;
+        }
+        let places = at.entry(of_pair).or_default();
+        places.push(mesh.nodes[a]);
+        together[of[a]] == together[of[b]] && !spans_a_side(places, mesh.dimension)
+    };
+    if let Some(&(node, other)) = touching.iter().find(|&&(a, b)| !joined(a, b)) {
         let (a, b) = pair(node, other);
         let message = format!(
             "the bodies {} and {} both have a node at {}, but nothing joins them",
@@ -47,6 +59,23 @@ pub(super) fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), F
     }
     Ok(())
 }
+
+/// Whether the last of `places`, with those before it, spans more than a point, in space more than a line.
+fn spans_a_side(places: &[[f64; 3]], dimension: usize) -> bool {
+    let (Some(first), Some(last)) = (places.first(), places.last()) else { return false };
+    let arm = minus(*last, *first);
+    if dimension == 2 {
+        return places.len() > 1;
+    }
+    let aside = |other: &[f64; 3]| {
+        let other = minus(*other, *first);
+        norm(cross(arm, other)) > ASIDE * norm(arm) * norm(other)
+    };
+    places.iter().any(aside)
+}
+
+/// Places whose directions differ by less are on one line.
+const ASIDE: f64 = 1e-6;
 
 /// Pairs of bodies with a contact between them, the lesser first.
 fn paired(description: &Description, mesh: &Mesh, bodies: &Bodies) -> Result<BTreeSet<(usize, usize)>, Fault> {

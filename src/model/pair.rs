@@ -326,14 +326,15 @@ fn share_nothing(
 }
 
 impl Model {
-    /// The closed contact node that has slid furthest past the body in front of it, by the size of the facets there: which nodes are in
-    /// front of it is settled in the undeformed state.
-    pub fn slid(&self, state: &State, statuses: &[ContactStatus]) -> Option<Slid> {
+    /// The closed contact node that has slid furthest past the body in front of it until time `t` (s), by the size of the facets there:
+    /// which nodes are in front of it is settled in the undeformed state.
+    pub fn slid(&self, t: f64, state: &State, statuses: &[ContactStatus]) -> Option<Slid> {
+        let drift = [0, 1].map(|k| self.loading.drift_at(t, k));
         let closed = (0..self.contacts.len()).filter(|&i| statuses[i] != ContactStatus::Open);
         let slid = |i: usize| {
             let coupled = self.contacts[i].coupled()?;
-            let [t, o] = self.problem.tangential_maps().map(|map| map.dot(i, &state.u));
-            let slip = t.hypot(o);
+            let [w_t, w_o] = self.problem.tangential_maps().map(|map| map.dot(i, &state.u));
+            let slip = (w_t - drift[0][i]).hypot(w_o - drift[1][i]);
             let edge = self.pairs[coupled.pair].edges.get(&self.contacts[i].node)?;
             Some(Slid { contact: i, slip, share: slip / edge })
         };

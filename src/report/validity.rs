@@ -79,7 +79,7 @@ impl Validity {
         {
             self.range_left = Some(left);
         }
-        if let Some(slid) = model.slid(state, statuses)
+        if let Some(slid) = model.slid(record.time, state, statuses)
             && self.slid.is_none_or(|(worst, _)| slid.share > worst.share)
         {
             self.slid = Some((slid, record.time));

@@ -9,6 +9,8 @@ use stickslip::history::{LinearAlgebra, Method, Solver};
 use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::mesh::{Body, MeshSource};
 use stickslip::model::Model;
+use stickslip::report::WarningKind;
+use stickslip::run::Run;
 use stickslip::timeline::equal_increments;
 
 const CONDENSED: LinearAlgebra = LinearAlgebra::Condensed(SparseCholesky::Cholmod);
@@ -94,6 +96,10 @@ fn a_block_on_two() {
             assert!(off.iter().all(|off| off.abs() < 1e-9), "{method:?} {linear:?} {off:?}");
         }
     }
+    let mut apart = body.clone();
+    apart.contacts.remove(0);
+    let error = Model::build(&apart).unwrap_err().to_string();
+    assert!(error.contains("`left` and `right` both have a node") && error.contains("nothing joins them"), "{error}");
     let twice = body.pair("above:bottom", 0.3, "left:top");
     let error = Model::build(&twice).unwrap_err().to_string();
     assert_eq!(error, "contact[2].boundary: the boundary `above:bottom` has a [[contact]] already");
@@ -212,4 +218,21 @@ fn the_slave_of_one_contact_is_no_other() {
     assert_eq!(slaves, ["above:bottom", "right:top"]);
     assert_eq!(model.pairs[1].choice.unwrap().reason, SlaveReason::OtherTaken);
     solved(&model, solver(Method::BN, CONDENSED), &mut ());
+}
+
+/// A slide that supports make counts as one.
+#[test]
+fn slides_by_supports_are_told() {
+    let all = [("low", [0.0, 0.0], [3.0, 0.4], [30, 2]), ("high", [1.0, 0.4], [0.8, 0.3], [4, 2])];
+    let slide = |d: f64| {
+        let pressed = Support::new("high:top", &[Axis::Y]).moved(&[-1e-4]).over(&[[0.0, 0.0], [1.0, 1.0]]);
+        let moved = Support::new("high:top", &[Axis::X]).moved(&[d]).over(&[[1.0, 0.0], [2.0, 1.0]]);
+        let body = blocks(&all, equal_increments(2.0, 4)).pair("high:bottom", 0.1, "low:top");
+        let body = body.held(pressed).held(moved).support("low:bottom", &[Axis::X, Axis::Y]);
+        let model = Model::build(&body).unwrap();
+        let run = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap();
+        let report = run.solve(&mut ()).unwrap();
+        report.warnings.iter().any(|warning| warning.kind == WarningKind::SlidAcrossFacets)
+    };
+    assert_eq!([1e-4, 0.02, 0.03, 0.3].map(slide), [false, false, true, true]);
 }

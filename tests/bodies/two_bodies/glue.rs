@@ -61,3 +61,25 @@ fn what_is_glued_goes_along() {
         u.iter().zip(&model.mesh.nodes).filter(|(_, x)| x[1] >= 0.5).map(|(u, _)| (u[0] - 1e-3).hypot(u[1] + 2e-3));
     assert!(apart.fold(0.0, f64::max) < 1e-15);
 }
+
+/// What glue passes on to a node that a support holds is in the reaction of that.
+#[test]
+fn supports_carry_what_glue_passes_on() {
+    for (n, m) in [(10, 31), (31, 31), (31, 10)] {
+        let lower = (MeshSource::block([0.2, 0.05], [n, 6]), 70e9);
+        let upper = (MeshSource::block([0.2, 0.05], [m, 6]), 70e9);
+        for held in ["lower:left", "upper:left"] {
+            let body = bodies(lower.clone(), upper.clone(), Some([0.0, 0.05].into()), vec![1.0])
+                .glued("upper:bottom", "lower:top")
+                .support("lower:bottom", &[Axis::Y])
+                .support(held, &[Axis::X])
+                .load(Load::new("upper:top", &[3e6, -10e6]));
+            let model = Model::build(&body).unwrap();
+            let run = Run::of(&model, vec![1.0], Solver::new(Method::BN)).unwrap();
+            let state = run.history(&mut ()).unwrap().state;
+            let balance = model.balance(1.0, &state).unwrap();
+            assert!((balance.supports[1].force[0] / -6e5 - 1.0).abs() < 1e-10, "{n} {m} {held} {balance:?}");
+            assert!(balance.closure < 1e-12, "{n} {m} {held} {:e}", balance.closure);
+        }
+    }
+}
