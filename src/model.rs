@@ -10,6 +10,7 @@ mod load;
 mod meridian;
 mod motions;
 mod pair;
+mod pair_state;
 mod place;
 mod range;
 mod recovery;
@@ -17,7 +18,8 @@ mod stress;
 mod support;
 
 pub use balance::{Balance, Wrench};
-pub use pair::{Pair, Slid};
+pub use pair::Pair;
+pub use pair_state::Slid;
 
 use std::sync::Arc;
 

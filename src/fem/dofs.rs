@@ -107,7 +107,7 @@ impl Dofs {
     }
 
     /// The unknowns of `node` along the axes of its frame: x, y and, in three dimensions, z, but for a node that an
-    /// oblique support holds; `None` where a support holds it, or it is tied to others. Those of a [`Relative`] node are relative.
+    /// oblique support holds; `None` where a support holds it, or it is tied to others. Those of a [`super::Relative`] node are relative.
     pub fn node(&self, node: usize) -> &[Option<usize>] {
         &self.numbers[self.dimension * node..self.dimension * (node + 1)]
     }

@@ -2,17 +2,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Model, find};
+use super::find;
 use crate::contact::{
-    ContactNode, ContactStatus, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, coupled_nodes, relative,
+    ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, coupled_nodes, relative,
 };
 use crate::description::{Description, FirstGap, Opposite, Slave};
 use crate::fault::Fault;
 use crate::fem::{Dofs, Elasticity, Relative, Tie};
 use crate::mesh::{Bodies, Boundary, Mesh};
-use crate::problem::State;
 use crate::units::{Quantity, UnitSystem};
-use crate::vector::{Vector, axis, dot, minus, norm, unit};
+use crate::vector::{Vector, axis, dot, minus, norm, plus, unit};
 
 /// How much of a body another may take up when the history begins, as for obstacles.
 const DEEPEST: f64 = 0.2;
@@ -34,21 +33,12 @@ pub struct Pair {
     pub mortar: Mortar,
     /// The gap of each row when the history begins, m.
     pub gaps: Vec<f64>,
+    /// Where a direction is given: how much the surface of the slave leans against it at each node, the tangent of the angle.
+    pub(super) slopes: BTreeMap<usize, f64>,
     /// The shortest edge of the facets in front of each slave node, m.
-    edges: BTreeMap<usize, f64>,
+    pub(super) edges: BTreeMap<usize, f64>,
     /// Which rows are of nodes whose displacements are relative in this pair.
     relative: BTreeSet<usize>,
-}
-
-/// A contact node that has slid past the facets that were in front of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Slid {
-    /// The number of the contact node.
-    pub contact: usize,
-    /// How far it has slid since the beginning, m.
-    pub slip: f64,
-    /// The same over the shortest edge of the facets in front of it.
-    pub share: f64,
 }
 
 /// The pairs of a description.
@@ -232,9 +222,28 @@ fn pair(
         }
     }
     let edges = edges(mesh, master, &mortar.rows);
+    let slopes = opposite.direction.map_or_else(BTreeMap::new, |_| slopes(mesh, slave, &mortar.rows));
     let (slave, master) = (slave.name.clone(), master.clone());
     let relative = BTreeSet::new();
-    Ok(Pair { contact: k, slave, master, choice, glued: opposite.glued, mortar, gaps, edges, relative })
+    Ok(Pair { contact: k, slave, master, choice, glued: opposite.glued, mortar, gaps, slopes, edges, relative })
+}
+
+/// How much the surface of `slave` leans against the normal of each row, by its node: the tangent of the angle.
+fn slopes(mesh: &Mesh, slave: &Boundary, rows: &[MortarRow]) -> BTreeMap<usize, f64> {
+    let mut normals: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
+    for facet in &slave.facets {
+        let area = mesh.area_vector(facet);
+        for node in facet {
+            let sum = normals.entry(*node).or_default();
+            *sum = plus(*sum, 1.0, area);
+        }
+    }
+    let of_row = |row: &MortarRow| {
+        let normal = normals.get(&row.node).copied().unwrap_or(row.normal);
+        let along = dot(normal, row.normal);
+        (row.node, norm(plus(normal, -along, row.normal)) / along)
+    };
+    rows.iter().map(of_row).collect()
 }
 
 /// The shortest edge of the facets of `master` that have a node in each row, by its slave node, m.
@@ -323,34 +332,4 @@ fn share_nothing(
     let message = format!("`{}` and `{}` have the node at {place} in common", first.name, second.name);
     let help = "let the bodies have nodes of their own: do not join them in Gmsh where they are in contact";
     Err(Fault::new(format!("contact[{k}].against"), message, help))
-}
-
-impl Model {
-    /// The closed contact node that has slid furthest past the body in front of it until time `t` (s), by the size of the facets there:
-    /// which nodes are in front of it is settled in the undeformed state.
-    pub fn slid(&self, t: f64, state: &State, statuses: &[ContactStatus]) -> Option<Slid> {
-        let drift = [0, 1].map(|k| self.loading.drift_at(t, k));
-        let closed = (0..self.contacts.len()).filter(|&i| statuses[i] != ContactStatus::Open);
-        let slid = |i: usize| {
-            let coupled = self.contacts[i].coupled()?;
-            let [w_t, w_o] = self.problem.tangential_maps().map(|map| map.dot(i, &state.u));
-            let slip = (w_t - drift[0][i]).hypot(w_o - drift[1][i]);
-            let edge = self.pairs[coupled.pair].edges.get(&self.contacts[i].node)?;
-            Some(Slid { contact: i, slip, share: slip / edge })
-        };
-        closed.filter_map(slid).max_by(|a, b| a.share.total_cmp(&b.share))
-    }
-
-    /// The tractions (Pa) of the masters of all pairs on what is in front of them: pairs of a node and a vector.
-    pub(crate) fn master_tractions(&self, state: &State) -> Vec<(usize, [f64; 3])> {
-        let mut all = Vec::new();
-        for (k, pair) in self.pairs.iter().enumerate().filter(|(_, pair)| !pair.glued) {
-            let own = (0..self.contacts.len()).filter(|&i| self.contacts[i].coupled().is_some_and(|own| own.pair == k));
-            let forces: BTreeMap<usize, [f64; 3]> =
-                own.map(|i| (self.contacts[i].node, self.contact_force(state, i))).collect();
-            let of_rows = pair.mortar.rows.iter().map(|row| forces.get(&row.node).copied().unwrap_or_default());
-            all.extend(pair.mortar.on_master(&self.mesh, &of_rows.collect::<Vec<_>>()));
-        }
-        all
-    }
 }

@@ -40,11 +40,13 @@ impl Model {
         if sum > 0.0 { sum / width } else { 0.0 }
     }
 
-    /// The slope of its obstacle in front of contact node `i` at time `t` (s), against the node's normal: the tangent of the angle; NaN in
-    /// front of a body, whose normal it shares.
+    /// The slope of its obstacle in front of contact node `i` at time `t` (s), against the node's normal: the tangent of the angle; in
+    /// front of a body that of its own surface where a direction is given, otherwise NaN.
     pub fn slope(&self, i: usize, t: f64) -> f64 {
         let contact = &self.contacts[i];
-        let Some((obstacle, motion)) = contact.obstacle().map(|k| &self.obstacles[k]) else { return f64::NAN };
+        let Some((obstacle, motion)) = contact.obstacle().map(|k| &self.obstacles[k]) else {
+            return self.slope_in_pair(i);
+        };
         motion.slope(obstacle, t, contact.position, &contact.facing)
     }
 }

@@ -25,7 +25,12 @@ pub(super) struct Recovery {
     mass: Vec<Vec<(usize, f64)>>,
     /// For each the contact nodes at the ends of its edge.
     ends: Vec<Option<[Option<usize>; 2]>>,
+    /// Whether each is at a facet that another body covers in part only: what it carries is told as it is.
+    plain: Vec<bool>,
 }
+
+/// A facet of which less than this share is left uncovered is covered.
+const UNCOVERED: f64 = 1e-9;
 
 impl Recovery {
     /// `None` where no boundary with contact is of second order.
@@ -39,7 +44,8 @@ impl Recovery {
         if boundaries.iter().flat_map(facets).all(|facet| !mesh.is_quadratic(facet)) {
             return None;
         }
-        let mut recovery = Recovery { mass: vec![Vec::new(); contacts.len()], ends: vec![None; contacts.len()] };
+        let n = contacts.len();
+        let mut recovery = Recovery { mass: vec![Vec::new(); n], ends: vec![None; n], plain: vec![false; n] };
         for own in boundaries {
             let mut at_node = vec![None; mesh.nodes.len()];
             own.nodes.iter().for_each(|&i| at_node[contacts[i].node] = Some(i));
@@ -49,12 +55,14 @@ impl Recovery {
                         recovery.ends[i] = Some([at_node[a], at_node[b]]);
                     }
                 }
-                // Of a facet that another body is in front of in part the rest carries nothing.
-                let covered = own.pair.map_or(1.0, |pair| pairs[pair].mortar.covered[f].min(1.0));
+                if own.pair.is_some_and(|pair| pairs[pair].mortar.covered[f] < 1.0 - UNCOVERED) {
+                    facet.iter().filter_map(|&node| at_node[node]).for_each(|i| recovery.plain[i] = true);
+                    continue;
+                }
                 for (row, &node) in facet_mass(mesh, facet).iter().zip(facet) {
                     let Some(i) = at_node[node] else { continue };
                     let others = facet.iter().zip(row);
-                    let others = others.filter_map(|(&other, mass)| Some((at_node[other]?, covered * mass)));
+                    let others = others.filter_map(|(&other, mass)| Some((at_node[other]?, *mass)));
                     recovery.mass[i].extend(others.filter(|(j, _)| *j != i));
                 }
             }
@@ -86,7 +94,7 @@ impl Model {
     /// The traction (Pa) of the body on the obstacle at each contact node, in the directions of space, where boundaries with contact are
     /// of second order. `None` where none is: there it is the contact force by the node's weight (32).
     pub(crate) fn recovered_tractions(&self, state: &State) -> Option<Vec<[f64; 3]>> {
-        let Recovery { mass, ends } = self.recovery.as_ref()?;
+        let Recovery { mass, ends, plain } = self.recovery.as_ref()?;
         // Pressures are numbers, as normals turn along the boundary; friction is a vector, for tangents are any.
         let mean = |(i, contact): (usize, &ContactNode)| {
             let [x, y, z] = across(self.contact_force(state, i), contact.facing.normal);
@@ -102,6 +110,10 @@ impl Model {
         };
         let corrected: Vec<[f64; 4]> = self.contacts.iter().enumerate().map(corrected).collect();
         let nodal = |(i, ends): (usize, &Option<[Option<usize>; 2]>)| {
+            if plain[i] {
+                let [pressure, x, y, z] = means[i];
+                return plus([x, y, z], pressure, self.contacts[i].facing.normal);
+            }
             let own = corrected[i];
             let [a, b] = ends.unwrap_or([None; 2]).map(|end| end.map_or(own, |j| corrected[j]));
             let [pressure, x, y, z] = std::array::from_fn(|c| 0.5 * own[c] + 0.25 * (a[c] + b[c]));

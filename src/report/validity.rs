@@ -15,6 +15,9 @@ use crate::vector::norm;
 /// its normals by six degrees, and the squares of strains that are left out reach a percent.
 pub const NOT_SMALL: f64 = 0.1;
 
+/// The share of a force on nodes beyond the end of the other body from which on it does not count as small.
+const BEYOND_THE_END: f64 = 0.05;
+
 /// The share of the facet in front of a node from which on its slip does not count as small.
 const ACROSS_FACETS: f64 = 0.25;
 
@@ -25,6 +28,8 @@ pub struct Validity {
     pub largest: Option<LargestDisplacement>,
     /// Where the linearised gaps were most wrong, if they were out of their range.
     pub range_left: Option<RangeLeft>,
+    /// The pair with most of its force beyond the end of the other body, if there are pairs, that share, and the time, s.
+    pub beyond: Option<(usize, f64, f64)>,
     /// Where bodies slid furthest past each other, by the size of their facets, if they slid at all, and the time, s.
     pub slid: Option<(Slid, f64)>,
     /// The motion that the first equilibrium that is one of many leaves open, if there was any, and its time, s.
@@ -51,7 +56,7 @@ impl Validity {
     /// Before the first increment of `model`.
     pub fn new(model: &Model) -> Self {
         let touched = vec![false; model.contacts.len()];
-        Validity { largest: None, range_left: None, slid: None, neutral: None, steepest: None, touched }
+        Validity { largest: None, range_left: None, beyond: None, slid: None, neutral: None, steepest: None, touched }
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
@@ -84,6 +89,11 @@ impl Validity {
         {
             self.slid = Some((slid, record.time));
         }
+        if let Some((k, share)) = model.beyond_the_end(state)
+            && self.beyond.is_none_or(|(_, worst, _)| share > worst)
+        {
+            self.beyond = Some((k, share, record.time));
+        }
         if self.neutral.is_none() {
             let neutral = neutral_motions(&model.problem, increment, state, statuses);
             self.neutral = neutral.into_iter().next().map(|motion| (motion, record.time));
@@ -115,12 +125,20 @@ impl Validity {
             warn(WarningKind::NoContact, message);
         }
         if let Some((i, slope)) = self.steepest.filter(|(_, slope)| *slope > NOT_SMALL) {
-            let message = format!(
-                "at the node {} the obstacle leans by {:.0} degrees against the normal along which it presses; use \
+            let message = if model.contacts[i].coupled().is_some() {
+                format!(
+                    "at the node {} the surface leans by {:.0} degrees against the direction of its contact; leave `direction` out",
+                    units.place(model.contacts[i].position),
+                    slope.atan().to_degrees()
+                )
+            } else {
+                format!(
+                    "at the node {} the obstacle leans by {:.0} degrees against the normal along which it presses; use \
                  direction = \"nearest\", or another normal",
-                units.place(model.contacts[i].position),
-                slope.atan().to_degrees()
-            );
+                    units.place(model.contacts[i].position),
+                    slope.atan().to_degrees()
+                )
+            };
             warn(WarningKind::LeaningObstacle, message);
         }
         let size = model.mesh.size();
@@ -139,6 +157,15 @@ impl Validity {
         }
         if let Some(left) = &self.range_left {
             warn(WarningKind::GapsOutOfRange, out_of_range(model, left));
+        }
+        if let Some((k, share, time)) = self.beyond.filter(|(_, share, _)| *share > BEYOND_THE_END) {
+            let (slave, master) = (&model.pairs[k].slave, &model.pairs[k].master.name);
+            let message = format!(
+                "at t = {time} s {:.0} % of the force of `{slave}` on `{master}` is on nodes beyond the end of the other: they press where \
+                 they are, and pull at its inner nodes; let `{master}` be the slave, or make the elements of `{slave}` smaller there",
+                100.0 * share
+            );
+            warn(WarningKind::BeyondTheEnd, message);
         }
         if let Some((slid, time)) = self.slid.filter(|(slid, _)| slid.share > ACROSS_FACETS) {
             let message = format!(

@@ -37,6 +37,8 @@ pub enum WarningKind {
     LeaningObstacle,
     /// A contact that leaves the range of its linearised gaps.
     GapsOutOfRange,
+    /// Contact forces on nodes beyond the end of the other body.
+    BeyondTheEnd,
     /// Bodies that slide past each other's facets.
     SlidAcrossFacets,
     /// An equilibrium that is one of many: contact leaves a motion of the body open.
@@ -71,6 +73,7 @@ impl WarningKind {
             | WarningKind::LargeDisplacements
             | WarningKind::LeaningObstacle
             | WarningKind::GapsOutOfRange
+            | WarningKind::BeyondTheEnd
             | WarningKind::SlidAcrossFacets
             | WarningKind::NotUnique
             | WarningKind::CoarseMesh

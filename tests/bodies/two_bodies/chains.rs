@@ -5,7 +5,7 @@ use crate::common::{Keep, difference};
 use stickslip::contact::{Obstacle, SlaveReason};
 use stickslip::description::{Axis, Description, Load, Opposite, Slave, Support};
 use stickslip::fem::{Material, MaterialGroup};
-use stickslip::history::{LinearAlgebra, Method, Solver};
+use stickslip::history::{LinearAlgebra, Method, Solver, Status};
 use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::mesh::{Body, MeshSource};
 use stickslip::model::Model;
@@ -235,4 +235,24 @@ fn slides_by_supports_are_told() {
         report.warnings.iter().any(|warning| warning.kind == WarningKind::SlidAcrossFacets)
     };
     assert_eq!([1e-4, 0.02, 0.03, 0.3].map(slide), [false, false, true, true]);
+}
+
+/// A coarse block that sticks out beyond the end of another seems to rest on it where it would tip: that is told.
+#[test]
+fn forces_beyond_the_end_are_told() {
+    let warned = |at: f64, slave: &str, master: &str, n: usize| {
+        let all = [("low", [0.0, 0.0], [1.0, 0.5], [8, 4]), ("high", [at, 0.5], [0.4, 0.1], [n, 2])];
+        let body = blocks(&all, vec![1.0]).pair(slave, 0.3, master).support("low:bottom", &[Axis::X, Axis::Y]);
+        let model = Model::build(&body.load(Load::new("high:top", &[0.0, -1e5]))).unwrap();
+        let report = Run::of(&model, vec![1.0], Solver::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
+        let told = report.warnings.iter().any(|warning| warning.kind == WarningKind::BeyondTheEnd);
+        (report.status == Status::Converged, told)
+    };
+    assert_eq!(warned(0.83, "high:bottom", "low:top", 3), (true, true));
+    assert_eq!(warned(0.83, "low:top", "high:bottom", 3), (false, false));
+    for at in [0.1, 0.3, 0.6] {
+        for n in [3, 7, 12] {
+            assert_eq!(warned(at, "high:bottom", "low:top", n), (true, false), "{at} {n}");
+        }
+    }
 }
