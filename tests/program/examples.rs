@@ -61,3 +61,20 @@ fn a_bracket_on_a_wall() {
     let friction = number(&report["boundaries"][0]["force"][2]);
     assert!((up - 312.0 - friction).abs() < 1e-6 * up, "{up} {friction}");
 }
+
+#[test]
+fn a_blade_in_its_slot() {
+    let report = report("dovetail.toml", &["time.increments=3"]);
+    let end = &report["boundaries"][0];
+    // All of it slips: equilibrium along the pull.
+    close(&end["sum_p_n"], 5400.0 / (0.6 + 0.3 * 0.8), 2e-3);
+    for c in 0..3 {
+        let [disc, blade] = [&end["force"][c], &end["opposite"]["force"][c]].map(number);
+        assert!((disc + blade).abs() < 1e-9 * 5400.0, "{disc} {blade}");
+    }
+    close(&end["force"][1], -5400.0, 1e-10);
+    let half = &report["forces"][1];
+    close(&half["force"][1], -2700.0, 1e-10);
+    // Friction turns round and holds the blade in.
+    assert!(number(&half["sum_p_n"]) > 5300.0 && number(&half["sum_p_o"]) > 0.0 && number(&end["sum_p_o"]) < 0.0);
+}
