@@ -140,6 +140,20 @@ impl Choice {
     }
 }
 
+/// How many factorisations BN or an interior point method needs for `increments` increments, as an estimate.
+pub(crate) fn factorizations(layout: &Layout, method: Method, increments: usize) -> f64 {
+    match method {
+        // Without contact the problem is linear: one matrix.
+        _ if layout.contacts() == 0 => 1.0,
+        method if method.is_interior() && layout.has_second_tangent() => {
+            IP_FACTORIZATIONS_IN_A_PLANE * increments as f64
+        }
+        method if method.is_interior() => IP_FACTORIZATIONS * increments as f64,
+        _ if layout.has_second_tangent() => BN_FACTORIZATIONS_IN_A_PLANE * increments as f64,
+        _ => BN_FACTORIZATIONS * (increments as f64).sqrt(),
+    }
+}
+
 impl Estimates {
     fn new(problem: &ContactProblem, method: Method, increments: usize) -> Result<Self, LinearError> {
         let layout = Layout::new(problem);
@@ -148,16 +162,7 @@ impl Estimates {
             contact_displacements: problem.contact_displacements().len(),
             stiffness: Cholesky::predict(problem.stiffness())?,
         };
-        let factorizations = match method {
-            // Without contact the problem is linear: one matrix.
-            _ if layout.contacts() == 0 => 1.0,
-            method if method.is_interior() && layout.has_second_tangent() => {
-                IP_FACTORIZATIONS_IN_A_PLANE * increments as f64
-            }
-            method if method.is_interior() => IP_FACTORIZATIONS * increments as f64,
-            _ if layout.has_second_tangent() => BN_FACTORIZATIONS_IN_A_PLANE * increments as f64,
-            _ => BN_FACTORIZATIONS * (increments as f64).sqrt(),
-        };
+        let factorizations = factorizations(&layout, method, increments);
         let work = Work { increments, factorizations, all_free: method.is_interior() };
         Ok(Estimates {
             sparse: cost::sparse(&sizes, &work, SparseLu::default() == SparseLu::Faer),

@@ -88,20 +88,31 @@ impl Condensed {
     /// The state of the whole body at `time` (35), where `contact` is that of the condensed problem.
     ///
     /// # Errors
-    /// When memory is short.
+    /// When an array of `contact` has another length than the condensed problem asks for.
     pub fn state(&self, time: f64, contact: &State) -> Result<State, LinearError> {
-        let factors: Vec<f64> = self.loading.cases().iter().map(|case| case.factor(time)).collect();
-        let (mut border, mut rest) = (self.spread(&contact.u), self.spread(&contact.u_rest));
-        match &self.basis {
-            Some(basis) if !contact.u_rest.is_empty() => basis.apply_beyond(&mut border, &mut rest),
-            Some(basis) => basis.apply(&mut border),
-            None => {}
+        Ok(self.states(&[(time, contact.clone())])?.pop().unwrap_or_default())
+    }
+
+    /// [`Condensed::state`] at several times, in one pass over the factors: each is the same as alone.
+    ///
+    /// # Errors
+    /// As [`Condensed::state`].
+    pub(crate) fn states(&self, ends: &[(f64, State)]) -> Result<Vec<State>, LinearError> {
+        let (mut loads, mut borders, mut rests) = (Vec::new(), Vec::<Vec<f64>>::new(), Vec::new());
+        for (time, contact) in ends {
+            let (mut border, mut rest) = (self.spread(&contact.u), self.spread(&contact.u_rest));
+            match &self.basis {
+                Some(basis) if !contact.u_rest.is_empty() => basis.apply_beyond(&mut border, &mut rest),
+                Some(basis) => basis.apply(&mut border),
+                None => {}
+            }
+            borders.push(self.border.iter().map(|&dof| border[dof]).collect());
+            loads.push(self.loading.cases().iter().map(|case| case.factor(*time)).collect());
+            rests.push(if contact.u_rest.is_empty() { Vec::new() } else { rest });
         }
-        let mut u = vec![0.0; self.factor.order()];
-        let border: Vec<f64> = self.border.iter().map(|&dof| border[dof]).collect();
-        self.factor.expand(&self.factor.combine(&self.cases, &factors), &border, &mut u)?;
-        let u_rest = if contact.u_rest.is_empty() { Vec::new() } else { rest };
-        Ok(State { u, u_rest, ..contact.clone() })
+        let bodies = self.factor.expand_each(&self.cases, &loads, &borders)?;
+        let states = bodies.into_iter().zip(rests).zip(ends);
+        Ok(states.map(|((u, u_rest), (_, contact))| State { u, u_rest, ..contact.clone() }).collect())
     }
 
     /// Values on the contact displacements as values on all, 0 on the others and where there are none.

@@ -70,7 +70,7 @@ use crate::nonlinear::{Flow, Stop};
 use crate::problem::error::{expect_each, expect_finite, expect_increasing};
 use crate::problem::{ContactProblem, ProblemError, State};
 use held::HeldBody;
-use path::Path;
+use path::{Judged, Path};
 use system::statistics;
 use told::{Told, record};
 use walked::Walked;
@@ -179,49 +179,66 @@ pub fn run_with(
     observer.ready();
     let mut path = Path::new(problem, loading, settings, condensed.as_ref(), method, held);
 
-    for (k, &time) in times.iter().enumerate() {
-        let index = k + 1;
-        let start = Instant::now();
-        let before = *linear.statistics();
-        let increment = match path.increment(time, &mut linear, &mut Told { problem, index, observer: &mut *observer })
-        {
-            Ok(increment) => increment,
-            Err(LinearError::OutOfMemory { .. }) => {
-                outcome.status = Status::OutOfMemory;
-                break;
-            }
-            Err(error) => return Err(error.into()),
+    let (mut done, mut together) = (0, 1);
+    while done < times.len() {
+        let many = together.min(path.together()).min(times.len() - done);
+        let many = (1..many).find(|&k| observer.waits_for(done + k)).unwrap_or(many);
+        let mut told = Told { problem, index: done + 1, observer: &mut *observer };
+        let mut bundle = match path.ahead(&times[done..done + many], &mut linear, &mut told) {
+            Ok(bundle) => bundle,
+            Err(error) => return outcome.ended_by(error),
         };
-        let statuses = statuses_of(problem, &path.data(), &increment.attempt.state, &increment.attempt.scales);
-        let (assembly, all) = (increment.solved.assembly_seconds, start.elapsed().as_secs_f64());
-        let seconds = Seconds::between(&before, linear.statistics(), assembly, all);
-        let record = record(problem, path.data().force, index, time, &increment, ContactCounts::of(&statuses), seconds);
-        let Walked { solved, attempt, status, .. } = increment;
-        let (flow, state) = path.show(&attempt.state, |increment, state| {
-            (observer.increment(&Step { record: &record, increment, state, statuses: &statuses }), state.clone())
-        });
-        outcome.records.push(record);
-        outcome.linear = statistics(&linear, body, path.worst_backward_error);
-        if status != Status::Converged || index == times.len() {
-            outcome.rounding = rounding_level(problem, &attempt.state, &attempt.scales);
-        }
-        outcome.status = status;
-        outcome.reached = path.reached.unwrap_or(0.0);
-        if status != Status::Converged {
-            outcome.violation = Some(Violation::worst(problem, &path.data(), &attempt.state, &attempt.scales));
-            if let Stop::Unheld(motion) | Stop::NoEquilibrium(motion) | Stop::EdgeFriction(motion) = solved.stop {
-                outcome.free_motion = Some(motion);
+        loop {
+            let judged = match path.judge(&mut bundle, &mut linear, &mut told) {
+                Ok(Some(judged)) => judged,
+                Ok(None) => break,
+                Err(error) => return outcome.ended_by(error),
+            };
+            let Judged { time, walked, seconds } = judged;
+            done += 1;
+            told.index = done + 1;
+            let statuses = statuses_of(problem, &path.data(), &walked.attempt.state, &walked.attempt.scales);
+            let counts = ContactCounts::of(&statuses);
+            let record = record(problem, path.data().force, done, time, &walked, counts, seconds);
+            let Walked { solved, attempt, status, .. } = walked;
+            let (flow, state) = path.show(&attempt.state, |increment, state| {
+                let step = Step { record: &record, increment, state, statuses: &statuses };
+                (told.observer.increment(&step), state.clone())
+            });
+            outcome.records.push(record);
+            outcome.linear = statistics(&linear, body, path.worst_backward_error);
+            if status != Status::Converged || done == times.len() {
+                outcome.rounding = rounding_level(problem, &attempt.state, &attempt.scales);
             }
-            break;
+            outcome.status = status;
+            outcome.reached = path.reached().unwrap_or(0.0);
+            if status != Status::Converged {
+                outcome.violation = Some(Violation::worst(problem, &path.data(), &attempt.state, &attempt.scales));
+                if let Stop::Unheld(motion) | Stop::NoEquilibrium(motion) | Stop::EdgeFriction(motion) = solved.stop {
+                    outcome.free_motion = Some(motion);
+                }
+                return Ok(outcome);
+            }
+            outcome.state = state;
+            outcome.scales = attempt.scales;
+            if flow == Flow::Stop && done < times.len() {
+                outcome.status = Status::Interrupted;
+                return Ok(outcome);
+            }
         }
-        outcome.state = state;
-        outcome.scales = attempt.scales;
-        if flow == Flow::Stop && index < times.len() {
-            outcome.status = Status::Interrupted;
-            break;
-        }
+        together = if bundle.sound { 2 * together } else { 1 };
     }
     Ok(outcome)
+}
+
+impl HistoryOutcome {
+    /// The end that an error of the linear algebra makes: want of memory is a verdict.
+    fn ended_by(self, error: LinearError) -> Result<Self, Error> {
+        match error {
+            LinearError::OutOfMemory { .. } => Ok(HistoryOutcome { status: Status::OutOfMemory, ..self }),
+            error => Err(error.into()),
+        }
+    }
 }
 
 /// The ends of increments: at least one, finite, increasing from 0 or later: there the body is undeformed.

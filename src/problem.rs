@@ -48,6 +48,8 @@ pub struct ContactProblem {
     parts: Parts,
     free_motions: Vec<Vec<f64>>,
     tangents_alone: Option<[Csr; 2]>,
+    /// The largest entry of `K`, N/m: that of a semidefinite matrix is on its diagonal.
+    stiffest: f64,
 }
 
 /// What a [`ContactProblem`] is made of, in SI units.
@@ -139,7 +141,8 @@ impl ContactProblem {
     /// The problem of parts that this crate has made of a sound one.
     pub(crate) fn of(mut parts: Parts) -> Self {
         let free_motions = parts.free_motions.take().unwrap_or_default();
-        ContactProblem { parts, free_motions, tangents_alone: None }
+        let stiffest = parts.stiffness.diagonal().iter().fold(0.0_f64, |m, k| m.max(*k));
+        ContactProblem { parts, free_motions, tangents_alone: None, stiffest }
     }
 
     /// The same with the tangents (n_c × n_u, as `c_t` and `c_o`) that each contact node would have if it lay in front of its
@@ -164,6 +167,11 @@ impl ContactProblem {
     /// `K`, n_u × n_u, N/m.
     pub fn stiffness(&self) -> &Symmetric {
         &self.parts.stiffness
+    }
+
+    /// The largest entry of `K`, N/m.
+    pub(crate) fn stiffest(&self) -> f64 {
+        self.stiffest
     }
 
     /// `C_n`, n_c × n_u.
@@ -220,13 +228,9 @@ impl ContactProblem {
     /// `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f`, N; in twice the working precision if the state has a `u_rest`.
     pub(crate) fn imbalance(&self, force: &[f64], state: &State) -> Vec<f64> {
         if state.u_rest.is_empty() {
-            let mut balance = vec![0.0; state.u.len()];
-            self.stiffness().mul(&state.u, &mut balance);
-            self.c_n().add_transposed(&state.p_n, &mut balance);
-            self.c_t().add_transposed(&state.p_t, &mut balance);
-            self.c_o().add_transposed(&state.p_o, &mut balance);
-            balance.iter_mut().zip(force).for_each(|(sum, force)| *sum -= force);
-            return balance;
+            let mut elastic = vec![0.0; state.u.len()];
+            self.stiffness().mul(&state.u, &mut elastic);
+            return self.imbalance_of(elastic, force, state);
         }
         let mut balance = vec![Twofold::default(); state.u.len()];
         let (u, rest) = self.strained(state);
@@ -241,6 +245,16 @@ impl ContactProblem {
         }
         balance.iter_mut().zip(force).for_each(|(sum, force)| sum.add(-force));
         balance.into_iter().map(Twofold::value).collect()
+    }
+
+    /// The same of a state without `u_rest` whose `elastic` forces `K u` are known.
+    pub(crate) fn imbalance_of(&self, elastic: Vec<f64>, force: &[f64], state: &State) -> Vec<f64> {
+        let mut balance = elastic;
+        self.c_n().add_transposed(&state.p_n, &mut balance);
+        self.c_t().add_transposed(&state.p_t, &mut balance);
+        self.c_o().add_transposed(&state.p_o, &mut balance);
+        balance.iter_mut().zip(force).for_each(|(sum, force)| *sum -= force);
+        balance
     }
 
     /// [`strained`] of the displacements of `state`.

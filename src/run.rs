@@ -35,10 +35,10 @@ pub use discretise::discretise;
 pub use error::RunError;
 pub use recording::{RecordedIncrement, Recording};
 
-use crate::auto::{Choice, Faster};
+use crate::auto::{Choice, Faster, factorizations};
 use crate::contact::ContactStatus;
 use crate::formulation::Layout;
-use crate::history::{self, HistoryOutcome, IncrementRecord, Observer, Solver, System};
+use crate::history::{self, HistoryOutcome, IncrementRecord, LinearAlgebra, Observer, Solver, System};
 use crate::linear::{Direct, LinearError};
 use crate::model::Model;
 use crate::problem::State;
@@ -46,6 +46,9 @@ use crate::report::{Facts, Measured, RunReport, available_bytes, cpu_seconds, pe
 use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
 use watch::Watch;
+
+/// So many factorisations are worth a better order.
+const MANY: f64 = 10.0;
 
 /// A model with the increments and the solver that it is to be run with. A run may be solved several times.
 #[derive(Debug)]
@@ -151,7 +154,7 @@ impl<'a> Run<'a> {
     /// # Errors
     /// When the linear algebra cannot go on. Whether the history converged is the status of the report.
     pub fn solve(&self, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
-        self.solve_with(self.choice.linear.into(), observer)
+        self.solve_with(self.system(), observer)
     }
 
     /// The same with another linear system than the chosen one, as by a linear solver of one's own: `System::from(solver)`.
@@ -201,7 +204,18 @@ impl<'a> Run<'a> {
     /// # Errors
     /// As [`Run::solve`].
     pub fn history(&self, observer: &mut dyn Observer) -> Result<HistoryOutcome, RunError> {
-        self.history_with(self.choice.linear.into(), observer)
+        self.history_with(self.system(), observer)
+    }
+
+    /// The chosen linear system, in an order for as many factorisations as are to be expected.
+    fn system(&self) -> System {
+        let expected = || factorizations(&Layout::new(&self.model.problem), self.solver.method, self.times.len());
+        match self.choice.linear {
+            LinearAlgebra::Whole(lu) => {
+                System::from(lu.solver_for(self.model.mesh.dimension == 2 && expected() >= MANY))
+            }
+            condensed => condensed.into(),
+        }
     }
 
     fn history_with(&self, system: System, observer: &mut dyn Observer) -> Result<HistoryOutcome, RunError> {

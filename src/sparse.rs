@@ -19,6 +19,7 @@
 mod csc;
 mod csr;
 mod error;
+mod lanes;
 mod matrix_market;
 mod pattern;
 mod symmetric;
@@ -27,6 +28,7 @@ mod twofold;
 pub use csc::Csc;
 pub use csr::Csr;
 pub use error::MatrixError;
+pub(crate) use lanes::{LANES, Lanes, lane, side_by_side};
 pub use matrix_market::{read_matrix_market, write_matrix_market};
 pub use pattern::Pattern;
 pub use symmetric::Symmetric;

@@ -37,7 +37,7 @@ impl KktScales {
     pub fn with_load(self, problem: &ContactProblem, increment: &Increment<'_>) -> Self {
         let interference = increment.gap.iter().fold(0.0_f64, |m, g| m.max(-g));
         let force = largest(increment.force);
-        let stiffest = largest(&problem.stiffness().diagonal());
+        let stiffest = problem.stiffest();
         let least = if stiffest > 0.0 { force / stiffest } else { 0.0 };
         KktScales { force: self.force.max(force), length: self.length.max(interference).max(least) }
     }
@@ -156,7 +156,8 @@ impl Violation {
         scales: &KktScales,
     ) -> Self {
         let mut worst = Violation { law: Law::Equilibrium, place: 0, error: 0.0 };
-        violations(problem, increment, state, scales, |law, place, error| {
+        let imbalance = problem.imbalance(increment.force, state);
+        violations(problem, increment, state, &imbalance, scales, |law, place, error| {
             if exceeds(error, worst.error) {
                 worst = Violation { law, place, error };
             }
@@ -165,16 +166,17 @@ impl Violation {
     }
 }
 
-/// Visits the violation of every law in every place.
+/// Visits the violation of every law in every place; `imbalance` is [`ContactProblem::imbalance`] of the state.
 fn violations(
     problem: &ContactProblem,
     increment: &Increment<'_>,
     state: &State,
+    imbalance: &[f64],
     scales: &KktScales,
     mut visit: impl FnMut(Law, usize, f64),
 ) {
-    for (dof, imbalance) in problem.imbalance(increment.force, state).into_iter().enumerate() {
-        visit(Law::Equilibrium, dof, scales.force(imbalance));
+    for (dof, imbalance) in imbalance.iter().enumerate() {
+        visit(Law::Equilibrium, dof, scales.force(*imbalance));
     }
     for i in 0..problem.contacts() {
         let (p_n, p_t, radius) = (state.p_n[i], friction(state, i), increment.mu[i] * positive(state.p_n[i]));
@@ -200,16 +202,17 @@ fn friction(state: &State, i: usize) -> [f64; 2] {
     [state.p_t[i], state.p_o[i]]
 }
 
-/// The error measure. Near the `tolerance` the rounding of the imbalance itself would count, so there it is
-/// worked out in twice the precision.
+/// The error measure of a state whose [`ContactProblem::imbalance`] is known. Near the `tolerance` the rounding of the imbalance
+/// itself would count, so there it is worked out in twice the precision.
 pub(crate) fn judge(
     problem: &ContactProblem,
     increment: &Increment<'_>,
     state: &State,
+    imbalance: &[f64],
     scales: &KktScales,
     tolerance: f64,
 ) -> KktErrors {
-    let errors = KktErrors::of_state(problem, increment, state, scales);
+    let errors = KktErrors::of_balance(problem, increment, state, imbalance, scales);
     let near = 0.1 * tolerance..10.0 * tolerance;
     if !state.u_rest.is_empty() || !near.contains(&errors.equilibrium) {
         return errors;
@@ -237,8 +240,18 @@ impl KktErrors {
     }
 
     fn of_state(problem: &ContactProblem, increment: &Increment<'_>, state: &State, scales: &KktScales) -> Self {
+        Self::of_balance(problem, increment, state, &problem.imbalance(increment.force, state), scales)
+    }
+
+    fn of_balance(
+        problem: &ContactProblem,
+        increment: &Increment<'_>,
+        state: &State,
+        imbalance: &[f64],
+        scales: &KktScales,
+    ) -> Self {
         let mut errors = KktErrors::default();
-        violations(problem, increment, state, scales, |law, _, error| raise(errors.of_mut(law), error));
+        violations(problem, increment, state, imbalance, scales, |law, _, error| raise(errors.of_mut(law), error));
         errors
     }
 

@@ -22,6 +22,12 @@ pub struct Step<'a> {
 pub trait Observer {
     /// When the patterns are analysed and the first matrix is factored, before the first increment.
     fn ready(&mut self) {}
+    /// Whether it wants to see increment `index` before the next one is begun. On a condensed body increments that nobody waits
+    /// for are solved up to sixteen at a time, and shown, each with its verdict, when all of them are judged: that takes less
+    /// time, and iterations of later ones have been told by then.
+    fn waits_for(&mut self, _index: usize) -> bool {
+        true
+    }
     /// At the start of the iteration of increment `index`, and after each of its steps.
     fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> Flow {
         Flow::Continue
@@ -43,4 +49,8 @@ pub trait Observer {
 }
 
 /// An observer that only lets things happen.
-impl Observer for () {}
+impl Observer for () {
+    fn waits_for(&mut self, _index: usize) -> bool {
+        false
+    }
+}

@@ -2,7 +2,11 @@
 //!
 //! A part is an increment of its own: friction sees the slip of each. Nothing of a part that fails
 //! stays, and after a part that converges the rest of the increment is tried whole, so that the size
-//! grows back.
+//! grows back. On the contact displacements alone several increments are solved before they are judged, see `bundle`.
+
+mod bundle;
+
+pub(super) use bundle::Judged;
 
 use super::carried::Carried;
 use super::held::HeldBody;
@@ -10,7 +14,7 @@ use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
 use super::told::Told;
 use super::walked::{Attempt, Walked};
-use super::whole::Whole;
+use super::whole::{Balanced, Whole};
 use super::{Status, record};
 use crate::condense::Condensed;
 use crate::contact::{KktErrors, KktScales, judge, rounding_level};
@@ -39,11 +43,9 @@ pub(super) struct Path<'a> {
     condensed: Option<&'a Condensed>,
     method: Box<dyn IncrementSolver + 'a>,
     held: HeldBody,
-    /// The time reached; `None` stands for the unloaded body.
-    pub reached: Option<f64>,
+    at: Place,
     /// The largest backward error of the whole system where the body is condensed.
     pub worst_backward_error: f64,
-    scales: KktScales,
     /// Where the body has been carried, from where all displacements and gaps of a part count.
     carried: Carried,
     /// Whether that is possible without strain.
@@ -54,11 +56,36 @@ pub(super) struct Path<'a> {
     mu: Vec<f64>,
     w_t_last: Vec<f64>,
     w_o_last: Vec<f64>,
-    /// The normal displacements at the end of the last part.
+}
+
+/// How far a history has got.
+#[derive(Clone)]
+struct Place {
+    /// The time; `None` stands for the unloaded body.
+    reached: Option<f64>,
+    /// The scales of the error measure up to there.
+    scales: KktScales,
+    /// The normal displacements there.
     w_n: Vec<f64>,
     /// `w̄_t` and `w̄_o` of the next part.
     w_t: Vec<f64>,
     w_o: Vec<f64>,
+}
+
+/// From where a part starts.
+struct Start {
+    unknowns: Vec<f64>,
+    carried: Carried,
+}
+
+/// What is known of a part before it is solved, beside its data.
+struct Posed {
+    /// The sizes of the loads that `force` is the sum of, N.
+    sizes: Vec<f64>,
+    /// The nodes on which the body comes to rest.
+    landed: Option<Vec<usize>>,
+    /// The scales of the increments before and of the load.
+    scales: KktScales,
 }
 
 impl<'a> Path<'a> {
@@ -78,9 +105,14 @@ impl<'a> Path<'a> {
             condensed,
             method,
             held,
-            reached: None,
+            at: Place {
+                reached: None,
+                scales: KktScales::default(),
+                w_n: vec![0.0; n_c],
+                w_t: vec![0.0; n_c],
+                w_o: vec![0.0; n_c],
+            },
             worst_backward_error: 0.0,
-            scales: KktScales::default(),
             carried: Carried::nowhere(problem),
             may_be_carried: is_carried_without_strain(problem),
             force: vec![0.0; problem.displacements()],
@@ -89,10 +121,12 @@ impl<'a> Path<'a> {
             mu: problem.mu().to_vec(),
             w_t_last: vec![0.0; n_c],
             w_o_last: vec![0.0; n_c],
-            w_n: vec![0.0; n_c],
-            w_t: vec![0.0; n_c],
-            w_o: vec![0.0; n_c],
         }
+    }
+
+    /// The time reached, s; `None` stands for the unloaded body.
+    pub(super) fn reached(&self) -> Option<f64> {
+        self.at.reached
     }
 
     /// What drove the part tried last, from where the body has been carried; so is the state of an [`Attempt`].
@@ -114,24 +148,39 @@ impl<'a> Path<'a> {
         see(&data, &self.carried.whole(state))
     }
 
-    /// Goes on to `time`, in parts if need be.
-    pub(super) fn increment(
+    /// From where the next part starts.
+    fn start(&mut self) -> Start {
+        Start { unknowns: self.method.unknowns().clone(), carried: self.carried.clone() }
+    }
+
+    /// Back to where a part started.
+    fn go_back(&mut self, start: Start) {
+        self.method.unknowns().copy_from_slice(&start.unknowns);
+        self.carried = start.carried;
+    }
+
+    /// Goes on to `time`, in parts if need be, after what has been `tried` at it as a whole.
+    fn increment(
         &mut self,
         time: f64,
+        tried: (Start, Attempt),
         linear: &mut Direct,
         told: &mut Told<'_>,
     ) -> Result<Walked, LinearError> {
-        let start = self.reached.unwrap_or(0.0);
+        let start = self.at.reached.unwrap_or(0.0);
         let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
         // The ends of the parts to come, the nearest last.
         let mut to_come = vec![time];
+        let mut tried = Some(tried);
         let mut solved: Option<Outcome> = None;
         let (mut kkt, mut ends, mut friction_work) = (KktErrors::default(), Vec::new(), 0.0);
         loop {
             let end = to_come.last().copied().unwrap_or(time);
-            let from = self.reached.unwrap_or(0.0);
-            let (unknowns, carried) = (self.method.unknowns().clone(), self.carried.clone());
-            let attempt = self.attempt(end, linear, &mut |iteration| told.iteration(iteration))?;
+            let from = self.at.reached.unwrap_or(0.0);
+            let (start, attempt) = match tried.take() {
+                Some(tried) => tried,
+                None => (self.start(), self.attempt(end, linear, &mut |iteration| told.iteration(iteration))?),
+            };
             let outcome = attempt.outcome.clone();
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
             if attempt.status == Status::Converged {
@@ -157,28 +206,41 @@ impl<'a> Path<'a> {
                     let (kkt, status) = (attempt.kkt, attempt.status);
                     return Ok(Walked { solved: so_far, attempt, kkt, status, ends, friction_work });
                 }
-                self.method.unknowns().copy_from_slice(&unknowns);
-                self.carried = carried;
+                self.go_back(start);
                 to_come.push(from + half);
                 solved = Some(so_far);
             }
         }
     }
 
-    /// Solves the part that ends at `time`.
+    /// Solves and judges the part that ends at `time`.
     fn attempt(&mut self, time: f64, linear: &mut Direct, observe: Observe<'_>) -> Result<Attempt, LinearError> {
-        let Path { problem, loading, condensed, settings, .. } = *self;
+        let posed = self.pose(time);
+        let outcome = self.solve(time, &posed, linear, observe)?;
+        let balanced = match self.whole() {
+            None => self.balanced(self.method.state()),
+            Some(whole) => {
+                let states = whole.states(&[(time, self.method.state())], std::slice::from_ref(&self.force))?;
+                states.into_iter().next().unwrap_or_else(|| self.balanced(State::zero(self.problem)))
+            }
+        };
+        self.conclude(posed.scales, outcome, balanced, linear)
+    }
+
+    /// Sets the data of the part that ends at `time`.
+    fn pose(&mut self, time: f64) -> Posed {
+        let Path { problem, loading, settings, .. } = *self;
         loading.force(time, &mut self.force);
         loading.gap_at(time, &mut self.gap);
         if let Some(friction) = loading.friction() {
             self.mu = friction.at(time);
         }
-        let from = self.reached.unwrap_or(0.0);
+        let from = self.at.reached.unwrap_or(0.0);
         let before = self.carried.clone();
         let sizes = loading.force_sizes(time, problem.displacements());
         let landed = self.land(time, &sizes);
         self.gap.iter_mut().zip(&self.carried.w_n).for_each(|(gap, w)| *gap -= w);
-        let tangential = [(&mut self.w_t_last, &self.w_t), (&mut self.w_o_last, &self.w_o)];
+        let tangential = [(&mut self.w_t_last, &self.at.w_t), (&mut self.w_o_last, &self.at.w_o)];
         for (k, (last, w)) in tangential.into_iter().enumerate() {
             // Slip is motion past the obstacle: where that moves along, the body has not.
             let (drift, drift_now) = (loading.drift_at(from, k), loading.drift_at(time, k));
@@ -187,57 +249,84 @@ impl<'a> Path<'a> {
                 *last = w[i] + (drift_now[i] - drift[i]) - (carried_now[i] - carried[i]);
             }
         }
-        let increment = Increment {
-            force: &self.force,
-            gap: &self.gap,
-            mu: &self.mu,
-            w_t_last: &self.w_t_last,
-            w_o_last: &self.w_o_last,
-        };
-        let before = self.scales.with_load(self.problem, &increment);
+        let scales = self.at.scales.with_load(problem, &self.data());
         // Where gaps and forces are rounded differences of larger ones there is nothing less to compare with.
         let known = (ROUNDINGS * f64::EPSILON / settings.tolerance).min(1.0);
         let terms = sizes.iter().fold(0.0_f64, |m, size| m.max(*size));
-        let before = KktScales {
-            force: before.force.max(known * terms),
-            length: before.length.max(known * self.carried.largest()),
+        let scales = KktScales {
+            force: scales.force.max(known * terms),
+            length: scales.length.max(known * self.carried.largest()),
         };
+        Posed { sizes, landed, scales }
+    }
+
+    /// Lets the method loose on the part that ends at `time`.
+    fn solve(
+        &mut self,
+        time: f64,
+        posed: &Posed,
+        linear: &mut Direct,
+        observe: Observe<'_>,
+    ) -> Result<Outcome, LinearError> {
+        let Path { problem, loading, condensed, settings, .. } = *self;
+        let load = Load { force: &self.force, sizes: &posed.sizes };
+        if let Some(motion) = motion_driven_in_the_equations(problem, &self.mu, &load) {
+            let stop = driven_motion(problem, &self.mu, &load);
+            let stop = stop.map_or(Stop::EdgeFriction(motion), Stop::NoEquilibrium);
+            return Ok(Outcome { stop, ..Outcome::new(f64::NAN) });
+        }
         let mut force = &self.force;
         if let Some(condensed) = condensed {
             condensed.loading.force(time, &mut self.condensed_force);
             force = &self.condensed_force;
         }
+        let Path { gap, mu, w_t_last, w_o_last, held, at, method, .. } = self;
         let task = Task {
-            first: self.reached.is_none(),
-            increment: &Increment { force, ..increment },
-            response: &self.held.response(loading, self.reached, time),
-            landed: landed.as_deref(),
-            scales: &before,
+            first: at.reached.is_none(),
+            increment: &Increment { force, gap, mu, w_t_last, w_o_last },
+            response: &held.response(loading, at.reached, time),
+            landed: posed.landed.as_deref(),
+            scales: &posed.scales,
             tolerance: settings.tolerance,
         };
-        let load = Load { force: &self.force, sizes: &sizes };
-        let mut outcome = match motion_driven_in_the_equations(problem, &self.mu, &load) {
-            None => self.method.solve(&task, linear, observe)?,
-            Some(motion) => {
-                let stop = driven_motion(problem, &self.mu, &load);
-                let stop = stop.map_or(Stop::EdgeFriction(motion), Stop::NoEquilibrium);
-                Outcome { stop, ..Outcome::new(f64::NAN) }
-            }
+        method.solve(&task, linear, observe)
+    }
+
+    /// The whole body, where the method has a condensed one.
+    fn whole(&self) -> Option<Whole<'a>> {
+        let Path { problem, settings, .. } = *self;
+        self.condensed.map(|condensed| Whole { problem, condensed, settings })
+    }
+
+    /// A state of the whole body under the data of the part tried last.
+    fn balanced(&self, state: State) -> Balanced {
+        Balanced { imbalance: self.problem.imbalance(&self.force, &state), backward_error: 0.0, state }
+    }
+
+    /// Judges the state that the method has reached, refined first where it needs that; `scales` are those before it.
+    fn conclude(
+        &mut self,
+        scales: KktScales,
+        outcome: Outcome,
+        balanced: Balanced,
+        linear: &mut Direct,
+    ) -> Result<Attempt, LinearError> {
+        let balanced = match self.whole() {
+            None => balanced,
+            Some(whole) => whole.refined(balanced, &self.force, &scales, self.method.as_mut(), linear)?,
         };
-        let state = match condensed {
-            None => self.method.state(),
-            Some(condensed) => {
-                let whole = Whole { problem, condensed, increment: &increment, scales: &before, settings, time };
-                let (state, backward_error) = whole.state(self.method.as_mut(), linear)?;
-                outcome.backward_error = outcome.backward_error.max(backward_error);
-                self.worst_backward_error = self.worst_backward_error.max(backward_error);
-                state
-            }
-        };
-        let scales = before.with_state(&state);
-        let kkt = judge(problem, &increment, &state, &scales, settings.tolerance);
-        let status = record::verdict(&outcome, &kkt, settings.tolerance);
-        Ok(Attempt { state, scales, outcome, kkt, status })
+        Ok(self.judged(scales, outcome, balanced))
+    }
+
+    /// Judges a state under the data of the part tried last.
+    fn judged(&mut self, scales: KktScales, outcome: Outcome, balanced: Balanced) -> Attempt {
+        let Balanced { state, imbalance, backward_error } = balanced;
+        let outcome = Outcome { backward_error: outcome.backward_error.max(backward_error), ..outcome };
+        self.worst_backward_error = self.worst_backward_error.max(backward_error);
+        let (scales, tolerance) = (scales.with_state(&state), self.settings.tolerance);
+        let kkt = judge(self.problem, &self.data(), &state, &imbalance, &scales, tolerance);
+        let status = record::verdict(&outcome, &kkt, tolerance);
+        Attempt { state, scales, outcome, kkt, status }
     }
 
     /// Carries a body that contact alone holds to where it comes to rest under the load of the part that ends at `time`; the
@@ -250,21 +339,23 @@ impl<'a> Path<'a> {
         let force = self.held.response(self.loading, None, time).contact_force * self.settings.scaling.force;
         let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEGLIGIBLE * gap.abs());
         let reach: Vec<f64> = self.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();
-        let moved = self.carried.w_n.iter().zip(&self.w_n).map(|(carried, w)| carried + w);
+        let moved = self.carried.w_n.iter().zip(&self.at.w_n).map(|(carried, w)| carried + w);
         let distance: Vec<f64> = self.gap.iter().zip(moved).map(|(gap, w)| gap - w).collect();
         let load = Load { force: &self.force, sizes };
         let Landing { weights, nodes } = landing(self.problem, &self.mu, &load, &distance, &reach)?;
         self.carried = self.carried.by(self.problem, &weights);
         let stays = weights.iter().all(|weight| *weight == 0.0);
-        (self.reached.is_none() || !stays).then_some(nodes)
+        (self.at.reached.is_none() || !stays).then_some(nodes)
     }
 
     fn accept(&mut self, time: f64, attempt: &Attempt) {
-        self.reached = Some(time);
-        self.scales = attempt.scales;
-        self.w_n = self.problem.c_n().mul(&attempt.state.u);
-        self.w_t = self.problem.c_t().mul(&attempt.state.u);
-        self.w_o = self.problem.c_o().mul(&attempt.state.u);
+        self.move_on(time, self.problem, &attempt.state, attempt.scales);
+    }
+
+    /// To `time`, where `state` of `problem`, the whole one or the condensed one, is a solution.
+    fn move_on(&mut self, time: f64, problem: &ContactProblem, state: &State, scales: KktScales) {
+        let [w_n, w_t, w_o] = [problem.c_n(), problem.c_t(), problem.c_o()].map(|map| map.mul(&state.u));
+        self.at = Place { reached: Some(time), scales, w_n, w_t, w_o };
     }
 
     /// Whether a smaller load could make the difference.

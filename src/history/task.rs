@@ -27,7 +27,8 @@ pub struct Task<'a> {
 impl Task<'_> {
     /// The error of a state at the end of the increment. For `state`s of `problem` only.
     pub fn error(&self, problem: &ContactProblem, state: &State) -> f64 {
-        judge(problem, self.increment, state, &self.scales.with_state(state), self.tolerance).worst().1
+        let imbalance = problem.imbalance(self.increment.force, state);
+        judge(problem, self.increment, state, &imbalance, &self.scales.with_state(state), self.tolerance).worst().1
     }
 }
 

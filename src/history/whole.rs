@@ -1,8 +1,10 @@
-//! The state of the whole body at the end of an increment that was solved on the contact displacements.
+//! The states of the whole body at the ends of increments that were solved on the contact displacements.
 //!
-//! The interior follows from them (35). Where that leaves a law of equilibrium violated by more than
-//! rounding, as in slender bodies, the whole system is refined: its imbalance, reduced, is solved for with
-//! the linearisation of that state, and the interior follows the change.
+//! The interior follows from them (35), for several increments at once: the factors and `K` are read once for all. Where that
+//! leaves a law of equilibrium violated by more than rounding, as in slender bodies, the whole system is refined: its imbalance,
+//! reduced, is solved for with the linearisation of that state, and the interior follows the change.
+
+use rayon::prelude::*;
 
 use super::settings::HistorySettings;
 use super::task::IncrementSolver;
@@ -10,8 +12,8 @@ use crate::condense::Condensed;
 use crate::contact::KktScales;
 use crate::formulation::Layout;
 use crate::linear::{Direct, LinearError, componentwise_error};
-use crate::problem::{ContactProblem, Increment, State};
-use crate::sparse::sum;
+use crate::problem::{ContactProblem, State};
+use crate::sparse::{LANES, lane, side_by_side, sum};
 
 /// The componentwise backward error of the whole system that needs no refinement.
 const BACKWARD_ERROR: f64 = 1e-14;
@@ -19,56 +21,101 @@ const BACKWARD_ERROR: f64 = 1e-14;
 /// One serves where rounding alone is to blame; slender bodies gain five or six digits by each.
 const REFINEMENTS: usize = 4;
 
-/// What the state is put together from.
+/// A condensed body, and the whole one that it stands for.
+#[derive(Clone, Copy)]
 pub(super) struct Whole<'a> {
     pub problem: &'a ContactProblem,
     pub condensed: &'a Condensed,
-    pub increment: &'a Increment<'a>,
-    pub scales: &'a KktScales,
     pub settings: &'a HistorySettings,
-    /// The end of the increment, s.
-    pub time: f64,
+}
+
+/// A state of the whole body.
+pub(super) struct Balanced {
+    pub state: State,
+    /// [`ContactProblem::imbalance`], N.
+    pub imbalance: Vec<f64>,
+    /// The componentwise backward error of the equations of equilibrium, whose contact forces are given.
+    pub backward_error: f64,
 }
 
 impl Whole<'_> {
-    /// The state, and the backward error of its equilibrium.
-    pub(super) fn state(
+    /// The states at these times (s), by those of the condensed problem and the external forces there.
+    pub(super) fn states(&self, ends: &[(f64, State)], forces: &[Vec<f64>]) -> Result<Vec<Balanced>, LinearError> {
+        let states = self.condensed.states(ends)?;
+        let balance = |(states, forces)| self.balances(states, forces);
+        if states.len() <= LANES {
+            return Ok(balance((&states[..], forces)));
+        }
+        Ok(states.par_chunks(LANES).zip(forces.par_chunks(LANES)).flat_map_iter(balance).collect())
+    }
+
+    /// As many states as go side by side.
+    fn balances(&self, states: &[State], forces: &[Vec<f64>]) -> Vec<Balanced> {
+        let problem = self.problem;
+        let u = side_by_side(problem.displacements(), states.iter().map(|state| &state.u[..]));
+        let (elastic, sizes) = problem.stiffness().products(&u);
+        let balanced = |(k, (state, force)): (usize, (&State, &Vec<f64>))| {
+            let imbalance = match state.u_rest.is_empty() {
+                true => problem.imbalance_of(lane(&elastic, k), force, state),
+                false => problem.imbalance(force, state),
+            };
+            let backward_error = backward_error(problem, state, force, &imbalance, lane(&sizes, k));
+            Balanced { state: state.clone(), imbalance, backward_error }
+        };
+        states.iter().zip(forces).enumerate().map(balanced).collect()
+    }
+
+    /// Whether a state needs no refinement; `scales` are those that include it.
+    pub(super) fn is_sound(&self, balanced: &Balanced, scales: &KktScales) -> bool {
+        balanced.backward_error <= BACKWARD_ERROR && self.violation(balanced) <= self.allowed(scales)
+    }
+
+    fn violation(&self, balanced: &Balanced) -> f64 {
+        balanced.imbalance.iter().fold(0.0_f64, |m, r| m.max(r.abs()))
+    }
+
+    /// A tenth, as the rounding of the imbalance counts, too.
+    fn allowed(&self, scales: &KktScales) -> f64 {
+        0.1 * self.settings.tolerance * scales.force
+    }
+
+    /// The state that the method has reached under `force`, refined where it needs that.
+    pub(super) fn refined(
         &self,
+        balanced: Balanced,
+        force: &[f64],
+        scales: &KktScales,
         method: &mut dyn IncrementSolver,
         linear: &mut Direct,
-    ) -> Result<(State, f64), LinearError> {
-        let mut state = self.condensed.state(self.time, &method.state())?;
-        let mut imbalance = self.problem.imbalance(self.increment.force, &state);
-        let mut error = self.backward_error(&state, &imbalance);
+    ) -> Result<Balanced, LinearError> {
+        let mut reached = balanced;
         for refinement in 0..REFINEMENTS {
-            let violation = imbalance.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
-            // A tenth, as the rounding of the imbalance counts, too.
-            let allowed = 0.1 * self.settings.tolerance * self.scales.with_state(&state).force;
-            if error <= BACKWARD_ERROR && violation <= allowed {
+            let scales = scales.with_state(&reached.state);
+            if self.is_sound(&reached, &scales) || refinement == 0 && !factor(method, linear)? {
                 break;
             }
-            if refinement == 0 && !factor(method, linear)? {
-                break;
-            }
-            let mut refined = state.clone();
-            if violation > allowed {
+            let mut state = reached.state.clone();
+            let mut imbalance = reached.imbalance.clone();
+            if self.violation(&reached) > self.allowed(&scales) {
                 // Below the rounding of u: its second word is needed.
-                refined.u_rest.resize(state.u.len(), 0.0);
-                imbalance = self.problem.imbalance(self.increment.force, &refined);
+                state.u_rest.resize(state.u.len(), 0.0);
+                imbalance = self.problem.imbalance(force, &state);
             }
-            let change = match self.correct(&imbalance, &mut refined, method, linear) {
+            let change = match self.correct(&imbalance, &mut state, method, linear) {
                 Err(LinearError::NotFinite) => break,
                 change => change?,
             };
-            let left = self.problem.imbalance(self.increment.force, &refined);
-            let reached = self.backward_error(&refined, &left);
-            if reached.is_nan() || reached > 0.5 * error {
+            let imbalance = self.problem.imbalance(force, &state);
+            let mut sizes = vec![0.0; state.u.len()];
+            self.problem.stiffness().add_sizes(&state.u, &mut sizes);
+            let backward_error = backward_error(self.problem, &state, force, &imbalance, sizes);
+            if backward_error.is_nan() || backward_error > 0.5 * reached.backward_error {
                 break;
             }
-            (state, imbalance, error) = (refined, left, reached);
+            reached = Balanced { state, imbalance, backward_error };
             method.unknowns().iter_mut().zip(&change).for_each(|(z, dz)| *z += dz);
         }
-        Ok((state, error))
+        Ok(reached)
     }
 
     /// Takes an imbalance off a state; what that changes in the unknowns of the method.
@@ -101,24 +148,27 @@ impl Whole<'_> {
         }
         Ok(change)
     }
+}
 
-    /// The componentwise backward error of the equations of equilibrium, whose contact forces are given.
-    fn backward_error(&self, state: &State, imbalance: &[f64]) -> f64 {
-        let Whole { problem, increment, .. } = self;
-        let mut sizes: Vec<f64> = increment.force.iter().map(|f| f.abs()).collect();
-        problem.stiffness().add_sizes(&state.u, &mut sizes);
-        let largest = problem.stiffness().lower().values().iter().fold(0.0_f64, |m, value| m.max(value.abs()));
-        for (map, forces) in [(problem.c_n(), &state.p_n), (problem.c_t(), &state.p_t), (problem.c_o(), &state.p_o)] {
-            for (i, p) in forces.iter().enumerate() {
-                map.row(i).iter().for_each(|&(dof, c)| sizes[dof] += (c * p).abs());
-            }
+/// The componentwise backward error of the equations of equilibrium; `sizes` are `|K| |u|`.
+fn backward_error(
+    problem: &ContactProblem,
+    state: &State,
+    force: &[f64],
+    imbalance: &[f64],
+    mut sizes: Vec<f64>,
+) -> f64 {
+    sizes.iter_mut().zip(force).for_each(|(size, force)| *size += force.abs());
+    for (map, forces) in [(problem.c_n(), &state.p_n), (problem.c_t(), &state.p_t), (problem.c_o(), &state.p_o)] {
+        for (i, p) in forces.iter().enumerate() {
+            map.row(i).iter().for_each(|&(dof, c)| sizes[dof] += (c * p).abs());
         }
-        componentwise_error(&state.u, imbalance, &sizes, largest, || {
-            let mut row_norm = vec![0.0_f64; imbalance.len()];
-            problem.stiffness().entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
-            row_norm
-        })
     }
+    componentwise_error(&state.u, imbalance, &sizes, problem.stiffest(), || {
+        let mut row_norm = vec![0.0_f64; imbalance.len()];
+        problem.stiffness().entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
+        row_norm
+    })
 }
 
 /// Factors the linearisation of the state that the method has reached; tells whether that can be solved with.

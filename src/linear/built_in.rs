@@ -2,14 +2,16 @@
 
 use super::LinearSolver;
 
-/// UMFPACK.
-pub fn umfpack() -> Box<dyn LinearSolver> {
+/// UMFPACK, if `in_best_order` for many factorisations in the plane.
+pub fn umfpack(in_best_order: bool) -> Box<dyn LinearSolver> {
     #[cfg(feature = "umfpack")]
     {
-        Box::new(super::Umfpack::default())
+        use super::{Strategy, Umfpack};
+        Box::new(Umfpack::new(if in_best_order { Strategy::SymmetricInBestOrder } else { Strategy::Symmetric }))
     }
     #[cfg(not(feature = "umfpack"))]
     {
+        let _ = in_best_order;
         Box::new(absent::Absent("UMFPACK"))
     }
 }

@@ -51,8 +51,14 @@ impl SparseLu {
 
     /// A solver; one that is not built in says so when it is to analyse.
     pub fn solver(self) -> Box<dyn LinearSolver> {
+        self.solver_for(false)
+    }
+
+    /// The same, if `many_in_the_plane` for ten or more factorisations of a body in the plane. UMFPACK then takes the best of
+    /// several orders: at n = 400 its factorisations take 0.7 of the time, and ordering a second more.
+    pub fn solver_for(self, many_in_the_plane: bool) -> Box<dyn LinearSolver> {
         match self {
-            SparseLu::Umfpack => built_in::umfpack(),
+            SparseLu::Umfpack => built_in::umfpack(many_in_the_plane),
             SparseLu::Faer => built_in::faer(),
         }
     }

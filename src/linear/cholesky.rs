@@ -17,10 +17,12 @@
 mod order;
 mod sweep;
 
+use rayon::prelude::*;
+
 use super::error::expect_length;
 use super::supernodal::{Supernodal, Supernode};
 use super::{FactorInfo, LinearError, SparseCholesky};
-use crate::sparse::Symmetric;
+use crate::sparse::{LANES, Lanes, Symmetric, lane, side_by_side};
 
 /// The Cholesky factors of a symmetric positive definite matrix.
 pub struct Cholesky {
@@ -171,8 +173,9 @@ impl Cholesky {
         expect_length("solution", self.order(), x.len())?;
         let mut ordered = self.ordered(b)?;
         sweep::forward(&*self.factor, self.order(), &mut ordered);
+        let mut ordered = [side_by_side(self.order(), [&ordered[..]])];
         sweep::backward(&*self.factor, self.order(), &mut ordered);
-        self.scatter(&ordered, x);
+        self.scatter(&lane(&ordered[0], 0), x);
         Ok(())
     }
 
@@ -197,22 +200,58 @@ impl Cholesky {
     /// When a vector has the wrong length.
     pub fn expand(&self, reduced: &Reduced, x_c: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         expect_length("reduced right-hand side", self.interior(), reduced.interior.len())?;
-        expect_length("border of the solution", self.border, x_c.len())?;
         expect_length("solution", self.order(), x.len())?;
-        let mut ordered = [&reduced.interior[..], x_c].concat();
-        sweep::backward(&*self.factor, self.interior(), &mut ordered);
-        self.scatter(&ordered, x);
+        let solutions = self.expand_each(std::slice::from_ref(reduced), &[vec![1.0]], &[x_c])?;
+        solutions.iter().for_each(|solution| x.copy_from_slice(solution));
         Ok(())
     }
 
-    /// The sum of `parts`, each times its factor.
-    pub(crate) fn combine(&self, parts: &[Reduced], factors: &[f64]) -> Reduced {
-        let mut sum = Reduced { border: vec![0.0; self.border], interior: vec![0.0; self.interior()] };
-        for (part, factor) in parts.iter().zip(factors) {
-            sum.border.iter_mut().zip(&part.border).for_each(|(sum, x)| *sum += factor * x);
-            sum.interior.iter_mut().zip(&part.interior).for_each(|(sum, x)| *sum += factor * x);
+    /// The solutions with each of the `borders` `x_c`, each under the sum of the `parts` times its own of the `factors`: in one
+    /// pass over `L`, and each the same as alone.
+    ///
+    /// # Errors
+    /// When a border has the wrong length.
+    pub(crate) fn expand_each(
+        &self,
+        parts: &[Reduced],
+        factors: &[Vec<f64>],
+        borders: &[impl AsRef<[f64]>],
+    ) -> Result<Vec<Vec<f64>>, LinearError> {
+        for border in borders {
+            expect_length("border of the solution", self.border, border.as_ref().len())?;
         }
-        sum
+        let load = |factors: &[Vec<f64>]| {
+            let mut sums = vec![[0.0; LANES]; self.interior()];
+            for (p, part) in parts.iter().enumerate() {
+                let factors: Lanes = std::array::from_fn(|k| factors.get(k).map_or(0.0, |factors| factors[p]));
+                for (sums, x) in sums.iter_mut().zip(&part.interior) {
+                    sums.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += factor * x);
+                }
+            }
+            sums
+        };
+        let groups = factors.chunks(LANES).zip(borders.chunks(LANES));
+        let mut vectors: Vec<Vec<Lanes>> = groups
+            .map(|(factors, borders)| {
+                let mut vectors = load(factors);
+                vectors.extend(side_by_side(self.border, borders.iter().map(AsRef::as_ref)));
+                vectors
+            })
+            .collect();
+        let share = vectors.len().div_ceil(rayon::current_num_threads()).max(1);
+        let sweep = |vectors: &mut [Vec<Lanes>]| sweep::backward(&*self.factor, self.interior(), vectors);
+        if share < vectors.len() {
+            vectors.par_chunks_mut(share).for_each(sweep)
+        } else {
+            sweep(&mut vectors)
+        }
+        let solution = |k: usize| {
+            let mut x = vec![0.0; self.order()];
+            let ordered = self.order.iter().zip(&vectors[k / LANES]);
+            ordered.for_each(|(&unknown, values)| x[unknown] = values[k % LANES]);
+            x
+        };
+        Ok((0..borders.len()).map(solution).collect())
     }
 
     /// How many unknowns are interior.

@@ -29,6 +29,8 @@ pub enum Strategy {
     /// Orders A + Aᵀ and prefers diagonal pivots: the choice for contact Jacobians.
     #[default]
     Symmetric,
+    /// The same in the best of several orders, which take longer to find: in the plane, for many factorisations.
+    SymmetricInBestOrder,
     /// Every default of UMFPACK, its own refinement included: what a caller gets who sets nothing.
     /// Kept as the thing to compare with.
     Automatic,
@@ -79,13 +81,15 @@ impl Umfpack {
         let mut control = [0.0; CONTROL];
         // SAFETY: the array has the UMFPACK_CONTROL entries the call fills.
         unsafe { sys::umfpack_dl_defaults(control.as_mut_ptr()) };
-        if strategy == Strategy::Symmetric {
+        if strategy != Strategy::Automatic {
             control[sys::UMFPACK_STRATEGY as usize] = f64::from(sys::UMFPACK_STRATEGY_SYMMETRIC);
             control[sys::UMFPACK_SINGLETONS as usize] = 0.0;
             // Nested dissection. Against AMD 17 % less fill on squares at n = 100 and 41 % at n = 400, 28 % on cubes at
             // n = 16, in half the time, and 41 % at n = 24, in 0.97 GB instead of 2.18. UMFPACK's "best of all"
             // fills 1 % more at n = 16, CHOLMOD's choice there is METIS.
-            control[sys::UMFPACK_ORDERING as usize] = f64::from(sys::UMFPACK_ORDERING_METIS);
+            let one = strategy == Strategy::Symmetric;
+            let ordering = if one { sys::UMFPACK_ORDERING_METIS } else { sys::UMFPACK_ORDERING_BEST };
+            control[sys::UMFPACK_ORDERING as usize] = f64::from(ordering);
             control[sys::UMFPACK_IRSTEP as usize] = 0.0;
         }
         Umfpack {

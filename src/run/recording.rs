@@ -72,6 +72,10 @@ impl Recording {
 }
 
 impl Observer for Recording {
+    fn waits_for(&mut self, _index: usize) -> bool {
+        false
+    }
+
     fn increment(&mut self, step: &Step<'_>) -> Flow {
         let wanted = match &self.wanted {
             Wanted::All => true,

@@ -53,6 +53,10 @@ impl Observer for Watch<'_> {
         self.observer.ready();
     }
 
+    fn waits_for(&mut self, index: usize) -> bool {
+        self.observer.waits_for(index)
+    }
+
     fn linear_system(&mut self, index: usize, system: &LinearSystem<'_>) -> Flow {
         self.observer.linear_system(index, system)
     }

@@ -77,6 +77,11 @@ impl Observer for Watcher<'_> {
         linear::process::keep_freed_memory();
     }
 
+    /// What is written is there before the next increment is begun.
+    fn waits_for(&mut self, index: usize) -> bool {
+        self.folder.is_some() && self.wanted.binary_search(&index).is_ok()
+    }
+
     fn iteration(&mut self, _index: usize, record: &IterationRecord) -> Flow {
         self.progress.iteration(record.iteration, record.theta);
         let stop = interrupt::requested() || self.failed_write.is_some();

@@ -4,8 +4,10 @@
 //! along and leave `L_cr` to a second pass over the factors, and the blocks are so small that a call of
 //! a matrix product for each costs more than its work.
 
+use pulp::Arch;
+
 use super::{Supernodal, Supernode, nodes};
-use crate::vector::dot;
+use crate::sparse::{LANES, Lanes};
 
 /// `[b_r; b_c] → [L_rr⁻¹ b_r; b_c - L_cr L_rr⁻¹ b_r]`, in the order of the factors.
 pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
@@ -25,27 +27,71 @@ pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
     }
 }
 
-/// `[y_r; x_c] → [L_rr⁻ᵀ (y_r - L_crᵀ x_c); x_c]`, in the order of the factors.
-pub(super) fn backward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
-    let mut work = Vec::new();
+/// `[y_r; x_c] → [L_rr⁻ᵀ (y_r - L_crᵀ x_c); x_c]`, in the order of the factors, of all these vectors in one pass over `L`.
+/// What becomes of one does not hang on the others.
+pub(super) fn backward(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<Lanes>]) {
+    Arch::new().dispatch(|| substitute(factor, interior, vectors));
+}
+
+/// Compiled for each kind of processor, with the same result.
+#[inline(always)]
+fn substitute(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<Lanes>]) {
+    let mut work = vec![Vec::new(); vectors.len()];
     for node in nodes(factor).rev().filter(|node| node.first < interior) {
-        gather(&node, x, &mut work);
         let columns = node.columns.min(interior - node.first);
-        // First all columns with the rows below the block, in the order of memory; then the block.
-        let (top, below) = work.split_at_mut(columns);
-        for (k, x) in top.iter_mut().enumerate() {
-            *x -= dot(&node.column(k)[columns - k..], &*below);
+        vectors.iter().zip(&mut work).for_each(|(x, work)| gather(&node, x, work));
+        // First all columns with the rows below the block; then the block.
+        for first in (0..columns).step_by(TILE) {
+            for work in &mut work {
+                let (top, below) = work.split_at_mut(columns);
+                let column = |k: usize| &node.column(first + k)[columns - first - k..];
+                if first + TILE <= columns {
+                    subtract_products(std::array::from_fn::<_, TILE, _>(column), below, &mut top[first..]);
+                } else {
+                    (0..columns - first).for_each(|k| subtract_products([column(k)], below, &mut top[first + k..]));
+                }
+            }
         }
-        for k in (0..columns).rev() {
-            let column = node.column(k);
-            top[k] = (top[k] - dot(&column[1..columns - k], &top[k + 1..])) / column[0];
+        for (x, work) in vectors.iter_mut().zip(&mut work) {
+            for k in (0..columns).rev() {
+                let column = node.column(k);
+                let (top, below) = work[..columns].split_at_mut(k + 1);
+                subtract_products([&column[1..columns - k]], below, &mut top[k..]);
+                top[k].iter_mut().for_each(|x| *x /= column[0]);
+            }
+            x[node.first..node.first + columns].copy_from_slice(&work[..columns]);
         }
-        x[node.first..node.first + columns].copy_from_slice(top);
+    }
+}
+
+/// Columns of `L` that are multiplied with the same rows together.
+const TILE: usize = 4;
+
+/// So many products are added up by themselves: the sum of them all is rounded less.
+const BLOCK: usize = 64;
+
+/// Takes `Σ_i l_i x_i` off the first entry of `from` for the first of `columns`, and so on. They are as long as `x`.
+#[inline(always)]
+fn subtract_products<const N: usize>(columns: [&[f64]; N], x: &[Lanes], from: &mut [Lanes]) {
+    for start in (0..x.len()).step_by(BLOCK) {
+        let x = &x[start..x.len().min(start + BLOCK)];
+        let columns = columns.map(|column| &column[start..start + x.len()]);
+        let mut sums = [[0.0; LANES]; N];
+        for (i, x) in x.iter().enumerate() {
+            for (sums, column) in sums.iter_mut().zip(&columns) {
+                for (sum, x) in sums.iter_mut().zip(x) {
+                    *sum += column[i] * x;
+                }
+            }
+        }
+        for (from, sums) in from.iter_mut().zip(&sums) {
+            from.iter_mut().zip(sums).for_each(|(from, sum)| *from -= sum);
+        }
     }
 }
 
 /// The values in the rows of a supernode.
-fn gather(node: &Supernode<'_>, x: &[f64], work: &mut Vec<f64>) {
+fn gather<T: Copy>(node: &Supernode<'_>, x: &[T], work: &mut Vec<T>) {
     work.clear();
     work.extend_from_slice(&x[node.first..node.first + node.columns]);
     work.extend(node.below.iter().map(|&row| x[row as usize]));

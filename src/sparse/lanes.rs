@@ -1,0 +1,79 @@
+//! Vectors four at a time: what a matrix or its factors hold is read once for all of them.
+
+use pulp::Arch;
+
+use super::Symmetric;
+
+/// How many vectors go together: as many as the registers of every processor can add up side by side.
+pub const LANES: usize = 4;
+
+/// The entries that these vectors have in one place.
+pub type Lanes = [f64; LANES];
+
+/// Up to four vectors of length `n` as one; the entries of those that are missing are 0.
+pub fn side_by_side<'a>(n: usize, vectors: impl IntoIterator<Item = &'a [f64]>) -> Vec<Lanes> {
+    let mut lanes = vec![[0.0; LANES]; n];
+    for (k, vector) in vectors.into_iter().take(LANES).enumerate() {
+        lanes.iter_mut().zip(vector).for_each(|(lanes, value)| lanes[k] = *value);
+    }
+    lanes
+}
+
+/// Vector `k` of them.
+pub fn lane(lanes: &[Lanes], k: usize) -> Vec<f64> {
+    lanes.iter().map(|lanes| lanes[k]).collect()
+}
+
+impl Symmetric {
+    /// `A x` and `|A| |x|` of four vectors `x`, each as if it were alone.
+    pub(crate) fn products(&self, x: &[Lanes]) -> (Vec<Lanes>, Vec<Lanes>) {
+        Arch::new().dispatch(|| self.products_here(x))
+    }
+
+    /// Compiled for each kind of processor, with the same result.
+    #[inline(always)]
+    fn products_here(&self, x: &[Lanes]) -> (Vec<Lanes>, Vec<Lanes>) {
+        let (pattern, values) = (self.lower().pattern(), self.lower().values());
+        let (mut products, mut sizes) = (vec![[0.0; LANES]; x.len()], vec![[0.0; LANES]; x.len()]);
+        let add = |to: &mut Lanes, value: f64, x: &Lanes| to.iter_mut().zip(x).for_each(|(to, x)| *to += value * x);
+        let add_size =
+            |to: &mut Lanes, value: f64, x: &Lanes| to.iter_mut().zip(x).for_each(|(to, x)| *to += (value * x).abs());
+        for column in 0..self.order() {
+            let slots = pattern.column(column);
+            let (mut product, mut size) = ([0.0; LANES], [0.0; LANES]);
+            for (&row, &value) in pattern.row_indices()[slots.clone()].iter().zip(&values[slots]) {
+                let row = row as usize;
+                add(&mut products[row], value, &x[column]);
+                add_size(&mut sizes[row], value, &x[column]);
+                if row != column {
+                    add(&mut product, value, &x[row]);
+                    add_size(&mut size, value, &x[row]);
+                }
+            }
+            add(&mut products[column], 1.0, &product);
+            add(&mut sizes[column], 1.0, &size);
+        }
+        (products, sizes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn four_products_are_those_of_each_alone() {
+        let entries = (0..7).flat_map(|i| (0..=i).map(move |j| (i, j, f64::from(1 + (3 * i + 5 * j) % 7) / 3.0)));
+        let entries: Vec<_> = entries.map(|(i, j, value)| (i as usize, j as usize, value)).collect();
+        let a = Symmetric::from_triplets(7, &entries).unwrap();
+        let x: Vec<Vec<f64>> = (0..3).map(|k| (0..7).map(|i| f64::from(i * i - 3 * k).sin()).collect()).collect();
+        let (products, sizes) = a.products(&side_by_side(7, x.iter().map(Vec::as_slice)));
+        for (k, x) in x.iter().enumerate() {
+            let (mut product, mut size) = (vec![0.0; 7], vec![0.0; 7]);
+            a.mul(x, &mut product);
+            a.add_sizes(x, &mut size);
+            assert_eq!((lane(&products, k), lane(&sizes, k)), (product, size));
+        }
+        assert_eq!(lane(&products, 3), [0.0; 7]);
+    }
+}
