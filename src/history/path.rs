@@ -4,16 +4,20 @@
 //! stays, and after a part that converges the rest of the increment is tried whole, so that the size
 //! grows back.
 
+use std::borrow::Cow;
+
 use super::carried::Carried;
 use super::held::HeldBody;
+use super::position::{Position, Underway};
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
 use super::told::Told;
 use super::walked::{Attempt, Walked};
 use super::whole::Whole;
+use super::working_set::{self, Lack};
 use super::{Status, record};
 use crate::condense::Condensed;
-use crate::contact::{KktErrors, KktScales, judge, rounding_level};
+use crate::contact::{KktScales, judge, rounding_level};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Outcome, Stop};
@@ -39,14 +43,9 @@ pub(super) struct Path<'a> {
     condensed: Option<&'a Condensed>,
     method: Box<dyn IncrementSolver + 'a>,
     held: HeldBody,
-    /// The time reached; `None` stands for the unloaded body.
-    pub reached: Option<f64>,
-    /// The largest backward error of the whole system where the body is condensed.
-    pub worst_backward_error: f64,
-    scales: KktScales,
-    /// Where the body has been carried, from where all displacements and gaps of a part count.
-    carried: Carried,
-    /// Whether that is possible without strain.
+    /// How far the history has come.
+    pub at: &'a mut Position,
+    /// Whether the body may be carried without strain.
     may_be_carried: bool,
     force: Vec<f64>,
     condensed_force: Vec<f64>,
@@ -54,11 +53,14 @@ pub(super) struct Path<'a> {
     mu: Vec<f64>,
     w_t_last: Vec<f64>,
     w_o_last: Vec<f64>,
-    /// The normal displacements at the end of the last part.
-    w_n: Vec<f64>,
-    /// `w̄_t` and `w̄_o` of the next part.
-    w_t: Vec<f64>,
-    w_o: Vec<f64>,
+}
+
+/// How far an increment came.
+pub(super) enum Walk {
+    /// To its end, or to where it failed.
+    Ended(Box<Walked>),
+    /// To where the equations lack contact nodes: all that they must hold to go on.
+    Lacks(Vec<usize>),
 }
 
 impl<'a> Path<'a> {
@@ -67,9 +69,13 @@ impl<'a> Path<'a> {
         loading: &'a Loading,
         settings: &'a HistorySettings,
         condensed: Option<&'a Condensed>,
-        method: Box<dyn IncrementSolver + 'a>,
+        mut method: Box<dyn IncrementSolver + 'a>,
         held: HeldBody,
+        at: &'a mut Position,
     ) -> Self {
+        if let (Some(state), Some(condensed)) = (&at.state, condensed) {
+            method.go_on_from(&condensed.condensed_state(state));
+        }
         let n_c = problem.contacts();
         Path {
             problem,
@@ -78,10 +84,7 @@ impl<'a> Path<'a> {
             condensed,
             method,
             held,
-            reached: None,
-            worst_backward_error: 0.0,
-            scales: KktScales::default(),
-            carried: Carried::nowhere(problem),
+            at,
             may_be_carried: is_carried_without_strain(problem),
             force: vec![0.0; problem.displacements()],
             condensed_force: vec![0.0; condensed.map_or(0, |condensed| condensed.problem.displacements())],
@@ -89,9 +92,6 @@ impl<'a> Path<'a> {
             mu: problem.mu().to_vec(),
             w_t_last: vec![0.0; n_c],
             w_o_last: vec![0.0; n_c],
-            w_n: vec![0.0; n_c],
-            w_t: vec![0.0; n_c],
-            w_o: vec![0.0; n_c],
         }
     }
 
@@ -103,15 +103,15 @@ impl<'a> Path<'a> {
 
     /// Shows `see` the data of the part tried last, and its `state`, from where the body was at first.
     pub(super) fn show<T>(&self, state: &State, see: impl FnOnce(&Increment<'_>, &State) -> T) -> T {
-        let Carried { w_n, w_t: [w_t, w_o], .. } = &self.carried;
-        if !self.carried.is_somewhere() {
+        let Carried { w_n, w_t: [w_t, w_o], .. } = &self.at.carried;
+        if !self.at.carried.is_somewhere() {
             return see(&self.data(), state);
         }
         let moved = |x: &[f64], by: &[f64]| x.iter().zip(by).map(|(x, by)| x + by).collect::<Vec<f64>>();
         let gap = moved(&self.gap, w_n);
         let (w_t_last, w_o_last) = (moved(&self.w_t_last, w_t), moved(&self.w_o_last, w_o));
         let data = Increment { gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last, ..self.data() };
-        see(&data, &self.carried.whole(state))
+        see(&data, &self.at.carried.whole(state))
     }
 
     /// Goes on to `time`, in parts if need be.
@@ -120,17 +120,15 @@ impl<'a> Path<'a> {
         time: f64,
         linear: &mut Direct,
         told: &mut Told<'_>,
-    ) -> Result<Walked, LinearError> {
-        let start = self.reached.unwrap_or(0.0);
+    ) -> Result<Walk, LinearError> {
+        let underway = self.at.underway.take();
+        let underway = underway.unwrap_or_else(|| Underway::new(self.at.reached.unwrap_or(0.0), time));
+        let Underway { start, mut to_come, mut solved, mut kkt, mut ends, mut friction_work } = underway;
         let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
-        // The ends of the parts to come, the nearest last.
-        let mut to_come = vec![time];
-        let mut solved: Option<Outcome> = None;
-        let (mut kkt, mut ends, mut friction_work) = (KktErrors::default(), Vec::new(), 0.0);
         loop {
             let end = to_come.last().copied().unwrap_or(time);
-            let from = self.reached.unwrap_or(0.0);
-            let (unknowns, carried) = (self.method.unknowns().clone(), self.carried.clone());
+            let from = self.at.reached.unwrap_or(0.0);
+            let (unknowns, carried) = (self.method.unknowns().clone(), self.at.carried.clone());
             let attempt = self.attempt(end, linear, &mut |iteration| told.iteration(iteration))?;
             let outcome = attempt.outcome.clone();
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
@@ -143,22 +141,28 @@ impl<'a> Path<'a> {
                 let status = Status::Converged;
                 let walked = Walked { solved: so_far, attempt, kkt, status, ends, friction_work };
                 if to_come.is_empty() {
-                    return Ok(walked);
+                    return Ok(Walk::Ended(Box::new(walked)));
                 }
                 self.show(&walked.attempt.state, |increment, state| {
                     told.part(end, &self.data(), &walked, increment, state);
                 });
                 (solved, ends) = (Some(walked.solved), walked.ends);
+            } else if let Some(Lack { nodes, solved }) = self.lack(&attempt) {
+                self.at.estimate = solved.then_some(attempt.state);
+                let solved = Some(so_far);
+                self.at.underway = Some(Underway { start, to_come, solved, kkt, ends, friction_work });
+                return Ok(Walk::Lacks(nodes));
             } else {
                 let half = 0.5 * (end - from);
                 // Between neighbouring numbers there is no time.
                 let no_time = from + half <= from || from + half >= end;
                 if half < smallest || no_time || !self.smaller_may_do(&attempt) {
                     let (kkt, status) = (attempt.kkt, attempt.status);
-                    return Ok(Walked { solved: so_far, attempt, kkt, status, ends, friction_work });
+                    let walked = Walked { solved: so_far, attempt, kkt, status, ends, friction_work };
+                    return Ok(Walk::Ended(Box::new(walked)));
                 }
                 self.method.unknowns().copy_from_slice(&unknowns);
-                self.carried = carried;
+                self.at.carried = carried;
                 to_come.push(from + half);
                 solved = Some(so_far);
             }
@@ -173,16 +177,17 @@ impl<'a> Path<'a> {
         if let Some(friction) = loading.friction() {
             self.mu = friction.at(time);
         }
-        let from = self.reached.unwrap_or(0.0);
-        let before = self.carried.clone();
+        let from = self.at.reached.unwrap_or(0.0);
+        let begins = self.take_estimate(time).or(self.at.reached);
+        let before = self.at.carried.clone();
         let sizes = loading.force_sizes(time, problem.displacements());
         let landed = self.land(time, &sizes);
-        self.gap.iter_mut().zip(&self.carried.w_n).for_each(|(gap, w)| *gap -= w);
-        let tangential = [(&mut self.w_t_last, &self.w_t), (&mut self.w_o_last, &self.w_o)];
+        self.gap.iter_mut().zip(&self.at.carried.w_n).for_each(|(gap, w)| *gap -= w);
+        let tangential = [(&mut self.w_t_last, &self.at.w_t), (&mut self.w_o_last, &self.at.w_o)];
         for (k, (last, w)) in tangential.into_iter().enumerate() {
             // Slip is motion past the obstacle: where that moves along, the body has not.
             let (drift, drift_now) = (loading.drift_at(from, k), loading.drift_at(time, k));
-            let (carried, carried_now) = (&before.w_t[k], &self.carried.w_t[k]);
+            let (carried, carried_now) = (&before.w_t[k], &self.at.carried.w_t[k]);
             for (i, last) in last.iter_mut().enumerate() {
                 *last = w[i] + (drift_now[i] - drift[i]) - (carried_now[i] - carried[i]);
             }
@@ -194,23 +199,25 @@ impl<'a> Path<'a> {
             w_t_last: &self.w_t_last,
             w_o_last: &self.w_o_last,
         };
-        let before = self.scales.with_load(self.problem, &increment);
+        let before = self.at.scales.with_load(self.problem, &increment);
         // Where gaps and forces are rounded differences of larger ones there is nothing less to compare with.
         let known = (ROUNDINGS * f64::EPSILON / settings.tolerance).min(1.0);
         let terms = sizes.iter().fold(0.0_f64, |m, size| m.max(*size));
         let before = KktScales {
             force: before.force.max(known * terms),
-            length: before.length.max(known * self.carried.largest()),
+            length: before.length.max(known * self.at.carried.largest()),
         };
         let mut force = &self.force;
         if let Some(condensed) = condensed {
             condensed.loading.force(time, &mut self.condensed_force);
             force = &self.condensed_force;
         }
+        let [gap, mu, w_t_last, w_o_last] =
+            [&self.gap, &self.mu, &self.w_t_last, &self.w_o_last].map(|values| on_nodes(condensed, values));
         let task = Task {
-            first: self.reached.is_none(),
-            increment: &Increment { force, ..increment },
-            response: &self.held.response(loading, self.reached, time),
+            first: begins.is_none(),
+            increment: &Increment { force, gap: &gap, mu: &mu, w_t_last: &w_t_last, w_o_last: &w_o_last },
+            response: &self.held.response(loading, begins, time),
             landed: landed.as_deref(),
             scales: &before,
             tolerance: settings.tolerance,
@@ -230,7 +237,7 @@ impl<'a> Path<'a> {
                 let whole = Whole { problem, condensed, increment: &increment, scales: &before, settings, time };
                 let (state, backward_error) = whole.state(self.method.as_mut(), linear)?;
                 outcome.backward_error = outcome.backward_error.max(backward_error);
-                self.worst_backward_error = self.worst_backward_error.max(backward_error);
+                self.at.worst_backward_error = self.at.worst_backward_error.max(backward_error);
                 state
             }
         };
@@ -238,6 +245,19 @@ impl<'a> Path<'a> {
         let kkt = judge(problem, &increment, &state, &scales, settings.tolerance);
         let status = record::verdict(&outcome, &kkt, settings.tolerance);
         Ok(Attempt { state, scales, outcome, kkt, status })
+    }
+
+    /// The contact nodes that the equations lack after an `attempt`.
+    fn lack(&self, attempt: &Attempt) -> Option<Lack> {
+        let held = self.condensed?.nodes()?;
+        working_set::lack(self.problem, &self.data(), attempt, held, self.settings.tolerance)
+    }
+
+    /// Goes on from the estimate of the state at `time`, if there is one.
+    fn take_estimate(&mut self, time: f64) -> Option<f64> {
+        let (condensed, estimate) = (self.condensed?, self.at.estimate.take()?);
+        self.method.go_on_from(&condensed.condensed_state(&estimate));
+        Some(time)
     }
 
     /// Carries a body that contact alone holds to where it comes to rest under the load of the part that ends at `time`; the
@@ -250,21 +270,24 @@ impl<'a> Path<'a> {
         let force = self.held.response(self.loading, None, time).contact_force * self.settings.scaling.force;
         let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEGLIGIBLE * gap.abs());
         let reach: Vec<f64> = self.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();
-        let moved = self.carried.w_n.iter().zip(&self.w_n).map(|(carried, w)| carried + w);
+        let moved = self.at.carried.w_n.iter().zip(&self.at.w_n).map(|(carried, w)| carried + w);
         let distance: Vec<f64> = self.gap.iter().zip(moved).map(|(gap, w)| gap - w).collect();
         let load = Load { force: &self.force, sizes };
         let Landing { weights, nodes } = landing(self.problem, &self.mu, &load, &distance, &reach)?;
-        self.carried = self.carried.by(self.problem, &weights);
+        self.at.carried = self.at.carried.by(self.problem, &weights);
         let stays = weights.iter().all(|weight| *weight == 0.0);
-        (self.reached.is_none() || !stays).then_some(nodes)
+        (self.at.reached.is_none() || !stays).then_some(nodes)
     }
 
     fn accept(&mut self, time: f64, attempt: &Attempt) {
-        self.reached = Some(time);
-        self.scales = attempt.scales;
-        self.w_n = self.problem.c_n().mul(&attempt.state.u);
-        self.w_t = self.problem.c_t().mul(&attempt.state.u);
-        self.w_o = self.problem.c_o().mul(&attempt.state.u);
+        if self.condensed.is_some_and(|condensed| condensed.nodes().is_some()) {
+            self.at.state = Some(attempt.state.clone());
+        }
+        self.at.reached = Some(time);
+        self.at.scales = attempt.scales;
+        self.at.w_n = self.problem.c_n().mul(&attempt.state.u);
+        self.at.w_t = self.problem.c_t().mul(&attempt.state.u);
+        self.at.w_o = self.problem.c_o().mul(&attempt.state.u);
     }
 
     /// Whether a smaller load could make the difference.
@@ -280,6 +303,11 @@ impl<'a> Path<'a> {
             _ => attempt.kkt.worst().1 > 10.0 * rounding_level(self.problem, &attempt.state, &attempt.scales),
         }
     }
+}
+
+/// Of a value for each contact node those that the equations have.
+fn on_nodes<'v>(condensed: Option<&Condensed>, values: &'v [f64]) -> Cow<'v, [f64]> {
+    condensed.map_or(Cow::Borrowed(values), |condensed| condensed.on_nodes(values))
 }
 
 /// Whether a body has free motions, and they strain it no more than rounding does.
