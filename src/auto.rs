@@ -72,18 +72,19 @@ impl Choice {
         Choice { linear, estimates: None, short_of: None }
     }
 
-    /// The cheapest way to solve `increments` increments of `problem` with `method`; `available` is the free memory
-    /// in bytes, if it is known.
+    /// The cheapest way to solve `increments` increments of `problem` with `method`, where condensed equations hold the contact
+    /// nodes `working_set` or all; `available` is the free memory in bytes, if it is known.
     ///
     /// # Errors
     /// When memory is short for the symbolic analysis.
     pub fn cheapest(
         problem: &ContactProblem,
+        working_set: Option<&[usize]>,
         method: Method,
         increments: usize,
         available: Option<u64>,
     ) -> Result<Self, LinearError> {
-        let estimates = Estimates::new(problem, method, increments)?;
+        let estimates = Estimates::new(problem, working_set, method, increments)?;
         let Estimates { sparse, condensed } = estimates;
         let short_of = available.filter(|&available| condensed.bytes > available as f64);
         let condense = condensed.seconds < sparse.seconds && short_of.is_none();
@@ -99,6 +100,7 @@ impl Choice {
     pub fn faster(
         &self,
         problem: &ContactProblem,
+        working_set: Option<&[usize]>,
         method: Method,
         increments: usize,
         seconds: f64,
@@ -108,7 +110,7 @@ impl Choice {
         if self.estimates.is_some() || seconds < long {
             return Ok(None);
         }
-        let Estimates { sparse, condensed } = Estimates::new(problem, method, increments)?;
+        let Estimates { sparse, condensed } = Estimates::new(problem, working_set, method, increments)?;
         let (here, other, solver) = match self.linear {
             LinearAlgebra::Condensed(_) => (condensed, sparse, LinearAlgebra::default()),
             LinearAlgebra::Whole(_) => (sparse, condensed, LinearAlgebra::condensed()),
@@ -155,11 +157,20 @@ pub(crate) fn factorizations(layout: &Layout, method: Method, increments: usize)
 }
 
 impl Estimates {
-    fn new(problem: &ContactProblem, method: Method, increments: usize) -> Result<Self, LinearError> {
+    fn new(
+        problem: &ContactProblem,
+        working_set: Option<&[usize]>,
+        method: Method,
+        increments: usize,
+    ) -> Result<Self, LinearError> {
         let layout = Layout::new(problem);
+        let held = match working_set {
+            Some(nodes) => problem.contact_displacements_of(nodes.iter().copied()),
+            None => problem.contact_displacements(),
+        };
         let sizes = Sizes {
             unknowns: layout.unknowns(),
-            contact_displacements: problem.contact_displacements().len(),
+            contact_displacements: held.len(),
             stiffness: Cholesky::predict(problem.stiffness())?,
         };
         let factorizations = factorizations(&layout, method, increments);

@@ -18,6 +18,7 @@
 //! A body that only contact holds has a singular `K`; then `ρ`, the diagonal of `K` as a rule, is added to the
 //! contact block and taken off again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::linear::{Cholesky, FactorInfo, LinearError, Reduced, SparseCholesky, times_transposed};
@@ -38,6 +39,16 @@ pub struct Condensed {
     cases: Vec<Reduced>,
     /// How the displacements of the problem are changed, if they are.
     basis: Option<OwnBasis>,
+    /// If it has some of the contact nodes of the body only.
+    part: Option<Part>,
+}
+
+/// Some of the contact nodes of a body.
+struct Part {
+    /// Which, ascending.
+    nodes: Vec<usize>,
+    /// How many there are in all.
+    all: usize,
 }
 
 impl Condensed {
@@ -77,7 +88,58 @@ impl Condensed {
             border,
             cases,
             basis,
+            part: None,
         })
+    }
+
+    /// The same with these contact `nodes` alone, ascending; the others are free of forces, and their displacements in the interior.
+    ///
+    /// # Errors
+    /// As [`Condensed::new`].
+    pub(crate) fn of_nodes(
+        problem: &ContactProblem,
+        loading: &Loading,
+        nodes: Vec<usize>,
+        cholesky: SparseCholesky,
+    ) -> Result<Self, LinearError> {
+        let condensed = Self::new(&problem.of_nodes(&nodes), &loading.of_nodes(&nodes), cholesky)?;
+        Ok(Condensed { part: Some(Part { nodes, all: problem.contacts() }), ..condensed })
+    }
+
+    /// The contact nodes that the condensed problem has, ascending, if there are others.
+    pub(crate) fn nodes(&self) -> Option<&[usize]> {
+        self.part.as_ref().map(|part| part.nodes.as_slice())
+    }
+
+    /// Of a value for each contact node of the body those of the nodes that the condensed problem has.
+    pub(crate) fn on_nodes<'v>(&self, values: &'v [f64]) -> Cow<'v, [f64]> {
+        match &self.part {
+            Some(part) => part.nodes.iter().map(|&i| values[i]).collect(),
+            None => Cow::Borrowed(values),
+        }
+    }
+
+    /// A value for each contact node of the body, 0 for those that the condensed problem does not have.
+    pub(crate) fn of_all_nodes(&self, values: Vec<f64>) -> Vec<f64> {
+        let Some(Part { nodes, all }) = &self.part else { return values };
+        let mut of_all = vec![0.0; *all];
+        nodes.iter().zip(values).for_each(|(&i, value)| of_all[i] = value);
+        of_all
+    }
+
+    /// The state of the condensed problem that belongs to one of the whole body, to the rounding of its displacements.
+    pub(crate) fn condensed_state(&self, whole: &State) -> State {
+        let mut u = whole.u.clone();
+        if let Some(basis) = &self.basis {
+            basis.undo(&mut u);
+        }
+        State {
+            u: self.border.iter().map(|&dof| u[dof]).collect(),
+            u_rest: Vec::new(),
+            p_t: self.on_nodes(&whole.p_t).into_owned(),
+            p_o: self.on_nodes(&whole.p_o).into_owned(),
+            p_n: self.on_nodes(&whole.p_n).into_owned(),
+        }
     }
 
     /// The factors of the body.
@@ -111,8 +173,11 @@ impl Condensed {
             rests.push(if contact.u_rest.is_empty() { Vec::new() } else { rest });
         }
         let bodies = self.factor.expand_each(&self.cases, &loads, &borders)?;
-        let states = bodies.into_iter().zip(rests).zip(ends);
-        Ok(states.map(|((u, u_rest), (_, contact))| State { u, u_rest, ..contact.clone() }).collect())
+        let states = bodies.into_iter().zip(rests).zip(ends).map(|((u, u_rest), (_, contact))| {
+            let forces = |p: &Vec<f64>| self.of_all_nodes(p.clone());
+            State { u, u_rest, p_t: forces(&contact.p_t), p_o: forces(&contact.p_o), p_n: forces(&contact.p_n) }
+        });
+        Ok(states.collect())
     }
 
     /// Values on the contact displacements as values on all, 0 on the others and where there are none.

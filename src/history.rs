@@ -6,6 +6,8 @@
 //! | BN; the paper's interior point method; the default one; BN with that for its rescue | `bn.rs`, `ip.rs`, `predictor_corrector.rs`, `rescue.rs` |
 //! | which of them a [`Method`] names | `method.rs` |
 //! | from one time to the next, in parts if need be, and what is told of them | `path.rs`, `told.rs` |
+//! | the increments of one set-up of the equations, and what it leaves to the next | `stage.rs`, `position.rs` |
+//! | which contact nodes join condensed equations that do not hold all | `working_set.rs` |
 //! | how far loads have carried a body that contact alone holds | `carried.rs` |
 //! | the interior at the start of an increment, and at the end of a condensed one | `held.rs`, `whole.rs` |
 //!
@@ -40,16 +42,19 @@ mod method;
 mod newton_end;
 mod observer;
 mod path;
+mod position;
 mod predictor_corrector;
 mod record;
 mod rescue;
 mod settings;
 mod solver;
+mod stage;
 mod system;
 mod task;
 mod told;
 mod walked;
 mod whole;
+mod working_set;
 
 use std::time::Instant;
 
@@ -61,19 +66,16 @@ pub use settings::HistorySettings;
 pub use solver::Solver;
 pub use system::{LinearAlgebra, System, UnknownLinearAlgebra};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
+pub use working_set::WorkingSet;
 
-use crate::contact::{KktScales, Violation, rounding_level, statuses_of};
+use crate::contact::{KktScales, Violation};
 use crate::formulation::Layout;
-use crate::linear::{LinearError, Statistics};
+use crate::linear::Statistics;
 use crate::loading::Loading;
-use crate::nonlinear::{Flow, Stop};
 use crate::problem::error::{expect_each, expect_finite, expect_increasing};
 use crate::problem::{ContactProblem, ProblemError, State};
-use held::HeldBody;
-use path::{Judged, Path};
-use system::statistics;
-use told::{Told, record};
-use walked::Walked;
+use position::Position;
+use stage::Stages;
 
 /// The result of a history.
 #[derive(Debug, Clone)]
@@ -97,6 +99,8 @@ pub struct HistoryOutcome {
     pub free_motion: Option<Vec<f64>>,
     /// Which unknowns there were.
     pub layout: Layout,
+    /// The contact nodes that the equations held, if those were not all at first.
+    pub working_set: Option<WorkingSet>,
     /// What the linear algebra did.
     pub linear: Statistics,
     /// Seconds for patterns and symbolic analysis, before the first increment.
@@ -137,7 +141,7 @@ pub fn run_with(
     loading.check(problem)?;
     settings.check(problem)?;
     check_times(times)?;
-    let mut outcome = HistoryOutcome {
+    let outcome = HistoryOutcome {
         status: Status::Converged,
         records: Vec::with_capacity(times.len()),
         state: State::zero(problem),
@@ -147,98 +151,24 @@ pub fn run_with(
         rounding: 0.0,
         free_motion: None,
         layout: Layout::new(problem),
+        working_set: None,
         linear: Statistics::default(),
         setup_seconds: 0.0,
     };
     if !algorithm.knows(&outcome.layout) {
         return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
     }
-    let (mut linear, condensed) = match system.set_up(problem, loading) {
-        Ok(set_up) => set_up,
-        Err(LinearError::Singular { .. }) => {
-            let free_motion = algorithm.start(problem, loading).hold_contacts().err();
-            return Ok(HistoryOutcome { status: Status::Singular, free_motion, ..outcome });
+    let position = Position::start(problem);
+    let done = Statistics::default();
+    let mut stages =
+        Stages { problem, loading, times, settings, observer, outcome, position, start, begun: None, done, joined: 0 };
+    match system {
+        System::Whole(linear) => {
+            stages.stage(algorithm, None, linear)?;
         }
-        Err(error) => return Err(error.into()),
-    };
-    let (small, loads, body) = match &condensed {
-        Some(condensed) => (&condensed.problem, &condensed.loading, Some(condensed.info())),
-        None => (problem, loading, None),
-    };
-    let mut method = algorithm.start(small, loads);
-    linear.analyze(method.matrix().pattern())?;
-    let held = HeldBody::new(method.as_mut(), small, loads, &settings.scaling, &mut linear)?;
-    outcome.linear = statistics(&linear, body, 0.0);
-    let held = match held {
-        Ok(held) => held,
-        Err(free_motion) => {
-            return Ok(HistoryOutcome { status: Status::Singular, free_motion, ..outcome });
-        }
-    };
-    outcome.setup_seconds = start.elapsed().as_secs_f64();
-    observer.ready();
-    let mut path = Path::new(problem, loading, settings, condensed.as_ref(), method, held);
-
-    let (mut done, mut together) = (0, 1);
-    while done < times.len() {
-        let many = together.min(path.together()).min(times.len() - done);
-        let many = (1..many).find(|&k| observer.waits_for(done + k)).unwrap_or(many);
-        let mut told = Told { problem, index: done + 1, observer: &mut *observer };
-        let mut bundle = match path.ahead(&times[done..done + many], &mut linear, &mut told) {
-            Ok(bundle) => bundle,
-            Err(error) => return outcome.ended_by(error),
-        };
-        loop {
-            let judged = match path.judge(&mut bundle, &mut linear, &mut told) {
-                Ok(Some(judged)) => judged,
-                Ok(None) => break,
-                Err(error) => return outcome.ended_by(error),
-            };
-            let Judged { time, walked, seconds } = judged;
-            done += 1;
-            told.index = done + 1;
-            let statuses = statuses_of(problem, &path.data(), &walked.attempt.state, &walked.attempt.scales);
-            let counts = ContactCounts::of(&statuses);
-            let record = record(problem, path.data().force, done, time, &walked, counts, seconds);
-            let Walked { solved, attempt, status, .. } = walked;
-            let (flow, state) = path.show(&attempt.state, |increment, state| {
-                let step = Step { record: &record, increment, state, statuses: &statuses };
-                (told.observer.increment(&step), state.clone())
-            });
-            outcome.records.push(record);
-            outcome.linear = statistics(&linear, body, path.worst_backward_error);
-            if status != Status::Converged || done == times.len() {
-                outcome.rounding = rounding_level(problem, &attempt.state, &attempt.scales);
-            }
-            outcome.status = status;
-            outcome.reached = path.reached().unwrap_or(0.0);
-            if status != Status::Converged {
-                outcome.violation = Some(Violation::worst(problem, &path.data(), &attempt.state, &attempt.scales));
-                if let Stop::Unheld(motion) | Stop::NoEquilibrium(motion) | Stop::EdgeFriction(motion) = solved.stop {
-                    outcome.free_motion = Some(motion);
-                }
-                return Ok(outcome);
-            }
-            outcome.state = state;
-            outcome.scales = attempt.scales;
-            if flow == Flow::Stop && done < times.len() {
-                outcome.status = Status::Interrupted;
-                return Ok(outcome);
-            }
-        }
-        together = if bundle.sound { 2 * together } else { 1 };
+        System::Condensed(cholesky) => stages.condensed(algorithm, cholesky)?,
     }
-    Ok(outcome)
-}
-
-impl HistoryOutcome {
-    /// The end that an error of the linear algebra makes: want of memory is a verdict.
-    fn ended_by(self, error: LinearError) -> Result<Self, Error> {
-        match error {
-            LinearError::OutOfMemory { .. } => Ok(HistoryOutcome { status: Status::OutOfMemory, ..self }),
-            error => Err(error.into()),
-        }
-    }
+    Ok(stages.outcome)
 }
 
 /// The ends of increments: at least one, finite, increasing from 0 or later: there the body is undeformed.

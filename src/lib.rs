@@ -45,6 +45,7 @@ pub mod model;
 pub mod nonlinear;
 pub mod null_space;
 pub mod problem;
+pub mod reach;
 pub mod report;
 pub mod run;
 pub mod scene;

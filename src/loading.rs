@@ -2,6 +2,7 @@
 
 mod bend;
 mod friction;
+mod part;
 
 use std::ops::Range;
 

@@ -159,6 +159,22 @@ impl ContactProblem {
         Ok(ContactProblem { tangents_alone: Some([c_t, c_o]), ..self })
     }
 
+    /// The same body with these contact `nodes` alone; not for verdicts on whether loads can be balanced.
+    pub(crate) fn of_nodes(&self, nodes: &[usize]) -> Self {
+        let Parts { stiffness, c_n, c_t, c_o, mu, weight, .. } = &self.parts;
+        let rows = |map: &Csr| Csr::of_rows(map.columns(), nodes.iter().map(|&i| map.row(i).iter().copied()));
+        let values = |values: &Vec<f64>| nodes.iter().map(|&i| values[i]).collect();
+        Self::of(Parts {
+            stiffness: stiffness.clone(),
+            c_n: rows(c_n),
+            c_t: rows(c_t),
+            c_o: rows(c_o),
+            mu: values(mu),
+            weight: weight.as_ref().map(values),
+            free_motions: Some(self.free_motions.clone()),
+        })
+    }
+
     /// What it is made of, to make another one of; the tangents of nodes alone are not part of it.
     pub fn into_parts(self) -> Parts {
         Parts { free_motions: Some(self.free_motions), ..self.parts }
@@ -299,10 +315,20 @@ impl ContactProblem {
     /// The displacements that contact forces act on, ascending. There are none along an obstacle
     /// without friction.
     pub fn contact_displacements(&self) -> Vec<usize> {
-        let normal = (0..self.contacts()).flat_map(|i| self.c_n().row(i));
-        let rough = (0..self.contacts()).filter(|&i| self.mu()[i] > 0.0);
+        self.contact_displacements_of(0..self.contacts())
+    }
+
+    /// Those that the forces of some contact `nodes` act on.
+    pub(crate) fn contact_displacements_of(&self, nodes: impl Iterator<Item = usize> + Clone) -> Vec<usize> {
+        let normal = nodes.clone().flat_map(|i| self.c_n().row(i));
+        let rough = nodes.filter(|&i| self.mu()[i] > 0.0);
         let tangential = rough.flat_map(|i| self.tangential_maps().map(|map| map.row(i))).flatten();
         normal.chain(tangential).map(|&(dof, _)| dof).collect::<BTreeSet<_>>().into_iter().collect()
+    }
+
+    /// `w_n`, `w_t` and `w_o` (n_c, m) of displacements `u`.
+    pub(crate) fn contact_motion(&self, u: &[f64]) -> [Vec<f64>; 3] {
+        [self.c_n(), self.c_t(), self.c_o()].map(|map| map.mul(u))
     }
 
     /// `(C_t, C_o)`.

@@ -42,6 +42,7 @@ use crate::history::{self, HistoryOutcome, IncrementRecord, LinearAlgebra, Obser
 use crate::linear::{Direct, LinearError};
 use crate::model::Model;
 use crate::problem::State;
+use crate::reach;
 use crate::report::{Facts, Measured, RunReport, available_bytes, cpu_seconds, peak_rss_bytes};
 use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
@@ -59,6 +60,8 @@ pub struct Run<'a> {
     times: Vec<f64>,
     solver: Solver,
     choice: Choice,
+    /// The contact nodes that condensed equations hold at first, if not all.
+    working_set: Option<Vec<usize>>,
     uniqueness: bool,
     /// Wall time of mesh, assembly and choice, s.
     model_seconds: f64,
@@ -92,12 +95,18 @@ impl<'a> Run<'a> {
         start: Instant,
     ) -> Result<Self, RunError> {
         history::check_times(&times).map_err(history::Error::from)?;
+        let may_condense = solver.linear.is_none_or(LinearAlgebra::condenses) && !solver.method.is_of_paper();
+        let working_set = match may_condense {
+            true => reach::working_set(&model.problem, &model.loading, &times, reach::AFFORDABLE)?,
+            false => None,
+        };
+        let (problem, held) = (&model.problem, working_set.as_deref());
         let choice = match solver.linear {
             Some(linear) => Choice::named(linear),
-            None => Choice::cheapest(&model.problem, solver.method, times.len(), available_bytes())?,
+            None => Choice::cheapest(problem, held, solver.method, times.len(), available_bytes())?,
         };
         let model_seconds = start.elapsed().as_secs_f64();
-        Ok(Run { scene, model, times, solver, choice, uniqueness: false, model_seconds })
+        Ok(Run { scene, model, times, solver, choice, working_set, uniqueness: false, model_seconds })
     }
 
     /// The same run, whose report also tells the critical friction at the end.
@@ -130,6 +139,11 @@ impl<'a> Run<'a> {
     /// The linear algebra, and why.
     pub fn choice(&self) -> &Choice {
         &self.choice
+    }
+
+    /// The contact nodes that condensed equations hold at first, ascending, if not all; others join when they are needed.
+    pub fn working_set(&self) -> Option<&[usize]> {
+        self.working_set.as_deref()
     }
 
     /// The body before the first increment, as increment 0: undeformed and free of contact forces, with the gaps at t = 0.
@@ -185,6 +199,7 @@ impl<'a> Run<'a> {
             model: &self.model,
             solver: &self.solver,
             condensed,
+            working_set: self.working_set().filter(|_| condensed),
             faster: self.faster(&linear, measured.wall_seconds)?,
             linear,
             choice: &self.choice,
@@ -220,7 +235,8 @@ impl<'a> Run<'a> {
 
     fn history_with(&self, system: System, observer: &mut dyn Observer) -> Result<HistoryOutcome, RunError> {
         let Model { problem, loading, .. } = &*self.model;
-        let settings = self.solver.settings(problem, loading)?;
+        let mut settings = self.solver.settings(problem, loading)?;
+        settings.working_set.clone_from(&self.working_set);
         Ok(history::run(problem, loading, &self.times, &settings, system, observer)?)
     }
 
@@ -239,6 +255,7 @@ impl<'a> Run<'a> {
         if linear != self.choice.linear.to_string() {
             return Ok(None);
         }
-        self.choice.faster(&self.model.problem, self.solver.method, self.times.len(), seconds)
+        let (problem, increments) = (&self.model.problem, self.times.len());
+        self.choice.faster(problem, self.working_set(), self.solver.method, increments, seconds)
     }
 }

@@ -49,6 +49,9 @@ impl Progress {
         if r.parts > 1 {
             notes.push(format!("{} parts", r.parts));
         }
+        if r.joined > 0 {
+            notes.push(format!("{} contact nodes joined", r.joined));
+        }
         if r.rescued {
             notes.push("solved by ip".to_string());
         }

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use clap::Args;
 use stickslip::estimate::PeakOf;
 use stickslip::formulation::{Layout, NewtonSystem};
-use stickslip::history::{Method, Status};
+use stickslip::history::{Method, Status, WorkingSet};
 use stickslip::model::Model;
 use stickslip::report::{
     Acting, BalanceRecord, ComponentSums, LeftOut, ProbeTable, ResultFolder, Resultant, RunReport, Unknowns, Warning,
@@ -134,7 +134,8 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
     }
     let total: usize = blocks.iter().map(|(count, _)| count).sum();
     say!("unknowns     {total} = {}{reduced}", present.collect::<Vec<_>>().join(" + "));
-    let left_out = LeftOut::all(model, choice.linear.condenses());
+    let condenses = choice.linear.condenses();
+    let left_out = LeftOut::all(model, condenses, run.working_set().filter(|_| condenses));
     for (k, LeftOut { count, unknown, reason }) in left_out.iter().enumerate() {
         say!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
     }
@@ -208,6 +209,10 @@ fn print_verdict(report: &RunReport, increments: usize) {
         totals.symbolic_analyses,
         totals.nnz_factors
     );
+    if let Some(WorkingSet { first, last, all, grown }) = report.working_set {
+        let then = if grown == 0 { String::new() } else { format!(" at first, {last} after it grew {grown} times") };
+        say!("held         {first} of {all} contact nodes{then}");
+    }
     let memory = totals.peak_rss_bytes.map_or(String::new(), |bytes| format!(", {:.0} MB", bytes as f64 * 1e-6));
     say!("took         {:.2} s ({:.2} s CPU){memory}", totals.wall_seconds, totals.cpu_seconds);
     if let Some(faster) = &report.faster_solver {

@@ -100,14 +100,6 @@ impl<'a> BnMethod<'a> {
             *p_n = p_n.max(closed);
         }
     }
-
-    /// Takes over the state of another method.
-    pub(super) fn go_on_from(&mut self, state: &State) {
-        let (layout, scaling) = (self.formulation.layout(), *self.formulation.scaling());
-        self.z.copy_from_slice(&layout.packed(state, &scaling));
-        self.rest.fill(0.0);
-        self.rest.iter_mut().zip(&state.u_rest).for_each(|(rest, u_rest)| *rest = u_rest / scaling.length);
-    }
 }
 
 impl IncrementSolver for BnMethod<'_> {
@@ -156,6 +148,13 @@ impl IncrementSolver for BnMethod<'_> {
 
     fn state(&self) -> State {
         self.formulation.layout().unpacked_with(&self.z, &self.rest, self.formulation.scaling())
+    }
+
+    fn go_on_from(&mut self, state: &State) {
+        let (layout, scaling) = (self.formulation.layout(), *self.formulation.scaling());
+        self.z.copy_from_slice(&layout.packed(state, &scaling));
+        self.rest.fill(0.0);
+        self.rest.iter_mut().zip(&state.u_rest).for_each(|(rest, u_rest)| *rest = u_rest / scaling.length);
     }
 
     fn unknowns(&mut self) -> &mut Vec<f64> {

@@ -97,6 +97,14 @@ impl IncrementSolver for IpMethod {
         self.formulation.layout().forces().unpacked(&self.z, self.formulation.scaling())
     }
 
+    /// What is positive, and no force, is away from the border.
+    fn go_on_from(&mut self, state: &State) {
+        let forces = self.formulation.layout().forces();
+        let z = forces.packed(state, self.formulation.scaling());
+        self.z[..forces.unknowns()].copy_from_slice(&z);
+        self.move_to_safe_point();
+    }
+
     fn unknowns(&mut self) -> &mut Vec<f64> {
         &mut self.z
     }

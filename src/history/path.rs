@@ -6,18 +6,22 @@
 
 mod bundle;
 
+use std::borrow::Cow;
+
 pub(super) use bundle::Judged;
 
 use super::carried::Carried;
 use super::held::HeldBody;
+use super::position::{Position, Underway};
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
 use super::told::Told;
 use super::walked::{Attempt, Walked};
 use super::whole::{Balanced, Whole};
+use super::working_set::{self, Lack};
 use super::{Status, record};
 use crate::condense::Condensed;
-use crate::contact::{KktErrors, KktScales, judge, rounding_level};
+use crate::contact::{KktScales, judge, rounding_level};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Outcome, Stop};
@@ -43,12 +47,9 @@ pub(super) struct Path<'a> {
     condensed: Option<&'a Condensed>,
     method: Box<dyn IncrementSolver + 'a>,
     held: HeldBody,
-    at: Place,
-    /// The largest backward error of the whole system where the body is condensed.
-    pub worst_backward_error: f64,
-    /// Where the body has been carried, from where all displacements and gaps of a part count.
-    carried: Carried,
-    /// Whether that is possible without strain.
+    /// How far the history has come.
+    pub at: &'a mut Position,
+    /// Whether the body may be carried without strain.
     may_be_carried: bool,
     force: Vec<f64>,
     condensed_force: Vec<f64>,
@@ -58,18 +59,12 @@ pub(super) struct Path<'a> {
     w_o_last: Vec<f64>,
 }
 
-/// How far a history has got.
-#[derive(Clone)]
-struct Place {
-    /// The time; `None` stands for the unloaded body.
-    reached: Option<f64>,
-    /// The scales of the error measure up to there.
-    scales: KktScales,
-    /// The normal displacements there.
-    w_n: Vec<f64>,
-    /// `w̄_t` and `w̄_o` of the next part.
-    w_t: Vec<f64>,
-    w_o: Vec<f64>,
+/// How far an increment came.
+pub(super) enum Walk {
+    /// To its end, or to where it failed.
+    Ended(Box<Walked>),
+    /// To where the equations lack contact nodes: all that they must hold to go on.
+    Lacks(Vec<usize>),
 }
 
 /// From where a part starts.
@@ -80,6 +75,8 @@ struct Start {
 
 /// What is known of a part before it is solved, beside its data.
 struct Posed {
+    /// The time of the state from which the method begins, s.
+    begins: Option<f64>,
     /// The sizes of the loads that `force` is the sum of, N.
     sizes: Vec<f64>,
     /// The nodes on which the body comes to rest.
@@ -94,9 +91,13 @@ impl<'a> Path<'a> {
         loading: &'a Loading,
         settings: &'a HistorySettings,
         condensed: Option<&'a Condensed>,
-        method: Box<dyn IncrementSolver + 'a>,
+        mut method: Box<dyn IncrementSolver + 'a>,
         held: HeldBody,
+        at: &'a mut Position,
     ) -> Self {
+        if let (Some(state), Some(condensed)) = (&at.state, condensed) {
+            method.go_on_from(&condensed.condensed_state(state));
+        }
         let n_c = problem.contacts();
         Path {
             problem,
@@ -105,15 +106,7 @@ impl<'a> Path<'a> {
             condensed,
             method,
             held,
-            at: Place {
-                reached: None,
-                scales: KktScales::default(),
-                w_n: vec![0.0; n_c],
-                w_t: vec![0.0; n_c],
-                w_o: vec![0.0; n_c],
-            },
-            worst_backward_error: 0.0,
-            carried: Carried::nowhere(problem),
+            at,
             may_be_carried: is_carried_without_strain(problem),
             force: vec![0.0; problem.displacements()],
             condensed_force: vec![0.0; condensed.map_or(0, |condensed| condensed.problem.displacements())],
@@ -124,11 +117,6 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// The time reached, s; `None` stands for the unloaded body.
-    pub(super) fn reached(&self) -> Option<f64> {
-        self.at.reached
-    }
-
     /// What drove the part tried last, from where the body has been carried; so is the state of an [`Attempt`].
     pub(super) fn data(&self) -> Increment<'_> {
         let Path { force, gap, mu, w_t_last, w_o_last, .. } = self;
@@ -137,26 +125,26 @@ impl<'a> Path<'a> {
 
     /// Shows `see` the data of the part tried last, and its `state`, from where the body was at first.
     pub(super) fn show<T>(&self, state: &State, see: impl FnOnce(&Increment<'_>, &State) -> T) -> T {
-        let Carried { w_n, w_t: [w_t, w_o], .. } = &self.carried;
-        if !self.carried.is_somewhere() {
+        let Carried { w_n, w_t: [w_t, w_o], .. } = &self.at.carried;
+        if !self.at.carried.is_somewhere() {
             return see(&self.data(), state);
         }
         let moved = |x: &[f64], by: &[f64]| x.iter().zip(by).map(|(x, by)| x + by).collect::<Vec<f64>>();
         let gap = moved(&self.gap, w_n);
         let (w_t_last, w_o_last) = (moved(&self.w_t_last, w_t), moved(&self.w_o_last, w_o));
         let data = Increment { gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last, ..self.data() };
-        see(&data, &self.carried.whole(state))
+        see(&data, &self.at.carried.whole(state))
     }
 
     /// From where the next part starts.
     fn start(&mut self) -> Start {
-        Start { unknowns: self.method.unknowns().clone(), carried: self.carried.clone() }
+        Start { unknowns: self.method.unknowns().clone(), carried: self.at.carried.clone() }
     }
 
     /// Back to where a part started.
     fn go_back(&mut self, start: Start) {
         self.method.unknowns().copy_from_slice(&start.unknowns);
-        self.carried = start.carried;
+        self.at.carried = start.carried;
     }
 
     /// Goes on to `time`, in parts if need be, after what has been `tried` at it as a whole.
@@ -166,18 +154,16 @@ impl<'a> Path<'a> {
         tried: (Start, Attempt),
         linear: &mut Direct,
         told: &mut Told<'_>,
-    ) -> Result<Walked, LinearError> {
-        let start = self.at.reached.unwrap_or(0.0);
+    ) -> Result<Walk, LinearError> {
+        let underway = self.at.underway.take();
+        let underway = underway.unwrap_or_else(|| Underway::new(self.at.reached.unwrap_or(0.0), time));
+        let Underway { start, mut to_come, mut solved, mut kkt, mut ends, mut friction_work } = underway;
         let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
-        // The ends of the parts to come, the nearest last.
-        let mut to_come = vec![time];
         let mut tried = Some(tried);
-        let mut solved: Option<Outcome> = None;
-        let (mut kkt, mut ends, mut friction_work) = (KktErrors::default(), Vec::new(), 0.0);
         loop {
             let end = to_come.last().copied().unwrap_or(time);
             let from = self.at.reached.unwrap_or(0.0);
-            let (start, attempt) = match tried.take() {
+            let (begun, attempt) = match tried.take() {
                 Some(tried) => tried,
                 None => (self.start(), self.attempt(end, linear, &mut |iteration| told.iteration(iteration))?),
             };
@@ -192,21 +178,27 @@ impl<'a> Path<'a> {
                 let status = Status::Converged;
                 let walked = Walked { solved: so_far, attempt, kkt, status, ends, friction_work };
                 if to_come.is_empty() {
-                    return Ok(walked);
+                    return Ok(Walk::Ended(Box::new(walked)));
                 }
                 self.show(&walked.attempt.state, |increment, state| {
                     told.part(end, &self.data(), &walked, increment, state);
                 });
                 (solved, ends) = (Some(walked.solved), walked.ends);
+            } else if let Some(Lack { nodes, solved }) = self.lack(&attempt) {
+                self.at.estimate = solved.then_some(attempt.state);
+                let solved = Some(so_far);
+                self.at.underway = Some(Underway { start, to_come, solved, kkt, ends, friction_work });
+                return Ok(Walk::Lacks(nodes));
             } else {
                 let half = 0.5 * (end - from);
                 // Between neighbouring numbers there is no time.
                 let no_time = from + half <= from || from + half >= end;
                 if half < smallest || no_time || !self.smaller_may_do(&attempt) {
                     let (kkt, status) = (attempt.kkt, attempt.status);
-                    return Ok(Walked { solved: so_far, attempt, kkt, status, ends, friction_work });
+                    let walked = Walked { solved: so_far, attempt, kkt, status, ends, friction_work };
+                    return Ok(Walk::Ended(Box::new(walked)));
                 }
-                self.go_back(start);
+                self.go_back(begun);
                 to_come.push(from + half);
                 solved = Some(so_far);
             }
@@ -236,15 +228,16 @@ impl<'a> Path<'a> {
             self.mu = friction.at(time);
         }
         let from = self.at.reached.unwrap_or(0.0);
-        let before = self.carried.clone();
+        let begins = self.take_estimate(time).or(self.at.reached);
+        let before = self.at.carried.clone();
         let sizes = loading.force_sizes(time, problem.displacements());
         let landed = self.land(time, &sizes);
-        self.gap.iter_mut().zip(&self.carried.w_n).for_each(|(gap, w)| *gap -= w);
+        self.gap.iter_mut().zip(&self.at.carried.w_n).for_each(|(gap, w)| *gap -= w);
         let tangential = [(&mut self.w_t_last, &self.at.w_t), (&mut self.w_o_last, &self.at.w_o)];
         for (k, (last, w)) in tangential.into_iter().enumerate() {
             // Slip is motion past the obstacle: where that moves along, the body has not.
             let (drift, drift_now) = (loading.drift_at(from, k), loading.drift_at(time, k));
-            let (carried, carried_now) = (&before.w_t[k], &self.carried.w_t[k]);
+            let (carried, carried_now) = (&before.w_t[k], &self.at.carried.w_t[k]);
             for (i, last) in last.iter_mut().enumerate() {
                 *last = w[i] + (drift_now[i] - drift[i]) - (carried_now[i] - carried[i]);
             }
@@ -255,9 +248,9 @@ impl<'a> Path<'a> {
         let terms = sizes.iter().fold(0.0_f64, |m, size| m.max(*size));
         let scales = KktScales {
             force: scales.force.max(known * terms),
-            length: scales.length.max(known * self.carried.largest()),
+            length: scales.length.max(known * self.at.carried.largest()),
         };
-        Posed { sizes, landed, scales }
+        Posed { begins, sizes, landed, scales }
     }
 
     /// Lets the method loose on the part that ends at `time`.
@@ -280,16 +273,17 @@ impl<'a> Path<'a> {
             condensed.loading.force(time, &mut self.condensed_force);
             force = &self.condensed_force;
         }
-        let Path { gap, mu, w_t_last, w_o_last, held, at, method, .. } = self;
+        let [gap, mu, w_t_last, w_o_last] =
+            [&self.gap, &self.mu, &self.w_t_last, &self.w_o_last].map(|values| on_nodes(condensed, values));
         let task = Task {
-            first: at.reached.is_none(),
-            increment: &Increment { force, gap, mu, w_t_last, w_o_last },
-            response: &held.response(loading, at.reached, time),
+            first: posed.begins.is_none(),
+            increment: &Increment { force, gap: &gap, mu: &mu, w_t_last: &w_t_last, w_o_last: &w_o_last },
+            response: &self.held.response(loading, posed.begins, time),
             landed: posed.landed.as_deref(),
             scales: &posed.scales,
             tolerance: settings.tolerance,
         };
-        method.solve(&task, linear, observe)
+        self.method.solve(&task, linear, observe)
     }
 
     /// The whole body, where the method has a condensed one.
@@ -322,11 +316,24 @@ impl<'a> Path<'a> {
     fn judged(&mut self, scales: KktScales, outcome: Outcome, balanced: Balanced) -> Attempt {
         let Balanced { state, imbalance, backward_error } = balanced;
         let outcome = Outcome { backward_error: outcome.backward_error.max(backward_error), ..outcome };
-        self.worst_backward_error = self.worst_backward_error.max(backward_error);
+        self.at.worst_backward_error = self.at.worst_backward_error.max(backward_error);
         let (scales, tolerance) = (scales.with_state(&state), self.settings.tolerance);
         let kkt = judge(self.problem, &self.data(), &state, &imbalance, &scales, tolerance);
         let status = record::verdict(&outcome, &kkt, tolerance);
         Attempt { state, scales, outcome, kkt, status }
+    }
+
+    /// The contact nodes that the equations lack after an `attempt`.
+    fn lack(&self, attempt: &Attempt) -> Option<Lack> {
+        let held = self.condensed?.nodes()?;
+        working_set::lack(self.problem, &self.data(), attempt, held, self.settings.tolerance)
+    }
+
+    /// Goes on from the estimate of the state at `time`, if there is one.
+    fn take_estimate(&mut self, time: f64) -> Option<f64> {
+        let (condensed, estimate) = (self.condensed?, self.at.estimate.take()?);
+        self.method.go_on_from(&condensed.condensed_state(&estimate));
+        Some(time)
     }
 
     /// Carries a body that contact alone holds to where it comes to rest under the load of the part that ends at `time`; the
@@ -339,23 +346,28 @@ impl<'a> Path<'a> {
         let force = self.held.response(self.loading, None, time).contact_force * self.settings.scaling.force;
         let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEGLIGIBLE * gap.abs());
         let reach: Vec<f64> = self.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();
-        let moved = self.carried.w_n.iter().zip(&self.at.w_n).map(|(carried, w)| carried + w);
+        let moved = self.at.carried.w_n.iter().zip(&self.at.w_n).map(|(carried, w)| carried + w);
         let distance: Vec<f64> = self.gap.iter().zip(moved).map(|(gap, w)| gap - w).collect();
         let load = Load { force: &self.force, sizes };
         let Landing { weights, nodes } = landing(self.problem, &self.mu, &load, &distance, &reach)?;
-        self.carried = self.carried.by(self.problem, &weights);
+        self.at.carried = self.at.carried.by(self.problem, &weights);
         let stays = weights.iter().all(|weight| *weight == 0.0);
         (self.at.reached.is_none() || !stays).then_some(nodes)
     }
 
     fn accept(&mut self, time: f64, attempt: &Attempt) {
-        self.move_on(time, self.problem, &attempt.state, attempt.scales);
+        if self.condensed.is_some_and(|condensed| condensed.nodes().is_some()) {
+            self.at.state = Some(attempt.state.clone());
+        }
+        let w = self.problem.contact_motion(&attempt.state.u);
+        self.move_on(time, w, attempt.scales);
     }
 
-    /// To `time`, where `state` of `problem`, the whole one or the condensed one, is a solution.
-    fn move_on(&mut self, time: f64, problem: &ContactProblem, state: &State, scales: KktScales) {
-        let [w_n, w_t, w_o] = [problem.c_n(), problem.c_t(), problem.c_o()].map(|map| map.mul(&state.u));
-        self.at = Place { reached: Some(time), scales, w_n, w_t, w_o };
+    /// To `time`, where the contact nodes have moved by `w_n`, `w_t` and `w_o`.
+    fn move_on(&mut self, time: f64, [w_n, w_t, w_o]: [Vec<f64>; 3], scales: KktScales) {
+        let at = &mut *self.at;
+        (at.reached, at.scales) = (Some(time), scales);
+        (at.w_n, at.w_t, at.w_o) = (w_n, w_t, w_o);
     }
 
     /// Whether a smaller load could make the difference.
@@ -371,6 +383,11 @@ impl<'a> Path<'a> {
             _ => attempt.kkt.worst().1 > 10.0 * rounding_level(self.problem, &attempt.state, &attempt.scales),
         }
     }
+}
+
+/// Of a value for each contact node those that the equations have.
+fn on_nodes<'v>(condensed: Option<&Condensed>, values: &'v [f64]) -> Cow<'v, [f64]> {
+    condensed.map_or(Cow::Borrowed(values), |condensed| condensed.on_nodes(values))
 }
 
 /// Whether a body has free motions, and they strain it no more than rounding does.

@@ -82,12 +82,9 @@ impl<'a> PredictorCorrectorMethod<'a> {
         }
     }
 
-    /// Takes over the last state of another method, with so many iterations left.
-    pub(super) fn go_on_from(&mut self, state: &State, left: usize) {
-        self.settings.max_iterations = left;
-        let forces = self.formulation.forces();
-        let z = forces.packed(state, self.formulation.scaling());
-        self.z[..forces.unknowns()].copy_from_slice(&z);
+    /// At most so many iterations in an increment.
+    pub(super) fn limit(&mut self, max_iterations: usize) {
+        self.settings.max_iterations = max_iterations;
     }
 
     /// Moves the pairs into the interior: as far from the last solution as the change of the load
@@ -189,6 +186,12 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
 
     fn state(&self) -> State {
         self.formulation.forces().unpacked_with(&self.z, &self.rest, self.formulation.scaling())
+    }
+
+    fn go_on_from(&mut self, state: &State) {
+        let forces = self.formulation.forces();
+        let z = forces.packed(state, self.formulation.scaling());
+        self.z[..forces.unknowns()].copy_from_slice(&z);
     }
 
     fn unknowns(&mut self) -> &mut Vec<f64> {

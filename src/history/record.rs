@@ -112,6 +112,9 @@ pub struct IncrementRecord {
     /// The ends of these parts, s; empty if it did not have to be halved.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub part_ends: Vec<f64>,
+    /// How many contact nodes joined the condensed equations in it, where these do not hold all.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub joined: usize,
     /// Whether another method solved it, or a part of it, in place of the one asked for.
     pub rescued: bool,
     /// Linear systems solved (nle), in failed attempts, too.
@@ -144,6 +147,7 @@ impl IncrementRecord {
             status: Status::Converged,
             parts: 0,
             part_ends: Vec::new(),
+            joined: 0,
             rescued: false,
             iterations: 0,
             backtracks: 0,
@@ -156,6 +160,12 @@ impl IncrementRecord {
             seconds: Seconds::default(),
         }
     }
+}
+
+/// For serde, which hands over a reference.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// Converged is what the error measure says, whatever the solver thinks; how the solver ended only

@@ -46,7 +46,8 @@ impl IncrementSolver for Rescued<'_> {
             return Ok(attempt);
         }
         let rescue = rescue.get_or_insert_with(|| PredictorCorrectorMethod::beside(problem, bn.assembled(), settings));
-        rescue.go_on_from(&last, left);
+        rescue.limit(left);
+        rescue.go_on_from(&last);
         let mut rescued = rescue.solve(task, linear, observe)?;
         if rescued.stop == Stop::Met {
             rescued.rescued = true;
@@ -60,6 +61,10 @@ impl IncrementSolver for Rescued<'_> {
 
     fn state(&self) -> State {
         self.bn.state()
+    }
+
+    fn go_on_from(&mut self, state: &State) {
+        self.bn.go_on_from(state);
     }
 
     fn unknowns(&mut self) -> &mut Vec<f64> {

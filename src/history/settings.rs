@@ -5,7 +5,7 @@ use super::method::{Method, Start};
 use crate::formulation::Conventions;
 use crate::loading::Loading;
 use crate::problem::ContactProblem;
-use crate::problem::error::{expect_each, expect_length, expect_value};
+use crate::problem::error::{expect_each, expect_increasing, expect_length, expect_value};
 use crate::units::Scaling;
 
 /// How a history is solved: what the problem and its loading tell of it, and the choice of a method.
@@ -25,6 +25,10 @@ pub struct HistorySettings {
     pub max_iterations: usize,
     /// How many times an increment that fails may be halved, at most 52. The parts are increments of their own.
     pub halvings: u32,
+    /// The contact nodes that condensed equations hold at first, ascending; the others join as soon as the error measure, which
+    /// has them all, asks for them. `None` stands for all, and so does any set with the constants of the paper or in a body that
+    /// contact alone holds.
+    pub working_set: Option<Vec<usize>>,
 }
 
 /// The contact forces from which BN starts its first increment.
@@ -77,6 +81,7 @@ impl HistorySettings {
             tolerance: method.default_tolerance(),
             max_iterations: MAX_ITERATIONS,
             halvings: if method.is_of_paper() { 0 } else { HALVINGS },
+            working_set: None,
         })
     }
 
@@ -112,6 +117,12 @@ impl HistorySettings {
         let tolerance = |x| x > 0.0 && x < 1.0;
         expect_value("tolerance", self.tolerance, "above 0 and below 1", tolerance)?;
         expect_value("max_iterations", self.max_iterations as f64, "1 or more", |most| most >= 1.0)?;
+        if let Some(nodes) = &self.working_set {
+            let places: Vec<f64> = nodes.iter().map(|&i| i as f64).collect();
+            expect_value("working_set's length", places.len() as f64, "1 or more", |length| length >= 1.0)?;
+            expect_increasing("working_set", places.iter().copied())?;
+            expect_each("working_set", &places, "below the number of contact nodes", |i| i < n_c as f64)?;
+        }
         // Beyond that there is no time left between two numbers.
         expect_value("halvings", f64::from(self.halvings), "at most 52", |most| most <= 52.0)?;
         Ok(())

@@ -5,10 +5,7 @@ use std::str::FromStr;
 
 use serde::{Serialize, Serializer};
 
-use crate::condense::Condensed;
-use crate::linear::{Dense, Direct, FactorInfo, LinearError, LinearSolver, SparseCholesky, SparseLu, Statistics};
-use crate::loading::Loading;
-use crate::problem::ContactProblem;
+use crate::linear::{Direct, FactorInfo, LinearSolver, SparseCholesky, SparseLu, Statistics};
 
 /// How the linear systems of a run are set up, and what factors them.
 ///
@@ -131,22 +128,6 @@ impl System {
     /// Whether the body is condensed.
     pub fn condenses(&self) -> bool {
         matches!(self, System::Condensed(_))
-    }
-
-    /// The solver, and the condensed body if there is one.
-    pub(super) fn set_up(
-        self,
-        problem: &ContactProblem,
-        loading: &Loading,
-    ) -> Result<(Direct, Option<Condensed>), LinearError> {
-        match self {
-            System::Whole(linear) => Ok((linear, None)),
-            System::Condensed(cholesky) => {
-                let condensed = Condensed::new(problem, loading, cholesky)?;
-                let dense = Dense::new(condensed.problem.displacements());
-                Ok((Direct::new(Box::new(dense)), Some(condensed)))
-            }
-        }
     }
 }
 

@@ -88,6 +88,9 @@ pub trait IncrementSolver {
     /// The state it has reached.
     fn state(&self) -> State;
 
+    /// Takes over a state, as of another method or of the same with fewer contact nodes: an increment after the first starts there.
+    fn go_on_from(&mut self, state: &State);
+
     /// Its unknowns, to be kept and put back if an increment fails.
     fn unknowns(&mut self) -> &mut Vec<f64>;
 }
@@ -98,6 +101,12 @@ pub trait IncrementSolver {
 pub trait Algorithm {
     /// Sets up the method in the unloaded body.
     fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a>;
+
+    /// The same for some contact `nodes` of the problem alone, ascending. `None` for a method that wants them all.
+    fn of_nodes(&self, nodes: &[usize]) -> Option<Box<dyn Algorithm>> {
+        let _ = nodes;
+        None
+    }
 
     /// Whether it solves problems with these unknowns.
     fn knows(&self, layout: &Layout) -> bool {

@@ -144,7 +144,7 @@ impl Whole<'_> {
         }
         let dp = Layout::new(&self.condensed.problem).unpacked(&change, &scaling);
         for (p, dp) in [(&mut state.p_n, dp.p_n), (&mut state.p_t, dp.p_t), (&mut state.p_o, dp.p_o)] {
-            p.iter_mut().zip(&dp).for_each(|(p, dp)| *p += dp);
+            p.iter_mut().zip(self.condensed.of_all_nodes(dp)).for_each(|(p, dp)| *p += dp);
         }
         Ok(change)
     }

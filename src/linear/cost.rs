@@ -55,7 +55,7 @@ const FREE_SHARE: f64 = 0.5;
 pub struct Sizes {
     /// Unknowns of the whole system.
     pub unknowns: usize,
-    /// Contact displacements, `m`.
+    /// Contact displacements that the condensed system has, `m`.
     pub contact_displacements: usize,
     /// The Cholesky factor of `K`, see [`super::Cholesky::predict`].
     pub stiffness: FactorInfo,
@@ -88,6 +88,26 @@ pub fn order(unknowns: usize) -> f64 {
     unknowns as f64 * seconds::ORDER
 }
 
+/// The least work with the body in a condensed history: ordering `unknowns`, and in each increment a substitution with a factor of
+/// `K` that has at least the `entries` of its lower triangle, s.
+pub fn body(unknowns: usize, entries: usize, increments: usize) -> f64 {
+    order(unknowns) + (increments * entries) as f64 * seconds::L_SOLVE_ENTRY
+}
+
+/// What `m` contact displacements cost in a condensed history: `S`, its factorisations, an increment's passes over it, s.
+pub fn border(m: usize, work: &Work) -> f64 {
+    let entries = (m * m) as f64;
+    let once = entries * seconds::S_ENTRY + 2.0 / 3.0 * (m as f64).powi(3) * seconds::OPERATION;
+    let iteration = factorization(m, work) * seconds::OPERATION + entries * seconds::S_FACTOR_ENTRY;
+    once + work.factorizations * iteration + work.increments as f64 * entries * seconds::S_INCREMENT_ENTRY
+}
+
+/// Operations to factor what contact leaves free of `m` displacements.
+fn factorization(m: usize, work: &Work) -> f64 {
+    let free = if work.all_free { m as f64 } else { FREE_SHARE * m as f64 };
+    2.0 / 3.0 * free.powi(3)
+}
+
 /// The whole system with UMFPACK or, if `faer`, with faer's sparse LU.
 pub fn sparse(sizes: &Sizes, work: &Work, faer: bool) -> Cost {
     let (entries, flops) = (2.0 * sizes.stiffness.entries as f64, 2.0 * sizes.stiffness.flops);
@@ -98,18 +118,13 @@ pub fn sparse(sizes: &Sizes, work: &Work, faer: bool) -> Cost {
 
 /// The condensed system.
 pub fn condensed(sizes: &Sizes, work: &Work) -> Cost {
-    let (m, entries) = (sizes.contact_displacements as f64, sizes.stiffness.entries as f64);
-    let free = if work.all_free { m } else { FREE_SHARE * m };
-    let flops = 2.0 / 3.0 * free.powi(3);
-    let once = entries * seconds::L_ENTRY
-        + m * m * seconds::S_ENTRY
-        + (sizes.stiffness.flops + 2.0 / 3.0 * m.powi(3)) * seconds::OPERATION;
-    let iteration = flops * seconds::OPERATION + m * m * seconds::S_FACTOR_ENTRY;
-    let increment = entries * seconds::L_SOLVE_ENTRY + m * m * seconds::S_INCREMENT_ENTRY;
+    let (m, entries) = (sizes.contact_displacements, sizes.stiffness.entries as f64);
+    let once = entries * seconds::L_ENTRY + sizes.stiffness.flops * seconds::OPERATION;
+    let increments = work.increments as f64 * entries * seconds::L_SOLVE_ENTRY;
     Cost {
-        seconds: once + work.factorizations * iteration + work.increments as f64 * increment,
-        flops,
-        bytes: LU_BYTES * entries + S_BYTES * m * m,
+        seconds: once + increments + border(m, work),
+        flops: factorization(m, work),
+        bytes: LU_BYTES * entries + S_BYTES * (m * m) as f64,
     }
 }
 

@@ -54,6 +54,12 @@ impl Direct {
         Direct { backend, pattern: None, work: Workspace::default(), statistics: Statistics::default(), generation: 0 }
     }
 
+    /// The same after so much was `done` before: it counts on from there.
+    #[must_use]
+    pub fn after(self, done: Statistics) -> Self {
+        Direct { statistics: done, ..self }
+    }
+
     /// The name of the solver in reports.
     pub fn name(&self) -> &'static str {
         self.backend.name()

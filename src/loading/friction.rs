@@ -7,9 +7,9 @@ use crate::problem::error::{expect_each, expect_finite, expect_history, expect_l
 /// Coulomb's coefficients of the contact nodes over time, `μ_i(t) = Σ_k f_k(t) μ_ki`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionHistory {
-    nodes: usize,
+    pub(super) nodes: usize,
     /// `μ_k` at factor 1, and the points of `f_k`.
-    cases: Vec<(Vec<f64>, Vec<[f64; 2]>)>,
+    pub(super) cases: Vec<(Vec<f64>, Vec<[f64; 2]>)>,
 }
 
 impl FrictionHistory {

@@ -15,7 +15,7 @@ use super::validity::{LargestDisplacement, Validity};
 use super::warnings::{Warning, WarningKind};
 use crate::auto::{Choice, Faster};
 use crate::contact::RangeLeft;
-use crate::history::{HistoryOutcome, IncrementRecord, Solver, Status};
+use crate::history::{HistoryOutcome, IncrementRecord, Solver, Status, WorkingSet};
 use crate::model::Model;
 use crate::scene::Scene;
 use crate::uniqueness::CriticalFriction;
@@ -79,6 +79,9 @@ pub struct RunReport {
     pub unknowns: Unknowns,
     /// The unknowns that the scene does without, and why.
     pub left_out: Vec<LeftOut>,
+    /// The contact nodes that condensed equations held, if those were not all at first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub working_set: Option<WorkingSet>,
     /// One record per increment.
     pub increments: Vec<IncrementRecord>,
     /// Sums over the run.
@@ -174,6 +177,8 @@ pub struct Facts<'a> {
     pub linear: String,
     /// Whether it condensed the body.
     pub condensed: bool,
+    /// The contact nodes that the condensed equations held at first, if not all.
+    pub working_set: Option<&'a [usize]>,
     /// Why that was chosen.
     pub choice: &'a Choice,
     /// What came of it.
@@ -227,7 +232,8 @@ impl RunReport {
             range_left: validity.range_left,
             estimates: facts.estimates,
             unknowns: Unknowns::new(&outcome.layout, solver.method),
-            left_out: LeftOut::all(model, facts.condensed),
+            left_out: LeftOut::all(model, facts.condensed, facts.working_set),
+            working_set: outcome.working_set,
             increments: outcome.records.clone(),
             totals: Totals {
                 iterations: outcome.records.iter().map(|record| record.iterations).sum(),

@@ -7,6 +7,9 @@ use crate::history::Method;
 use crate::mesh::Geometry;
 use crate::model::Model;
 
+/// Why condensed equations do without a contact node.
+const OUT_OF_REACH: &str = "at nodes out of reach: they join as soon as they would penetrate";
+
 /// The numbers of unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
@@ -54,8 +57,9 @@ impl Unknowns {
 }
 
 impl LeftOut {
-    /// What a run of `model` does without, if its interior is `condensed` or not.
-    pub fn all(model: &Model, condensed: bool) -> Vec<Self> {
+    /// What a run of `model` does without, if its interior is `condensed` or not; condensed equations hold the contact nodes
+    /// `working_set` at first, or all.
+    pub fn all(model: &Model, condensed: bool, working_set: Option<&[usize]>) -> Vec<Self> {
         let Model { mesh, problem, contacts, contact_boundaries, .. } = model;
         let tangential = if mesh.dimension == 2 { "p_t" } else { "p_t and p_o" };
         let beyond: usize = contact_boundaries.iter().map(|boundary| boundary.beyond).sum();
@@ -67,7 +71,12 @@ impl LeftOut {
         let rough = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu > 0.0);
         let free =
             |contact: &crate::contact::ContactNode| contact.tangents.iter().filter(|row| !row.is_empty()).count();
-        let interior = if condensed { problem.displacements() - problem.contact_displacements().len() } else { 0 };
+        let nodes = working_set.map_or_else(|| (0..contacts.len()).collect(), <[usize]>::to_vec);
+        let held_displacements = problem.contact_displacements_of(nodes.iter().copied()).len();
+        let interior = if condensed { problem.displacements() - held_displacements } else { 0 };
+        let layout = Layout::new(problem);
+        let of_node = |i: usize| layout.tangential(i).into_iter().flatten().count();
+        let apart = layout.tangentials() - nodes.iter().map(|&i| of_node(i)).sum::<usize>();
         let held_by = match mesh.geometry {
             Geometry::Cartesian => "held by supports",
             Geometry::Axisymmetric => "held by supports or on the axis",
@@ -75,6 +84,8 @@ impl LeftOut {
         let counted = [
             (mesh.nodes.len() * mesh.dimension - problem.displacements(), "u", held_by),
             (interior, "u", "within the body: condensed, known once those at the contact are"),
+            (contacts.len() - nodes.len(), "p_n", OUT_OF_REACH),
+            (apart, tangential, OUT_OF_REACH),
             (held.sum(), "p_n", "at nodes that supports hold along the normal"),
             (beyond, "p_n", "at nodes that no obstacle ever reaches"),
             (smooth.map(|(contact, _)| free(contact)).sum(), tangential, "at nodes without friction"),

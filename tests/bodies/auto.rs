@@ -18,7 +18,7 @@ fn scene(overrides: &[&str]) -> (Scene, Model) {
 }
 
 fn cheapest(scene: &Scene, model: &Model, available: Option<u64>) -> Choice {
-    Choice::cheapest(&model.problem, scene.solver.method, scene.time.increments, available).unwrap()
+    Choice::cheapest(&model.problem, None, scene.solver.method, scene.time.increments, available).unwrap()
 }
 
 fn choice(overrides: &[&str], available: Option<u64>) -> Choice {

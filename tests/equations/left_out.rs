@@ -79,7 +79,7 @@ fn contact() {
 fn the_list() {
     let list = |name: &str, overrides: &[&str], backend| {
         let scene = common::scene(name, overrides);
-        let all = LeftOut::all(&Model::new(&scene).unwrap(), backend == LinearAlgebra::condensed());
+        let all = LeftOut::all(&Model::new(&scene).unwrap(), backend == LinearAlgebra::condensed(), None);
         all.into_iter().map(|LeftOut { count, unknown, .. }| (count, unknown)).collect::<Vec<_>>()
     };
     let whole = LinearAlgebra::default();

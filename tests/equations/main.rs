@@ -28,3 +28,4 @@ mod uniqueness;
 mod uniqueness_of_rows;
 mod units;
 mod verdicts;
+mod working_set;

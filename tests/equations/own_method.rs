@@ -54,6 +54,10 @@ impl IncrementSolver for Kept<'_> {
         self.inner.state()
     }
 
+    fn go_on_from(&mut self, state: &State) {
+        self.inner.go_on_from(state);
+    }
+
     fn unknowns(&mut self) -> &mut Vec<f64> {
         self.inner.unknowns()
     }

@@ -79,6 +79,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "vector",
         ],
     ),
+    ("reach", &["linear", "loading", "problem"]),
     ("auto", &["formulation", "history", "linear", "problem"]),
     ("estimate", &["contact", "description", "fem", "mesh", "model", "problem", "sets", "vector"]),
     (

@@ -34,6 +34,8 @@ pub const LIBRARY: &[Places] = &[
             "scene/error.rs",
         ],
     ),
+    ("pulp", &["linear/cholesky/sweep.rs", "sparse/lanes.rs"]),
+    ("rayon", &["history/whole.rs", "linear/cholesky.rs"]),
     ("rustix", &["report/usage.rs"]),
     (
         "schemars",

@@ -7,11 +7,10 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
+use super::super::Status;
 use super::super::told::Told;
-use super::super::walked::Walked;
 use super::super::whole::Balanced;
-use super::super::{Seconds, Status};
-use super::{Path, Start};
+use super::{Path, Start, Walk};
 use crate::contact::KktScales;
 use crate::linear::{Direct, LinearError, Statistics};
 use crate::nonlinear::{Outcome, Stop};
@@ -29,6 +28,7 @@ const ITERATIONS: f64 = 5.0;
 /// An increment that is solved and not yet judged.
 struct Pending {
     time: f64,
+    began: Instant,
     start: Start,
     scales: KktScales,
     outcome: Outcome,
@@ -52,8 +52,13 @@ pub(in crate::history) struct Bundle {
 /// A judged increment.
 pub(in crate::history) struct Judged {
     pub time: f64,
-    pub walked: Walked,
-    pub seconds: Seconds,
+    /// How far it came; it has not ended where equations lack contact nodes.
+    pub walk: Walk,
+    pub began: Instant,
+    /// What the linear algebra had done before and after it.
+    pub work: [Statistics; 2],
+    /// Its wall time, s.
+    pub seconds: f64,
 }
 
 impl Path<'_> {
@@ -76,7 +81,9 @@ impl Path<'_> {
         linear: &mut Direct,
         told: &mut Told<'_>,
     ) -> Result<Bundle, LinearError> {
-        let (first, at) = (told.index, self.at.clone());
+        let alone = times.len() == 1;
+        let at = (!alone).then(|| self.at.clone());
+        let first = told.index;
         let (mut solved, mut states, mut forces) = (Vec::new(), Vec::new(), Vec::new());
         let mut is_current = true;
         for (k, &time) in times.iter().enumerate() {
@@ -94,11 +101,12 @@ impl Path<'_> {
             };
             let (state, goes_on) = (self.method.state(), outcome.stop == Stop::Met);
             if let (Some(whole), true) = (self.whole(), k + 1 < times.len()) {
-                self.move_on(time, &whole.condensed.problem, &state, posed.scales.with_state(&state));
+                let w = whole.condensed.problem.contact_motion(&state.u).map(|w| whole.condensed.of_all_nodes(w));
+                self.move_on(time, w, posed.scales.with_state(&state));
             }
             let work = [before, *linear.statistics()];
             let seconds = clock.elapsed().as_secs_f64();
-            solved.push(Pending { time, start, scales: posed.scales, outcome, work, seconds });
+            solved.push(Pending { time, began: clock, start, scales: posed.scales, outcome, work, seconds });
             states.push((time, state));
             forces.push(self.force.clone());
             if !goes_on {
@@ -113,9 +121,8 @@ impl Path<'_> {
         };
         let share = clock.elapsed().as_secs_f64() / solved.len() as f64;
         solved.iter_mut().for_each(|pending| pending.seconds += share);
-        let alone = times.len() == 1;
-        if !alone {
-            self.at = at;
+        if let Some(at) = at {
+            *self.at = at;
         }
         Ok(Bundle { pending: solved.into_iter().zip(balanced).collect(), alone, is_current, sound: true })
     }
@@ -129,7 +136,7 @@ impl Path<'_> {
     ) -> Result<Option<Judged>, LinearError> {
         let Some((pending, balanced)) = bundle.pending.pop_front() else { return Ok(None) };
         let clock = Instant::now();
-        let Pending { time, start, mut scales, outcome, work: [before, mut after], seconds } = pending;
+        let Pending { time, began, start, mut scales, outcome, work: [before, mut after], seconds } = pending;
         if !bundle.alone {
             scales = self.pose(time).scales;
         }
@@ -148,13 +155,14 @@ impl Path<'_> {
             }
             attempt
         };
-        let walked = self.increment(time, (start, attempt), linear, told)?;
-        bundle.sound &= walked.status == Status::Converged && walked.ends.len() == 1;
+        let walk = self.increment(time, (start, attempt), linear, told)?;
+        if let Walk::Ended(walked) = &walk {
+            bundle.sound &= walked.status == Status::Converged && walked.ends.len() == 1;
+        }
         if is_current {
             after = *linear.statistics();
         }
-        let all = seconds + clock.elapsed().as_secs_f64();
-        let seconds = Seconds::between(&before, &after, walked.solved.assembly_seconds, all);
-        Ok(Some(Judged { time, walked, seconds }))
+        let seconds = seconds + clock.elapsed().as_secs_f64();
+        Ok(Some(Judged { time, walk, began, work: [before, after], seconds }))
     }
 }

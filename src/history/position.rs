@@ -1,0 +1,79 @@
+//! How far a history has come.
+
+use super::carried::Carried;
+use crate::contact::{KktErrors, KktScales};
+use crate::nonlinear::Outcome;
+use crate::problem::{ContactProblem, State};
+
+/// How far a history has come: all that one stage of it leaves to the next.
+#[derive(Clone)]
+pub(super) struct Position {
+    /// The time reached; `None` stands for the unloaded body.
+    pub reached: Option<f64>,
+    /// The state then, from where the body has been carried, if another stage may follow.
+    pub state: Option<State>,
+    /// The largest backward error of the whole system where the body is condensed.
+    pub worst_backward_error: f64,
+    pub scales: KktScales,
+    /// Where the body has been carried, from where all displacements and gaps of a part count.
+    pub carried: Carried,
+    /// The normal displacements at the end of the last part.
+    pub w_n: Vec<f64>,
+    /// `w̄_t` and `w̄_o` of the next part.
+    pub w_t: Vec<f64>,
+    pub w_o: Vec<f64>,
+    /// The increment that the last stage could not end.
+    pub underway: Option<Underway>,
+    /// Where the next part begins its iterations, if not at the state reached: near its end.
+    pub estimate: Option<State>,
+}
+
+/// An increment that has begun.
+#[derive(Clone)]
+pub(super) struct Underway {
+    /// Where it began, s.
+    pub start: f64,
+    /// The ends of the parts to come, s, the nearest last.
+    pub to_come: Vec<f64>,
+    /// What the method has done in it.
+    pub solved: Option<Outcome>,
+    /// The largest errors of the parts that converged.
+    pub kkt: KktErrors,
+    /// The ends (s) of these.
+    pub ends: Vec<f64>,
+    /// What friction dissipated in them, J.
+    pub friction_work: f64,
+}
+
+impl Position {
+    /// The unloaded body.
+    pub(super) fn start(problem: &ContactProblem) -> Self {
+        let zeros = || vec![0.0; problem.contacts()];
+        Position {
+            reached: None,
+            state: None,
+            worst_backward_error: 0.0,
+            scales: KktScales::default(),
+            carried: Carried::nowhere(problem),
+            w_n: zeros(),
+            w_t: zeros(),
+            w_o: zeros(),
+            underway: None,
+            estimate: None,
+        }
+    }
+}
+
+impl Underway {
+    /// An increment from `start` to `end` (s).
+    pub(super) fn new(start: f64, end: f64) -> Self {
+        Underway {
+            start,
+            to_come: vec![end],
+            solved: None,
+            kkt: KktErrors::default(),
+            ends: Vec::new(),
+            friction_work: 0.0,
+        }
+    }
+}

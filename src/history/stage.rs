@@ -1,0 +1,217 @@
+//! A stage of a history: the increments that are solved in one set-up of the equations.
+
+use std::time::Instant;
+
+use super::held::HeldBody;
+use super::observer::{Observer, Step};
+use super::path::{Judged, Path, Walk};
+use super::position::Position;
+use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
+use super::settings::HistorySettings;
+use super::system::statistics;
+use super::task::Algorithm;
+use super::told::{Told, record};
+use super::walked::Walked;
+use super::working_set::WorkingSet;
+use super::{Error, HistoryOutcome};
+use crate::condense::Condensed;
+use crate::contact::{Violation, rounding_level, statuses_of};
+use crate::linear::{Dense, Direct, LinearError, SparseCholesky, Statistics};
+use crate::loading::Loading;
+use crate::nonlinear::{Flow, Stop};
+use crate::problem::ContactProblem;
+
+/// A history on its way, from stage to stage.
+pub(super) struct Stages<'a> {
+    pub problem: &'a ContactProblem,
+    pub loading: &'a Loading,
+    /// The ends of all increments, s.
+    pub times: &'a [f64],
+    pub settings: &'a HistorySettings,
+    pub observer: &'a mut dyn Observer,
+    pub outcome: HistoryOutcome,
+    pub position: Position,
+    /// When the history began.
+    pub start: Instant,
+    /// When the increment on the way began, and what the linear algebra had done by then.
+    pub begun: Option<(Instant, Statistics)>,
+    /// What the linear algebra has done in the stages before.
+    pub done: Statistics,
+    /// The contact nodes that have joined since the last increment ended.
+    pub joined: usize,
+}
+
+impl Stages<'_> {
+    /// Solves the history on the contact displacements.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(super) fn condensed(&mut self, algorithm: &dyn Algorithm, cholesky: SparseCholesky) -> Result<(), Error> {
+        let all = self.problem.contacts();
+        let asked_for = self.settings.working_set.as_ref().filter(|_| self.problem.free_motions().is_empty());
+        let mut nodes = asked_for.filter(|nodes| nodes.len() < all).cloned();
+        loop {
+            let part = nodes.take().and_then(|nodes| Some((algorithm.of_nodes(&nodes)?, nodes)));
+            let held = part.as_ref().map_or(all, |(_, nodes)| nodes.len());
+            if part.is_some() || self.outcome.working_set.is_some() {
+                let first = WorkingSet { first: held, last: held, all, grown: 0 };
+                let grown = |before: WorkingSet| WorkingSet { last: held, grown: before.grown + 1, ..before };
+                self.outcome.working_set = Some(self.outcome.working_set.map_or(first, grown));
+            }
+            match self.condensed_stage(algorithm, cholesky, part) {
+                Ok(None) => return Ok(()),
+                Ok(Some(more)) => {
+                    self.joined += more.len() - held;
+                    nodes = (more.len() < all).then_some(more);
+                }
+                Err(Error::Linear(LinearError::OutOfMemory { .. })) if self.begun.is_some() => {
+                    self.outcome.status = Status::OutOfMemory;
+                    return Ok(());
+                }
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// One stage of it, on all contact nodes or on some with a method for these.
+    fn condensed_stage(
+        &mut self,
+        algorithm: &dyn Algorithm,
+        cholesky: SparseCholesky,
+        part: Option<(Box<dyn Algorithm>, Vec<usize>)>,
+    ) -> Result<Option<Vec<usize>>, Error> {
+        let (own, condensed) = match part {
+            Some((own, nodes)) => (Some(own), Condensed::of_nodes(self.problem, self.loading, nodes, cholesky)),
+            None => (None, Condensed::new(self.problem, self.loading, cholesky)),
+        };
+        let condensed = match condensed {
+            Ok(condensed) => condensed,
+            Err(LinearError::Singular { .. }) => {
+                self.outcome.free_motion = algorithm.start(self.problem, self.loading).hold_contacts().err();
+                self.outcome.status = Status::Singular;
+                return Ok(None);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        let dense = Direct::new(Box::new(Dense::new(condensed.problem.displacements()))).after(self.done);
+        self.stage(own.as_deref().unwrap_or(algorithm), Some(&condensed), dense)
+    }
+
+    /// Solves increments with `linear`, on the body or on `condensed`, until the history has ended: `None`; or until contact
+    /// nodes are missing from these equations: all that they must hold to go on.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(super) fn stage(
+        &mut self,
+        algorithm: &dyn Algorithm,
+        condensed: Option<&Condensed>,
+        mut linear: Direct,
+    ) -> Result<Option<Vec<usize>>, Error> {
+        let Stages { problem, loading, times, settings, .. } = *self;
+        let (small, loads, body) = match condensed {
+            Some(condensed) => (&condensed.problem, &condensed.loading, Some(condensed.info())),
+            None => (problem, loading, None),
+        };
+        let mut method = algorithm.start(small, loads);
+        linear.analyze(method.matrix().pattern())?;
+        let held = HeldBody::new(method.as_mut(), small, loads, &settings.scaling, &mut linear)?;
+        self.outcome.linear = statistics(&linear, body, self.position.worst_backward_error);
+        let held = match held {
+            Ok(held) => held,
+            Err(free_motion) => {
+                self.outcome.status = Status::Singular;
+                self.outcome.free_motion = free_motion;
+                return Ok(None);
+            }
+        };
+        if self.outcome.records.is_empty() && self.begun.is_none() {
+            self.outcome.setup_seconds = self.start.elapsed().as_secs_f64();
+            self.observer.ready();
+        }
+        let mut path = Path::new(problem, loading, settings, condensed, method, held, &mut self.position);
+        let (outcome, observer) = (&mut self.outcome, &mut *self.observer);
+
+        // How many increments go together: more and more, as long as all is well.
+        let mut together = 1;
+        while outcome.records.len() < times.len() {
+            let (first, to_come) = (outcome.records.len() + 1, &times[outcome.records.len()..]);
+            let most = together.min(path.together()).min(to_come.len());
+            let many = (1..most).find(|&k| observer.waits_for(first + k - 1)).unwrap_or(most);
+            let mut told = Told { problem, index: first, observer: &mut *observer };
+            let mut bundle = match path.ahead(&to_come[..many], &mut linear, &mut told) {
+                Ok(bundle) => bundle,
+                Err(error) => return outcome.end_by(error).map(|()| None),
+            };
+            loop {
+                let index = outcome.records.len() + 1;
+                told.index = index;
+                let Judged { time, walk, began, work: [before, after], seconds } =
+                    match path.judge(&mut bundle, &mut linear, &mut told) {
+                        Ok(Some(judged)) => judged,
+                        Ok(None) => break,
+                        Err(error) => return outcome.end_by(error).map(|()| None),
+                    };
+                let (all, before) = match self.begun.take() {
+                    Some((began, before)) => (began.elapsed().as_secs_f64(), before),
+                    None => (seconds, before),
+                };
+                let increment = match walk {
+                    Walk::Ended(increment) => increment,
+                    Walk::Lacks(nodes) => {
+                        self.begun = Some((began, before));
+                        self.done = *linear.statistics();
+                        return Ok(Some(nodes));
+                    }
+                };
+                let statuses = statuses_of(problem, &path.data(), &increment.attempt.state, &increment.attempt.scales);
+                let seconds = Seconds::between(&before, &after, increment.solved.assembly_seconds, all);
+                let counts = ContactCounts::of(&statuses);
+                let joined = std::mem::take(&mut self.joined);
+                let record = record(problem, path.data().force, index, time, &increment, counts, seconds);
+                let record = IncrementRecord { joined, ..record };
+                let Walked { solved, attempt, status, .. } = *increment;
+                let (flow, state) = path.show(&attempt.state, |increment, state| {
+                    let step = Step { record: &record, increment, state, statuses: &statuses };
+                    (told.observer.increment(&step), state.clone())
+                });
+                outcome.records.push(record);
+                outcome.linear = statistics(&linear, body, path.at.worst_backward_error);
+                if status != Status::Converged || index == times.len() {
+                    outcome.rounding = rounding_level(problem, &attempt.state, &attempt.scales);
+                }
+                outcome.status = status;
+                outcome.reached = path.at.reached.unwrap_or(0.0);
+                if status != Status::Converged {
+                    outcome.violation = Some(Violation::worst(problem, &path.data(), &attempt.state, &attempt.scales));
+                    if let Stop::Unheld(motion) | Stop::NoEquilibrium(motion) | Stop::EdgeFriction(motion) = solved.stop
+                    {
+                        outcome.free_motion = Some(motion);
+                    }
+                    return Ok(None);
+                }
+                outcome.state = state;
+                outcome.scales = attempt.scales;
+                if flow == Flow::Stop && index < times.len() {
+                    outcome.status = Status::Interrupted;
+                    return Ok(None);
+                }
+            }
+            together = if bundle.sound { 2 * together } else { 1 };
+        }
+        Ok(None)
+    }
+}
+
+impl HistoryOutcome {
+    /// The end that an error of the linear algebra makes: want of memory is a verdict.
+    fn end_by(&mut self, error: LinearError) -> Result<(), Error> {
+        match error {
+            LinearError::OutOfMemory { .. } => {
+                self.status = Status::OutOfMemory;
+                Ok(())
+            }
+            error => Err(error.into()),
+        }
+    }
+}
