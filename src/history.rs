@@ -166,7 +166,7 @@ pub fn run_with(
         None => (problem, loading, None),
     };
     let mut method = algorithm.start(small, loads);
-    linear.analyze(method.matrix().pattern())?;
+    linear.analyze(method.matrix())?;
     let held = HeldBody::new(method.as_mut(), small, loads, &settings.scaling, &mut linear)?;
     outcome.linear = statistics(&linear, body, 0.0);
     let held = match held {

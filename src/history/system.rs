@@ -143,8 +143,7 @@ impl System {
             System::Whole(linear) => Ok((linear, None)),
             System::Condensed(cholesky) => {
                 let condensed = Condensed::new(problem, loading, cholesky)?;
-                let dense = Dense::new(condensed.problem.displacements());
-                Ok((Direct::new(Box::new(dense)), Some(condensed)))
+                Ok((Dense::default().into(), Some(condensed)))
             }
         }
     }
