@@ -73,7 +73,7 @@ fn measure(n: usize, who: Who) -> [f64; 6] {
         w_o_last: &w_t_last,
     });
     let mut direct = Direct::new(Box::new(Umfpack::default()));
-    direct.analyze(formulation.jacobian().pattern()).unwrap();
+    direct.analyze(formulation.jacobian()).unwrap();
 
     let n = formulation.unknowns();
     let (mut h, mut dz) = (vec![0.0; n], vec![0.0; n]);
@@ -91,14 +91,14 @@ fn measure(n: usize, who: Who) -> [f64; 6] {
             worst = worst.max(solved.backward_error);
             linear::process::keep_freed_memory();
         } else {
-            let (pattern, values) = prune(jacobian);
+            let (pattern, values) = prune(jacobian.rest());
             let start = Instant::now();
             let mut umfpack = Umfpack::new(Strategy::Automatic);
             umfpack.analyze_with(&pattern, Some(&values)).unwrap();
             info = umfpack.factorize(&values).unwrap();
             umfpack.solve(&h, &mut dz).unwrap();
             seconds.push(start.elapsed().as_secs_f64());
-            worst = worst.max(backward_error(&Csc::new(pattern, values).unwrap(), &h, &dz).unwrap());
+            worst = worst.max(backward_error(&Csc::new(pattern, values).unwrap().into(), &h, &dz).unwrap());
         }
     }
     seconds.sort_by(f64::total_cmp);

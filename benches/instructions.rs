@@ -41,8 +41,8 @@ fn main() {
     formulation.linearize(&first);
     let (mut h, mut dz) = (vec![0.0; first.len()], vec![0.0; first.len()]);
     formulation.residual(&first, &mut h);
-    let mut direct = Direct::new(Box::new(Dense::new(small.displacements())));
-    direct.analyze(formulation.jacobian().pattern()).unwrap();
+    let mut direct = Direct::from(Dense::default());
+    direct.analyze(formulation.jacobian()).unwrap();
     match kernel.as_str() {
         "assembly" => measured_kernel(&mut || drop(Model::new(&scene).unwrap())),
         "condensation" => measured_kernel(&mut || {

@@ -18,7 +18,7 @@ use stickslip::linear::{self, Direct, FactorInfo, LinearSolver, Umfpack, backwar
 use stickslip::model::Model;
 use stickslip::problem::Increment;
 use stickslip::report::Table;
-use stickslip::sparse::Csc;
+use stickslip::sparse::SystemMatrix;
 
 const PRODUCTS: [f64; 3] = [1.0, 1e-4, 1e-8];
 const ROUNDS: usize = 3;
@@ -88,8 +88,8 @@ fn measure(n: usize) -> [Form; 2] {
         let mut bare = Umfpack::default();
         bare.analyze(formulation.matrix().pattern()).unwrap();
         let mut direct = Direct::new(Box::new(Umfpack::default()));
-        direct.analyze(formulation.matrix().pattern()).unwrap();
-        let unknowns = formulation.matrix().pattern().rows();
+        direct.analyze(formulation.matrix()).unwrap();
+        let unknowns = formulation.matrix().order();
         let info = FactorInfo::default();
         let form = Form {
             name,
@@ -122,7 +122,7 @@ fn measure(n: usize) -> [Form; 2] {
             let (mut rhs, mut dz) = (vec![0.0; m], vec![0.0; z.len()]);
             formulation.reduce(&z, &b, &mut rhs);
 
-            bare.factorize(formulation.matrix().values()).unwrap();
+            bare.factorize(formulation.matrix().rest().values()).unwrap();
             bare.solve(&rhs, &mut dz[..m]).unwrap();
             form.backward[0] = form.backward[0].max(backward_error(formulation.matrix(), &rhs, &dz[..m]).unwrap());
             formulation.recover(&z, &b, &mut dz);
@@ -188,7 +188,7 @@ fn forward_error(formulation: &Constrained, dz: &[f64], exact: &[f64]) -> f64 {
 }
 
 /// `x` with `A x = b`, refined with residuals and sums in twice the precision.
-fn solve_twice_as_precise(a: &Csc, direct: &mut Direct, b: &[f64]) -> Vec<f64> {
+fn solve_twice_as_precise(a: &SystemMatrix, direct: &mut Direct, b: &[f64]) -> Vec<f64> {
     let n = b.len();
     let mut x = vec![(0.0, 0.0); n];
     let (mut correction, mut r) = (vec![0.0; n], b.to_vec());

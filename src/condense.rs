@@ -19,12 +19,11 @@
 //! contact block and taken off again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use crate::linear::{Cholesky, FactorInfo, LinearError, Reduced, SparseCholesky, times_transposed};
 use crate::loading::{LoadCase, Loading};
 use crate::problem::{ContactProblem, OwnBasis, Parts, State};
-use crate::sparse::{Csc, Csr, Pattern, Symmetric};
+use crate::sparse::{Csr, DenseSymmetric, Symmetric};
 
 /// A condensed body.
 pub struct Condensed {
@@ -242,10 +241,9 @@ fn schur_complement(
             // What has no stiffness of its own takes that of others, or any.
             let largest = diagonal.iter().fold(0.0_f64, |m, rho| m.max(*rho));
             let other = if largest > 0.0 { largest } else { 1.0 };
-            let stored = |dof: usize| stiffness.lower().pattern().slot(dof, dof).is_some();
             let rho = |&dof: &usize| match diagonal[dof] {
                 own if own > 0.0 => own,
-                _ if stored(dof) => other,
+                _ if stiffness.stores(dof, dof) => other,
                 _ => 0.0,
             };
             shift.extend(border.iter().map(rho));
@@ -265,10 +263,7 @@ fn schur_complement(
     if let Some(basis) = basis {
         basis.congruence(border, &mut values);
     }
-    let mut lower = Csc::zeros(Arc::new(Pattern::full_lower(m)));
-    let columns = (0..m).flat_map(|j| &values[j * m + j..(j + 1) * m]);
-    lower.values_mut().iter_mut().zip(columns).for_each(|(entry, value)| *entry = *value);
-    Ok((factor, Symmetric::from_lower(lower).expect("a lower triangle")))
+    Ok((factor, DenseSymmetric::of_lower(m, values).into()))
 }
 
 /// The rows of `map` that are `wanted`, on the contact displacements, changed by `basis`; the others are empty.

@@ -16,7 +16,7 @@ pub use predictor_corrector::{PredictorCorrector, PredictorCorrectorSettings};
 
 use crate::formulation::Layout;
 use crate::linear::LinearError;
-use crate::sparse::Csc;
+use crate::sparse::SystemMatrix;
 use crate::units::Scaling;
 
 /// How the iteration of one increment ended, by the solver's own stop test.
@@ -144,7 +144,7 @@ pub struct Iteration<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct LinearSystem<'a> {
     /// The matrix.
-    pub matrix: &'a Csc,
+    pub matrix: &'a SystemMatrix,
     /// The right-hand side.
     pub rhs: &'a [f64],
     /// The direction `dz`, before it is multiplied by the step size.

@@ -1,6 +1,7 @@
 //! Sparse matrices: an immutable [`Pattern`] that many value arrays share, compressed columns ([`Csc`]) for what is
 //! factored, half of them ([`Symmetric`]) for the stiffness, compressed rows ([`Csr`]) for the short rows of the contact
-//! maps.
+//! maps. The stiffness of a condensed body is dense ([`DenseSymmetric`]), and stands as such in the matrices that are factored
+//! ([`SystemMatrix`]).
 //!
 //! No field of theirs can be reached from outside, and every constructor refuses what does not fit with a
 //! [`MatrixError`]: the direct solvers, C among them, read these arrays by the lengths they state.
@@ -18,18 +19,23 @@
 
 mod csc;
 mod csr;
+mod dense;
 mod error;
 mod lanes;
 mod matrix_market;
 mod pattern;
 mod symmetric;
+mod system;
 mod twofold;
 
 pub use csc::Csc;
 pub use csr::Csr;
+pub use dense::DenseSymmetric;
+pub(crate) use dense::mirror;
 pub use error::MatrixError;
 pub(crate) use lanes::{LANES, Lanes, lane, side_by_side};
 pub use matrix_market::{read_matrix_market, write_matrix_market};
 pub use pattern::Pattern;
 pub use symmetric::Symmetric;
+pub use system::SystemMatrix;
 pub use twofold::{Twofold, sum};

@@ -116,7 +116,7 @@ fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut Direct) -> Result<
         return Ok(None);
     }
     let jacobian = tangent.jacobian();
-    linear.analyze(jacobian.pattern())?;
+    linear.analyze(jacobian)?;
     // In units in which stiffness and compliance are of order one, such a pivot is a zero with
     // rounding in it.
     if linear.factorize(jacobian)?.pivot_ratio < f64::EPSILON {

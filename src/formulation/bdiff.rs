@@ -11,7 +11,7 @@ use crate::contact::coulomb::{
     Germ, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case, tangential_case_ahead,
 };
 use crate::problem::{ContactProblem, Increment, strained};
-use crate::sparse::{Csc, Twofold};
+use crate::sparse::{SystemMatrix, Twofold};
 use crate::units::Scaling;
 
 /// `H_N` of a problem, in the units of its scaling, with its Jacobian on one fixed pattern.
@@ -282,7 +282,7 @@ impl Bdiff {
     }
 
     /// The matrix of the last linearisation, with what ties motions that it leaves free. Its pattern never changes.
-    pub fn jacobian(&self) -> &Csc {
+    pub fn jacobian(&self) -> &SystemMatrix {
         self.matrix.matrix()
     }
 

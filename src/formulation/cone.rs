@@ -25,7 +25,7 @@ use super::scaled::Scaled;
 use super::{Assembled, Conventions, Layout};
 use crate::contact::coulomb::{direction, length as size};
 use crate::problem::{ContactProblem, Increment};
-use crate::sparse::Csc;
+use crate::sparse::SystemMatrix;
 use crate::units::Scaling;
 use crate::vector::dot;
 
@@ -134,7 +134,7 @@ impl InteriorPoint for Cone {
 
     fn residual(&self, z: &[f64], h: &mut [f64]) {
         let (data, matrix) = (&self.data, self.matrix.matrix());
-        let n = matrix.pattern().rows();
+        let n = matrix.order();
         // The equilibrium rows of the matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f.
         matrix.mul(&z[..n], &mut h[..n]);
         h.iter_mut().zip(&data.force).for_each(|(row, force)| *row -= force);
@@ -192,7 +192,7 @@ impl InteriorPoint for Cone {
         }
     }
 
-    fn matrix(&self) -> &Csc {
+    fn matrix(&self) -> &SystemMatrix {
         self.matrix.matrix()
     }
 

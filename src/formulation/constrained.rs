@@ -33,7 +33,7 @@ use super::pairs::{Face, Pair, largest_step, least, reach};
 use super::scaled::Scaled;
 use super::{Assembled, Conventions, Layout};
 use crate::problem::{ContactProblem, Increment};
-use crate::sparse::Csc;
+use crate::sparse::SystemMatrix;
 use crate::units::Scaling;
 use extended::Extended;
 use reduced::Reduced;
@@ -204,7 +204,7 @@ impl InteriorPoint for Constrained {
         let Constrained { data, layout, .. } = self;
         // The equilibrium rows of either matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t - f.
         let matrix = self.matrix();
-        let n = matrix.pattern().rows();
+        let n = matrix.order();
         matrix.mul(&z[..n], &mut h[..n]);
         for (row, force) in h.iter_mut().zip(&data.force) {
             *row -= force;
@@ -236,7 +236,7 @@ impl InteriorPoint for Constrained {
         }
     }
 
-    fn matrix(&self) -> &Csc {
+    fn matrix(&self) -> &SystemMatrix {
         match &self.system {
             System::Reduced(system) => system.matrix(),
             System::Extended(system) => system.matrix(),

@@ -3,7 +3,7 @@
 use super::Layout;
 use super::pairs::{Face, Pair};
 use crate::problem::Increment;
-use crate::sparse::Csc;
+use crate::sparse::SystemMatrix;
 use crate::units::Scaling;
 
 /// Equations `H(z) = 0` on `z = (u, p_t, p_o, p_n, v_n, s, λ)`, of which the products of complementary
@@ -37,7 +37,7 @@ pub trait InteriorPoint {
     fn linearize(&mut self, z: &[f64]);
 
     /// The matrix of the last linearisation. Its pattern never changes.
-    fn matrix(&self) -> &Csc;
+    fn matrix(&self) -> &SystemMatrix;
 
     /// The right-hand side for [`InteriorPoint::matrix`] that stands for `∇H(z) dz = b`.
     fn reduce(&self, z: &[f64], b: &[f64], rhs: &mut [f64]);

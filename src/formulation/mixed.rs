@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use super::Layout;
 use crate::problem::ContactProblem;
-use crate::sparse::{Csc, Pattern};
+use crate::sparse::{Pattern, SystemMatrix};
 use crate::units::Scaling;
 
 /// `[K C_tᵀ C_oᵀ C_nᵀ; tangential rows; normal rows]` on one fixed pattern, which clones share.
 #[derive(Clone)]
 pub(super) struct MixedMatrix {
-    matrix: Csc,
+    matrix: SystemMatrix,
     slots: Arc<[Slots]>,
     springs: Vec<Spring>,
 }
@@ -53,7 +53,7 @@ pub(super) struct TangentialRow {
 impl MixedMatrix {
     /// Sets up the pattern, the constant entries and the places of the others.
     pub(super) fn new(problem: &ContactProblem, layout: &Layout, scaling: &Scaling) -> Self {
-        let mut matrix = Csc::zeros(Arc::new(union_pattern(problem, layout)));
+        let mut matrix = matrix_with(union_pattern(problem, layout), problem, scaling);
         write_equilibrium(&mut matrix, problem, layout, scaling);
         let slot = |row, column| slot(matrix.pattern(), row, column);
         let slots = (0..layout.contacts()).map(|i| {
@@ -80,9 +80,9 @@ impl MixedMatrix {
     pub(super) fn tie(&mut self, places: impl Iterator<Item = usize>) {
         for place in places {
             if let Some(slot) = self.matrix.pattern().slot(place, place) {
-                let own = self.matrix.values()[slot];
+                let own = self.matrix.get(place, place);
                 let stiffness = if own > 0.0 { own } else { 1.0 };
-                self.matrix.values_mut()[slot] += stiffness;
+                self.matrix.rest_mut().values_mut()[slot] += stiffness;
                 self.springs.push(Spring { place, stiffness });
             }
         }
@@ -92,7 +92,7 @@ impl MixedMatrix {
     pub(super) fn release(&mut self) {
         for Spring { place, stiffness } in std::mem::take(&mut self.springs) {
             let slot = slot(self.matrix.pattern(), place, place);
-            self.matrix.values_mut()[slot] -= stiffness;
+            self.matrix.rest_mut().values_mut()[slot] -= stiffness;
         }
     }
 
@@ -101,20 +101,20 @@ impl MixedMatrix {
         &self.springs
     }
 
-    pub(super) fn matrix(&self) -> &Csc {
+    pub(super) fn matrix(&self) -> &SystemMatrix {
         &self.matrix
     }
 
     /// Writes the normal row of node `i`: `by_w_n C_n du + by_p_n dp_n`.
     pub(super) fn set_normal(&mut self, i: usize, by_w_n: f64, by_p_n: f64) {
-        let (values, slots) = (self.matrix.values_mut(), &self.slots[i]);
+        let (values, slots) = (self.matrix.rest_mut().values_mut(), &self.slots[i]);
         slots.normal_u.iter().for_each(|&(k, c)| values[k] = by_w_n * c);
         values[slots.normal_p_n] = by_p_n;
     }
 
     /// Writes the row of node `i` at its `p_t` (0) or `p_o` (1), if it has that.
     pub(super) fn set_tangential(&mut self, i: usize, direction: usize, row: &TangentialRow) {
-        let (values, slots) = (self.matrix.values_mut(), &self.slots[i]);
+        let (values, slots) = (self.matrix.rest_mut().values_mut(), &self.slots[i]);
         if let Some(slots) = &slots.tangential[direction] {
             let [by_w_t, by_w_o] = row.w;
             slots.u.iter().for_each(|&(k, [c_t, c_o])| values[k] = by_w_t * c_t + by_w_o * c_o);
@@ -149,9 +149,19 @@ fn sliding(problem: &ContactProblem, layout: &Layout, i: usize) -> Vec<(usize, [
     columns
 }
 
-/// Names the entries of the equilibrium rows, `K`, `C_nᵀ`, `C_tᵀ` and `C_oᵀ`.
+/// The matrix with these entries, all of them 0 so far, and with `K` if that is dense.
+pub(super) fn matrix_with(entries: Pattern, problem: &ContactProblem, scaling: &Scaling) -> SystemMatrix {
+    let leading = problem.stiffness().dense().map(|dense| dense.scaled(1.0 / scaling.stiffness()));
+    SystemMatrix::of(leading, entries)
+}
+
+/// Names the entries of the equilibrium rows, `K`, `C_nᵀ`, `C_tᵀ` and `C_oᵀ`; of a dense `K` the diagonal, to which springs are
+/// added.
 pub(super) fn take_equilibrium(problem: &ContactProblem, layout: &Layout, take: &mut dyn FnMut(usize, usize)) {
-    problem.stiffness().entries().for_each(|(row, column, _)| take(row, column));
+    match problem.stiffness().dense() {
+        None => problem.stiffness().entries().for_each(|(row, column, _)| take(row, column)),
+        Some(dense) => (0..dense.order()).for_each(|place| take(place, place)),
+    }
     for i in 0..layout.contacts() {
         problem.c_n().row(i).iter().for_each(|&(dof, _)| take(dof, layout.p_n(i)));
         for (map, place) in problem.tangential_maps().into_iter().zip(layout.tangential(i)) {
@@ -163,15 +173,22 @@ pub(super) fn take_equilibrium(problem: &ContactProblem, layout: &Layout, take: 
 }
 
 /// Writes the equilibrium rows, which are constant.
-pub(super) fn write_equilibrium(matrix: &mut Csc, problem: &ContactProblem, layout: &Layout, scaling: &Scaling) {
-    let (pattern, values) = matrix.parts_mut();
-    // The rows of each column come in ascending order, and those of K are the first: no search, which would
-    // take longest of all in the set-up where K is dense.
-    let mut next: Vec<usize> = pattern.column_starts().iter().map(|&start| start as usize).collect();
-    for (row, column, value) in problem.stiffness().entries() {
-        debug_assert_eq!(pattern.row_indices()[next[column]], row as i64);
-        values[next[column]] = value / scaling.stiffness();
-        next[column] += 1;
+pub(super) fn write_equilibrium(
+    matrix: &mut SystemMatrix,
+    problem: &ContactProblem,
+    layout: &Layout,
+    scaling: &Scaling,
+) {
+    let dense = matrix.leading().is_some();
+    let (pattern, values) = matrix.rest_mut().parts_mut();
+    if !dense {
+        // The rows of each column come in ascending order, and those of K are the first: no search.
+        let mut next: Vec<usize> = pattern.column_starts().iter().map(|&start| start as usize).collect();
+        for (row, column, value) in problem.stiffness().entries() {
+            debug_assert_eq!(pattern.row_indices()[next[column]], row as i64);
+            values[next[column]] = value / scaling.stiffness();
+            next[column] += 1;
+        }
     }
     for i in 0..layout.contacts() {
         for &(dof, c) in problem.c_n().row(i) {

@@ -7,7 +7,7 @@ use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Armijo, Bn, End, Outcome, Stop};
 use crate::problem::{ContactProblem, State};
-use crate::sparse::Csc;
+use crate::sparse::SystemMatrix;
 
 /// `Theta ≤ ε`, the paper's test: N² and Pa² added up.
 const PAPER_MERIT: f64 = 1e-2;
@@ -103,7 +103,7 @@ impl<'a> BnMethod<'a> {
 }
 
 impl IncrementSolver for BnMethod<'_> {
-    fn matrix(&self) -> &Csc {
+    fn matrix(&self) -> &SystemMatrix {
         self.formulation.jacobian()
     }
 

@@ -44,7 +44,7 @@ impl HeldBody {
                 Err(LinearError::Singular { .. }) => return Ok(Err(None)),
                 Err(error) => return Err(error),
             }
-            let n = method.matrix().pattern().rows();
+            let n = method.matrix().order();
             let (mut rhs, mut z) = (vec![0.0; n], vec![0.0; n]);
             for case in loading.cases() {
                 for (to, from) in rhs.iter_mut().zip(case.force()) {

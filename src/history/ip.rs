@@ -7,7 +7,7 @@ use crate::formulation::{Constrained, InteriorPoint, NewtonSystem, Pair, Partiti
 use crate::linear::{Direct, LinearError};
 use crate::nonlinear::{Ip, IpSettings, Outcome, Stop};
 use crate::problem::{ContactProblem, State};
-use crate::sparse::Csc;
+use crate::sparse::SystemMatrix;
 
 pub(super) struct IpMethod {
     formulation: Constrained,
@@ -53,7 +53,7 @@ impl IpMethod {
 }
 
 impl IncrementSolver for IpMethod {
-    fn matrix(&self) -> &Csc {
+    fn matrix(&self) -> &SystemMatrix {
         self.formulation.matrix()
     }
 

@@ -9,7 +9,7 @@ use crate::formulation::{Assembled, Bdiff, Conventions};
 use crate::linear::{Direct, LinearError};
 use crate::nonlinear::{Armijo, Bn, End, Outcome};
 use crate::problem::{ContactProblem, Increment};
-use crate::sparse::Csc;
+use crate::sparse::SystemMatrix;
 
 /// From near the solution BN takes two or three iterations; more show that it is not near.
 const ITERATIONS: usize = 10;
@@ -64,7 +64,7 @@ impl NewtonEnd {
     }
 
     /// What the last linearisation wrote.
-    pub(super) fn matrix(&self) -> &Csc {
+    pub(super) fn matrix(&self) -> &SystemMatrix {
         self.formulation.jacobian()
     }
 

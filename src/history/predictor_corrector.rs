@@ -7,7 +7,7 @@ use crate::formulation::{Assembled, Cone, Constrained, Conventions, InteriorPoin
 use crate::linear::{Direct, LinearError};
 use crate::nonlinear::{Outcome, PredictorCorrector, PredictorCorrectorSettings, Stop};
 use crate::problem::{ContactProblem, State};
-use crate::sparse::Csc;
+use crate::sparse::SystemMatrix;
 use crate::vector::median;
 
 /// How far inside the attempts at an increment start, in terms of the estimate. The first is the
@@ -112,7 +112,7 @@ fn mean_of_compliances(stiffness: &[f64]) -> f64 {
 }
 
 impl IncrementSolver for PredictorCorrectorMethod<'_> {
-    fn matrix(&self) -> &Csc {
+    fn matrix(&self) -> &SystemMatrix {
         self.formulation.matrix()
     }
 
@@ -121,7 +121,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         self.end.linearize(&self.z);
     }
 
-    fn linearization(&self) -> &Csc {
+    fn linearization(&self) -> &SystemMatrix {
         self.end.matrix()
     }
 

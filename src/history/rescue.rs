@@ -8,7 +8,7 @@ use super::task::{IncrementSolver, Observe, Task};
 use crate::linear::{Direct, LinearError};
 use crate::nonlinear::{Outcome, Stop};
 use crate::problem::{ContactProblem, State};
-use crate::sparse::Csc;
+use crate::sparse::SystemMatrix;
 
 pub(super) struct Rescued<'a> {
     problem: &'a ContactProblem,
@@ -25,7 +25,7 @@ impl<'a> Rescued<'a> {
 }
 
 impl IncrementSolver for Rescued<'_> {
-    fn matrix(&self) -> &Csc {
+    fn matrix(&self) -> &SystemMatrix {
         self.bn.matrix()
     }
 

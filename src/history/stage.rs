@@ -93,7 +93,7 @@ impl Stages<'_> {
             }
             Err(error) => return Err(error.into()),
         };
-        let dense = Direct::new(Box::new(Dense::new(condensed.problem.displacements()))).after(self.done);
+        let dense = Direct::from(Dense::default()).after(self.done);
         self.stage(own.as_deref().unwrap_or(algorithm), Some(&condensed), dense)
     }
 
@@ -114,7 +114,7 @@ impl Stages<'_> {
             None => (problem, loading, None),
         };
         let mut method = algorithm.start(small, loads);
-        linear.analyze(method.matrix().pattern())?;
+        linear.analyze(method.matrix())?;
         let held = HeldBody::new(method.as_mut(), small, loads, &settings.scaling, &mut linear)?;
         self.outcome.linear = statistics(&linear, body, self.position.worst_backward_error);
         let held = match held {

@@ -6,7 +6,7 @@ use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Flow, Iteration, Outcome};
 use crate::problem::{ContactProblem, Increment, State};
-use crate::sparse::Csc;
+use crate::sparse::SystemMatrix;
 
 /// One increment to solve.
 pub struct Task<'a> {
@@ -62,13 +62,13 @@ pub type Observe<'a> = &'a mut dyn FnMut(&Iteration<'_>) -> Flow;
 /// A method with the state it has reached, in its own units.
 pub trait IncrementSolver {
     /// The matrix it factors; its pattern never changes.
-    fn matrix(&self) -> &Csc;
+    fn matrix(&self) -> &SystemMatrix;
 
     /// Linearises at the state it has reached; see [`IncrementSolver::linearization`].
     fn linearize(&mut self);
 
     /// The matrix that [`IncrementSolver::linearize`] has written, on the pattern of the other.
-    fn linearization(&self) -> &Csc {
+    fn linearization(&self) -> &SystemMatrix {
         self.matrix()
     }
 

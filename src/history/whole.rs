@@ -128,7 +128,7 @@ impl Whole<'_> {
     ) -> Result<Vec<f64>, LinearError> {
         let scaling = self.settings.scaling;
         let forces = self.condensed.reduce(&imbalance.iter().map(|r| -r).collect::<Vec<_>>())?;
-        let n = method.linearization().pattern().columns();
+        let n = method.linearization().order();
         let (mut rhs, mut change) = (vec![0.0; n], vec![0.0; n]);
         let on_contact = self.condensed.on_contact(&forces);
         rhs.iter_mut().zip(&on_contact).for_each(|(b, force)| *b = force / scaling.force);

@@ -86,7 +86,7 @@ impl Cholesky {
         super::error::expect_finite(k.lower().values())?;
         let mut session = super::cholmod::Session::new()?;
         let order = order::with_border(k.lower().pattern(), last, |interior| session.order(interior))?;
-        let factor = session.factor(k.lower(), &order)?;
+        let factor = session.factor(&k.lower(), &order)?;
         Self::new(Box::new(factor), order, last.len())
     }
 
@@ -98,7 +98,7 @@ impl Cholesky {
     pub fn faer(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
         super::error::expect_finite(k.lower().values())?;
         let order = order::with_border(k.lower().pattern(), last, super::faer::minimum_degree)?;
-        let factor = super::faer::Llt::factor(k.lower(), &order)?;
+        let factor = super::faer::Llt::factor(&k.lower(), &order)?;
         Self::new(Box::new(factor), order, last.len())
     }
 
@@ -117,7 +117,7 @@ impl Cholesky {
         #[cfg(all(feature = "faer", not(feature = "umfpack")))]
         {
             let order = super::faer::minimum_degree(k.lower().pattern())?;
-            super::faer::Llt::predict(k.lower(), &order)
+            super::faer::Llt::predict(&k.lower(), &order)
         }
         #[cfg(not(any(feature = "umfpack", feature = "faer")))]
         {

@@ -1,12 +1,12 @@
-//! A backend together with what it did: counts, times, refinement, backward error.
+//! A solver together with what it did: counts, times, refinement, backward error.
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::error::expect_length;
 use super::refine::{self, SolveInfo, Workspace};
-use super::{FactorInfo, LinearError, LinearSolver, SparseLu};
-use crate::sparse::{Csc, Pattern};
+use super::{Dense, FactorInfo, LinearError, LinearSolver, SparseLu};
+use crate::sparse::{Pattern, SystemMatrix};
 
 /// What a [`Direct`] solver has done so far.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -31,14 +31,51 @@ pub struct Statistics {
     pub factor: FactorInfo,
 }
 
-/// A direct solver in front of a backend.
+/// A direct solver in front of what factors.
 pub struct Direct {
-    backend: Box<dyn LinearSolver>,
+    solver: Solver,
     pattern: Option<Arc<Pattern>>,
     work: Workspace,
     statistics: Statistics,
     /// Factorisations begun, those that failed included: as long as it is the same, so are the factors.
     generation: usize,
+}
+
+/// What factors.
+enum Solver {
+    /// A solver of compressed columns; a dense block becomes some.
+    Sparse(Box<dyn LinearSolver>),
+    /// The one for matrices with a dense block.
+    Dense(Dense),
+}
+
+impl Solver {
+    fn analyze(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
+        match self {
+            Solver::Sparse(solver) => solver.analyze(a.to_csc().pattern()),
+            Solver::Dense(solver) => solver.analyze(a),
+        }
+    }
+
+    fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
+        match self {
+            Solver::Sparse(solver) => solver.factorize(a.to_csc().values()),
+            Solver::Dense(solver) => solver.factorize(a),
+        }
+    }
+
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        match self {
+            Solver::Sparse(solver) => solver.solve(b, x),
+            Solver::Dense(solver) => solver.solve(b, x),
+        }
+    }
+}
+
+impl From<Dense> for Direct {
+    fn from(solver: Dense) -> Self {
+        Direct::with(Solver::Dense(solver))
+    }
 }
 
 impl Default for Direct {
@@ -49,9 +86,13 @@ impl Default for Direct {
 }
 
 impl Direct {
-    /// Wraps `backend`.
-    pub fn new(backend: Box<dyn LinearSolver>) -> Self {
-        Direct { backend, pattern: None, work: Workspace::default(), statistics: Statistics::default(), generation: 0 }
+    /// Wraps a sparse solver.
+    pub fn new(solver: Box<dyn LinearSolver>) -> Self {
+        Direct::with(Solver::Sparse(solver))
+    }
+
+    fn with(solver: Solver) -> Self {
+        Direct { solver, pattern: None, work: Workspace::default(), statistics: Statistics::default(), generation: 0 }
     }
 
     /// The same after so much was `done` before: it counts on from there.
@@ -62,7 +103,10 @@ impl Direct {
 
     /// The name of the solver in reports.
     pub fn name(&self) -> &'static str {
-        self.backend.name()
+        match &self.solver {
+            Solver::Sparse(solver) => solver.name(),
+            Solver::Dense(_) => "dense",
+        }
     }
 
     /// A number that changes whenever the factors do, be it that a factorisation fails and leaves none.
@@ -75,15 +119,15 @@ impl Direct {
         &self.statistics
     }
 
-    /// Symbolic analysis of `pattern`, once a run.
+    /// Symbolic analysis of the pattern of `a`, once a run.
     ///
     /// # Errors
     /// As [`LinearSolver::analyze`].
-    pub fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
+    pub fn analyze(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
         let start = Instant::now();
         self.generation += 1;
-        self.backend.analyze(pattern)?;
-        self.pattern = Some(Arc::clone(pattern));
+        self.solver.analyze(a)?;
+        self.pattern = Some(Arc::clone(a.pattern()));
         self.statistics.analyses += 1;
         self.statistics.analysis_seconds += start.elapsed().as_secs_f64();
         Ok(())
@@ -93,11 +137,11 @@ impl Direct {
     ///
     /// # Errors
     /// As [`LinearSolver::factorize`], and [`LinearError::PatternChanged`].
-    pub fn factorize(&mut self, a: &Csc) -> Result<FactorInfo, LinearError> {
+    pub fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
         self.expect_analysed(a)?;
         let start = Instant::now();
         self.generation += 1;
-        let info = self.backend.factorize(a.values())?;
+        let info = self.solver.factorize(a)?;
         self.statistics.factorizations += 1;
         self.statistics.factor_seconds += start.elapsed().as_secs_f64();
         self.statistics.factor = info;
@@ -105,7 +149,7 @@ impl Direct {
     }
 
     /// An error unless `a` stands on the analysed pattern. A formulation shares it, so that nothing is compared.
-    fn expect_analysed(&self, a: &Csc) -> Result<(), LinearError> {
+    fn expect_analysed(&self, a: &SystemMatrix) -> Result<(), LinearError> {
         let pattern = self.pattern.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
         if Arc::ptr_eq(pattern, a.pattern()) || pattern == a.pattern() {
             Ok(())
@@ -118,12 +162,12 @@ impl Direct {
     ///
     /// # Errors
     /// As [`LinearSolver::solve`], [`LinearError::PatternChanged`], and [`LinearError::NotFinite`].
-    pub fn solve(&mut self, a: &Csc, b: &[f64], x: &mut [f64]) -> Result<SolveInfo, LinearError> {
+    pub fn solve(&mut self, a: &SystemMatrix, b: &[f64], x: &mut [f64]) -> Result<SolveInfo, LinearError> {
         self.expect_analysed(a)?;
-        expect_length("right-hand side", a.pattern().rows(), b.len())?;
-        expect_length("solution", a.pattern().columns(), x.len())?;
+        expect_length("right-hand side", a.order(), b.len())?;
+        expect_length("solution", a.order(), x.len())?;
         let start = Instant::now();
-        let info = refine::solve(self.backend.as_mut(), a, b, x, &mut self.work)?;
+        let info = refine::solve(&mut |b, x| self.solver.solve(b, x), a, b, x, &mut self.work)?;
         let statistics = &mut self.statistics;
         statistics.solves += 1;
         statistics.refinements += info.refinements;

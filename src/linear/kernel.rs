@@ -31,10 +31,10 @@ pub fn null_space_of(k: &Symmetric) -> Result<Vec<Vec<f64>>, LinearError> {
     // A displacement without stiffness is free by itself.
     let diagonal: Vec<f64> = k.diagonal().iter().map(|d| if *d > 0.0 { *d } else { 1.0 }).collect();
     let mut shifted = Symmetric::of(n, |take| {
-        k.lower().entries().for_each(|(i, j, _)| take(i, j));
+        k.lower_entries().for_each(|(i, j, _)| take(i, j));
         (0..n).for_each(|i| take(i, i));
     });
-    let terms = k.lower().entries().chain((0..n).map(|i| (i, i, SHIFT * diagonal[i])));
+    let terms = k.lower_entries().chain((0..n).map(|i| (i, i, SHIFT * diagonal[i])));
     terms.for_each(|(i, j, value)| shifted.raise(i, j, value));
     let factor = Cholesky::factor(&shifted, &[])?;
     let mut block = FIRST_BLOCK.min(n);

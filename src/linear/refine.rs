@@ -1,8 +1,8 @@
 //! Iterative refinement and the backward error, the same for every backend.
 
+use super::LinearError;
 use super::error::expect_length;
-use super::{LinearError, LinearSolver};
-use crate::sparse::Csc;
+use crate::sparse::SystemMatrix;
 
 /// How well one linear system was solved.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -28,11 +28,13 @@ pub(super) struct Workspace {
     candidate: Vec<f64>,
 }
 
-/// Solves `A x = b` with the current factors of `solver` and refines until the backward error is
-/// at rounding level or stops falling by half.
+/// Solves with the factors that there are.
+type Solve<'a> = &'a mut dyn FnMut(&[f64], &mut [f64]) -> Result<(), LinearError>;
+
+/// Solves `A x = b` by `solve_once` and refines until the backward error is at rounding level or stops falling by half.
 pub(super) fn solve(
-    solver: &mut dyn LinearSolver,
-    a: &Csc,
+    solve_once: Solve<'_>,
+    a: &SystemMatrix,
     b: &[f64],
     x: &mut [f64],
     work: &mut Workspace,
@@ -41,11 +43,11 @@ pub(super) fn solve(
     for vector in [&mut work.residual, &mut work.scale, &mut work.candidate] {
         vector.resize(n, 0.0);
     }
-    let largest = largest_entry(a);
-    solver.solve(b, x)?;
+    let largest = a.largest_entry();
+    solve_once(b, x)?;
     let mut info = SolveInfo { backward_error: measure(a, largest, b, x, work)?, refinements: 0 };
     while info.backward_error > TARGET && info.refinements < MAX_STEPS {
-        solver.solve(&work.residual, &mut work.candidate)?;
+        solve_once(&work.residual, &mut work.candidate)?;
         let mut candidate = std::mem::take(&mut work.candidate);
         candidate.iter_mut().zip(&*x).for_each(|(correction, x)| *correction += x);
         let error = measure(a, largest, b, &candidate, work)?;
@@ -63,7 +65,7 @@ pub(super) fn solve(
     Ok(info)
 }
 
-fn measure(a: &Csc, largest: f64, b: &[f64], x: &[f64], work: &mut Workspace) -> Result<f64, LinearError> {
+fn measure(a: &SystemMatrix, largest: f64, b: &[f64], x: &[f64], work: &mut Workspace) -> Result<f64, LinearError> {
     a.residual(x, b, &mut work.residual, &mut work.scale);
     let error = from_residual(a, largest, x, &work.residual, &work.scale);
     if error.is_finite() { Ok(error) } else { Err(LinearError::NotFinite) }
@@ -77,26 +79,18 @@ fn measure(a: &Csc, largest: f64, b: &[f64], x: &[f64], work: &mut Workspace) ->
 ///
 /// # Errors
 /// [`LinearError`] when `b` or `x` does not fit `a`.
-pub fn backward_error(a: &Csc, b: &[f64], x: &[f64]) -> Result<f64, LinearError> {
+pub fn backward_error(a: &SystemMatrix, b: &[f64], x: &[f64]) -> Result<f64, LinearError> {
     expect_length("right-hand side", a.pattern().rows(), b.len())?;
-    expect_length("solution", a.pattern().columns(), x.len())?;
+    expect_length("solution", a.order(), x.len())?;
     let mut r = vec![0.0; b.len()];
     let mut s = vec![0.0; b.len()];
     a.residual(x, b, &mut r, &mut s);
-    Ok(from_residual(a, largest_entry(a), x, &r, &s))
-}
-
-fn largest_entry(a: &Csc) -> f64 {
-    a.values().iter().fold(0.0_f64, |m, v| m.max(v.abs()))
+    Ok(from_residual(a, a.largest_entry(), x, &r, &s))
 }
 
 /// The error of `x` with residual `r` and scale `s`, where `scale` is the largest entry of `a`.
-fn from_residual(a: &Csc, scale: f64, x: &[f64], r: &[f64], s: &[f64]) -> f64 {
-    componentwise_error(x, r, s, scale, || {
-        let mut row_norm = vec![0.0_f64; r.len()];
-        a.entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
-        row_norm
-    })
+fn from_residual(a: &SystemMatrix, scale: f64, x: &[f64], r: &[f64], s: &[f64]) -> f64 {
+    componentwise_error(x, r, s, scale, || a.row_norms())
 }
 
 /// [`backward_error`] of `x` by its residual `r`, what that is to be judged against, `s`, the largest entry
@@ -138,13 +132,13 @@ pub fn componentwise_error(
 mod tests {
     use super::*;
     use crate::linear::Direct;
-    use crate::sparse::Pattern;
+    use crate::sparse::{Csc, Pattern};
     use std::sync::Arc;
 
     #[test]
     fn backward_error_of_a_known_perturbation() {
         let pattern = Arc::new(Pattern::from_entries(2, 2, |take| (0..2).for_each(|i| take(i, i))).unwrap());
-        let a = Csc::new(pattern, vec![1.0, 4.0]).unwrap();
+        let a = SystemMatrix::from(Csc::new(pattern, vec![1.0, 4.0]).unwrap());
         // The second row misses by 1 against |4 · 1| + |5|.
         assert_eq!(backward_error(&a, &[1.0, 5.0], &[1.0, 1.0]).unwrap(), 1.0 / 9.0);
         assert!(backward_error(&a, &[1.0, 5.0], &[f64::NAN, 1.0]).unwrap().is_nan());
@@ -165,7 +159,8 @@ mod tests {
         }
         let b: Vec<f64> = (0..n).map(|i| 1.0 + i as f64).collect();
         let mut direct = Direct::default();
-        direct.analyze(&pattern).unwrap();
+        let a = SystemMatrix::from(a);
+        direct.analyze(&a).unwrap();
         direct.factorize(&a).unwrap();
         let mut x = vec![0.0; n];
         let info = direct.solve(&a, &b, &mut x).unwrap();

@@ -78,7 +78,7 @@ impl Workspace {
         for vector in [&mut self.h, &mut self.b, &mut self.dz] {
             vector.resize(n, 0.0);
         }
-        self.rhs.resize(formulation.matrix().pattern().rows(), 0.0);
+        self.rhs.resize(formulation.matrix().order(), 0.0);
     }
 
     /// Solves `∇H(z) dz = b` with the last factors.

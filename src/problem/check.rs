@@ -54,7 +54,7 @@ fn size(name: &str, map: &Csr, rows: usize, columns: usize) -> Result<(), Proble
 /// factorisations meet.
 fn semidefinite(stiffness: &Symmetric) -> Result<(), ProblemError> {
     let diagonal = stiffness.diagonal();
-    for (row, column, between) in stiffness.lower().entries() {
+    for (row, column, between) in stiffness.lower_entries() {
         if !between.is_finite() {
             return Err(ProblemError::Value {
                 array: format!("stiffness({row}, {column})"),

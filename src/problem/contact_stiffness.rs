@@ -61,7 +61,8 @@ impl ContactProblem {
         if patch.len() == self.displacements() && !self.free_motions.is_empty() {
             return None;
         }
-        let (pattern, values) = (self.stiffness().lower().pattern(), self.stiffness().lower().values());
+        let lower = self.stiffness().lower();
+        let (pattern, values) = (lower.pattern(), lower.values());
         let mut matrix = Mat::zeros(patch.len(), patch.len());
         for (j, &column) in patch.iter().enumerate() {
             for slot in pattern.column(column) {

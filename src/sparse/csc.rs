@@ -92,13 +92,12 @@ impl Csc {
     pub fn times(&self, x: &[f64]) -> Result<Vec<f64>, MatrixError> {
         expect_length("vector", self.pattern.columns(), x.len())?;
         let mut y = vec![0.0; self.pattern.rows()];
-        self.mul(x, &mut y);
+        self.add_product(x, &mut y);
         Ok(y)
     }
 
-    /// `y = A x`.
-    pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) {
-        y.fill(0.0);
+    /// `y += A x`.
+    pub(crate) fn add_product(&self, x: &[f64], y: &mut [f64]) {
         for (column, &factor) in x.iter().enumerate() {
             let range = self.pattern.column(column);
             for (&row, &value) in self.pattern.row_indices()[range.clone()].iter().zip(&self.values[range]) {
@@ -107,12 +106,8 @@ impl Csc {
         }
     }
 
-    /// `r = b - A x` and `s = |A| |x| + |b|`, what a residual is to be judged against.
-    pub(crate) fn residual(&self, x: &[f64], b: &[f64], r: &mut [f64], s: &mut [f64]) {
-        for (i, &value) in b.iter().enumerate() {
-            r[i] = value;
-            s[i] = value.abs();
-        }
+    /// `r -= A x` and `s += |A| |x|`.
+    pub(crate) fn subtract_product(&self, x: &[f64], r: &mut [f64], s: &mut [f64]) {
         for (column, &factor) in x.iter().enumerate() {
             let range = self.pattern.column(column);
             for (&row, &value) in self.pattern.row_indices()[range.clone()].iter().zip(&self.values[range]) {
@@ -150,9 +145,9 @@ mod tests {
     #[test]
     fn products() {
         let a = example();
-        let (mut r, mut s) = ([0.0; 2], [0.0; 2]);
+        let (mut r, mut s) = ([1.0; 2], [1.0; 2]);
         assert_eq!(a.times(&[1.0, -1.0, 2.0]).unwrap(), [5.0, -1.0]);
-        a.residual(&[1.0, -1.0, 2.0], &[1.0, 1.0], &mut r, &mut s);
+        a.subtract_product(&[1.0, -1.0, 2.0], &mut r, &mut s);
         assert_eq!(r, [-4.0, 2.0]);
         assert_eq!(s, [6.0, 8.0]);
     }

@@ -33,7 +33,8 @@ impl Symmetric {
     /// Compiled for each kind of processor, with the same result.
     #[inline(always)]
     fn products_here(&self, x: &[Lanes]) -> (Vec<Lanes>, Vec<Lanes>) {
-        let (pattern, values) = (self.lower().pattern(), self.lower().values());
+        let lower = self.lower();
+        let (pattern, values) = (lower.pattern(), lower.values());
         let (mut products, mut sizes) = (vec![[0.0; LANES]; x.len()], vec![[0.0; LANES]; x.len()]);
         let add = |to: &mut Lanes, value: f64, x: &Lanes| to.iter_mut().zip(x).for_each(|(to, x)| *to += value * x);
         let add_size =

@@ -91,11 +91,6 @@ impl Pattern {
         Self::from_entries(rows, columns, visit).expect("entries of the crate's own matrices")
     }
 
-    /// Every entry of the lower triangle of order `n`.
-    pub(crate) fn full_lower(n: usize) -> Self {
-        Self::of(n, n, |take| (0..n).for_each(|j| (j..n).for_each(|i| take(i, j))))
-    }
-
     /// Checks the starts of compressed columns and their rows; tells the rows' order, too: `starts` has one entry
     /// more than there are columns, and column `j` has the rows `indices[starts[j]..starts[j + 1]]`.
     pub(super) fn check_parts(rows: usize, starts: &[usize], indices: &[usize]) -> Result<(), MatrixError> {

@@ -1,14 +1,28 @@
-//! Symmetric matrices, of which only the lower triangle is stored.
+//! Symmetric matrices: sparse ones, of which only the lower triangle is stored, and dense ones.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::error::expect_length;
-use super::{Csc, MatrixError, Pattern};
+use super::{Csc, DenseSymmetric, MatrixError, Pattern};
 
-/// A symmetric matrix by its lower triangle, diagonal included.
+/// A symmetric matrix.
 #[derive(Debug, Clone)]
 pub struct Symmetric {
-    lower: Csc,
+    stored: Stored,
+}
+
+#[derive(Debug, Clone)]
+enum Stored {
+    /// By its lower triangle, diagonal included.
+    Lower(Csc),
+    Dense(DenseSymmetric),
+}
+
+impl From<DenseSymmetric> for Symmetric {
+    fn from(dense: DenseSymmetric) -> Self {
+        Symmetric { stored: Stored::Dense(dense) }
+    }
 }
 
 /// Entries that mirror each other may differ by this share of the diagonal entries they stand between: by what rounding
@@ -25,7 +39,7 @@ impl Symmetric {
         let pattern = Pattern::from_entries(n, n, |take| {
             visit(&mut |row, column| take(row.max(column), row.min(column)));
         })?;
-        Ok(Symmetric { lower: Csc::zeros(Arc::new(pattern)) })
+        Ok(Self::of_lower(Csc::zeros(Arc::new(pattern))))
     }
 
     /// [`Symmetric::from_entries`] of entries that come from this crate's own matrices, and so fit.
@@ -44,7 +58,11 @@ impl Symmetric {
         }
         let above = lower.entries().find(|(row, column, _)| row < column);
         above.map_or(Ok(()), |(row, column, _)| Err(MatrixError::AboveDiagonal { row, column }))?;
-        Ok(Symmetric { lower })
+        Ok(Self::of_lower(lower))
+    }
+
+    fn of_lower(lower: Csc) -> Self {
+        Symmetric { stored: Stored::Lower(lower) }
     }
 
     /// The matrix that `whole` is: both triangles of it, which must agree to rounding, or one of them, which then
@@ -80,7 +98,7 @@ impl Symmetric {
             }
             entries.push((row, column, value));
         }
-        Ok(Symmetric { lower: Csc::from_triplets(rows, columns, &entries)? })
+        Ok(Self::of_lower(Csc::from_triplets(rows, columns, &entries)?))
     }
 
     /// The matrix of order `n` with the entries `(row, column, value)`, in any order; those that name the same place add
@@ -94,12 +112,31 @@ impl Symmetric {
 
     /// The order.
     pub fn order(&self) -> usize {
-        self.lower.pattern().columns()
+        match &self.stored {
+            Stored::Lower(lower) => lower.pattern().columns(),
+            Stored::Dense(dense) => dense.order(),
+        }
     }
 
-    /// The lower triangle, diagonal included: what is stored.
-    pub fn lower(&self) -> &Csc {
-        &self.lower
+    /// The lower triangle, diagonal included: what is stored, unless the matrix is dense.
+    pub fn lower(&self) -> Cow<'_, Csc> {
+        match &self.stored {
+            Stored::Lower(lower) => Cow::Borrowed(lower),
+            Stored::Dense(dense) => {
+                let n = dense.order();
+                let pattern = Pattern::of(n, n, |take| (0..n).for_each(|j| (j..n).for_each(|i| take(i, j))));
+                let values = dense.lower_entries().map(|(_, _, value)| value).collect();
+                Cow::Owned(Csc::new(Arc::new(pattern), values).expect("as many entries as places"))
+            }
+        }
+    }
+
+    /// The dense matrix that it is, if it is one.
+    pub fn dense(&self) -> Option<&DenseSymmetric> {
+        match &self.stored {
+            Stored::Lower(_) => None,
+            Stored::Dense(dense) => Some(dense),
+        }
     }
 
     /// Adds `value` at `(row, column)`, and so at `(column, row)`.
@@ -107,28 +144,48 @@ impl Symmetric {
     /// # Errors
     /// When the entry was not named when the matrix was made, or would not be finite.
     pub fn add(&mut self, row: usize, column: usize, value: f64) -> Result<(), MatrixError> {
-        let slot = self.slot(row, column).ok_or(MatrixError::NotStored { row, column })?;
-        let sum = &mut self.lower.values_mut()[slot];
-        if !(*sum + value).is_finite() {
-            return Err(MatrixError::NotFinite { row, column, value: *sum + value });
+        if !self.stores(row, column) {
+            return Err(MatrixError::NotStored { row, column });
         }
-        *sum += value;
+        let sum = self.get(row, column) + value;
+        if !sum.is_finite() {
+            return Err(MatrixError::NotFinite { row, column, value: sum });
+        }
+        self.raise(row, column, value);
         Ok(())
     }
 
     /// [`Symmetric::add`] to an entry that was named when the matrix was made, as this crate's own are.
     pub(crate) fn raise(&mut self, row: usize, column: usize, value: f64) {
-        let slot = self.slot(row, column).expect("an entry that was named");
-        self.lower.values_mut()[slot] += value;
+        match &mut self.stored {
+            Stored::Lower(lower) => {
+                let slot = slot(lower, row, column).expect("an entry that was named");
+                lower.values_mut()[slot] += value;
+            }
+            Stored::Dense(dense) => dense.raise(row, column, value),
+        }
     }
 
-    fn slot(&self, row: usize, column: usize) -> Option<usize> {
-        self.lower.pattern().slot(row.max(column), row.min(column))
+    /// Whether the entry at `(row, column)` is stored, be it as a zero.
+    pub(crate) fn stores(&self, row: usize, column: usize) -> bool {
+        match &self.stored {
+            Stored::Lower(lower) => slot(lower, row, column).is_some(),
+            Stored::Dense(dense) => row.max(column) < dense.order(),
+        }
+    }
+
+    /// All stored entries on and below the diagonal as `(row, column, value)`, column after column.
+    pub(crate) fn lower_entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        let (sparse, dense) = match &self.stored {
+            Stored::Lower(lower) => (Some(lower.entries()), None),
+            Stored::Dense(dense) => (None, Some(dense.lower_entries())),
+        };
+        sparse.into_iter().flatten().chain(dense.into_iter().flatten())
     }
 
     /// All entries of both triangles as `(row, column, value)`.
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        self.lower.entries().flat_map(|(row, column, value)| {
+        self.lower_entries().flat_map(|(row, column, value)| {
             let mirror = (row != column).then_some((column, row, value));
             std::iter::once((row, column, value)).chain(mirror)
         })
@@ -136,7 +193,11 @@ impl Symmetric {
 
     /// The entry at `(row, column)`; one that is not stored is 0.
     pub fn get(&self, row: usize, column: usize) -> f64 {
-        self.slot(row, column).map_or(0.0, |slot| self.lower.values()[slot])
+        match &self.stored {
+            Stored::Lower(lower) => slot(lower, row, column).map_or(0.0, |slot| lower.values()[slot]),
+            Stored::Dense(dense) if row.max(column) < dense.order() => dense.get(row, column),
+            Stored::Dense(_) => 0.0,
+        }
     }
 
     /// The diagonal.
@@ -157,35 +218,51 @@ impl Symmetric {
 
     /// `y = A x`.
     pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) {
-        y.fill(0.0);
-        self.accumulate(x, y, |value, x| value * x);
+        match &self.stored {
+            Stored::Lower(lower) => {
+                y.fill(0.0);
+                accumulate(lower, x, y, |value, x| value * x);
+            }
+            Stored::Dense(dense) => dense.mul(x, y),
+        }
     }
 
     /// `y += |A| |x|`.
     pub(crate) fn add_sizes(&self, x: &[f64], y: &mut [f64]) {
-        self.accumulate(x, y, |value, x| (value * x).abs());
-    }
-
-    /// `y_i += Σ_j term(A_ij, x_j)`, with a column of the lower triangle and its mirror image at a time.
-    fn accumulate(&self, x: &[f64], y: &mut [f64], term: impl Fn(f64, f64) -> f64) {
-        let (pattern, values) = (self.lower.pattern(), self.lower.values());
-        for column in 0..self.order() {
-            let slots = pattern.column(column);
-            let (factor, mut sum) = (x[column], 0.0);
-            for (&row, &value) in pattern.row_indices()[slots.clone()].iter().zip(&values[slots]) {
-                let row = row as usize;
-                y[row] += term(value, factor);
-                if row != column {
-                    sum += term(value, x[row]);
-                }
-            }
-            y[column] += sum;
+        match &self.stored {
+            Stored::Lower(lower) => accumulate(lower, x, y, |value, x| (value * x).abs()),
+            Stored::Dense(dense) => dense.add_sizes(x, y),
         }
     }
 
     /// All values times `factor`: the matrix in another unit.
     pub fn scale(&mut self, factor: f64) {
-        self.lower.values_mut().iter_mut().for_each(|value| *value *= factor);
+        match &mut self.stored {
+            Stored::Lower(lower) => lower.values_mut().iter_mut().for_each(|value| *value *= factor),
+            Stored::Dense(dense) => *dense = dense.scaled(factor),
+        }
+    }
+}
+
+/// Where an entry of either triangle is stored.
+fn slot(lower: &Csc, row: usize, column: usize) -> Option<usize> {
+    lower.pattern().slot(row.max(column), row.min(column))
+}
+
+/// `y_i += Σ_j term(A_ij, x_j)`, with a column of the lower triangle and its mirror image at a time.
+fn accumulate(lower: &Csc, x: &[f64], y: &mut [f64], term: impl Fn(f64, f64) -> f64) {
+    let (pattern, values) = (lower.pattern(), lower.values());
+    for column in 0..pattern.columns() {
+        let slots = pattern.column(column);
+        let (factor, mut sum) = (x[column], 0.0);
+        for (&row, &value) in pattern.row_indices()[slots.clone()].iter().zip(&values[slots]) {
+            let row = row as usize;
+            y[row] += term(value, factor);
+            if row != column {
+                sum += term(value, x[row]);
+            }
+        }
+        y[column] += sum;
     }
 }
 
@@ -200,7 +277,7 @@ mod tests {
         // [ 0 4 5 ]
         let full = [(0, 0, 2.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, 3.0), (1, 2, 4.0), (2, 1, 4.0), (2, 2, 5.0)];
         let a = Symmetric::from_triplets(3, &full).unwrap();
-        assert_eq!(a.lower.pattern().len(), 5);
+        assert_eq!(a.lower().pattern().len(), 5);
         assert_eq!(a.diagonal(), [2.0, 3.0, 5.0]);
         assert_eq!([a.get(1, 2), a.get(2, 1), a.get(0, 2)], [4.0, 4.0, 0.0]);
         let mut y = [0.0; 3];
@@ -224,5 +301,29 @@ mod tests {
         a.add(1, 0, 1.0).unwrap();
         assert_eq!([a.get(0, 1), a.get(1, 0)], [4.0; 2]);
         assert_eq!(a.add(0, 0, 1.0), Err(MatrixError::NotStored { row: 0, column: 0 }));
+    }
+
+    #[test]
+    fn a_dense_one_does_what_a_sparse_one_does() {
+        let mut dense =
+            Symmetric::from(DenseSymmetric::from_lower(3, vec![2.0, 1.0, 0.0, 9.0, 3.0, 4.0, 9.0, 9.0, 5.0]).unwrap());
+        let full = [(0, 0, 2.0), (1, 0, 1.0), (2, 0, 0.0), (1, 1, 3.0), (2, 1, 4.0), (2, 2, 5.0)];
+        let mut sparse = Symmetric::from_triplets(3, &full).unwrap();
+        let same = |dense: &Symmetric, sparse: &Symmetric| {
+            assert_eq!(dense.entries().collect::<Vec<_>>(), sparse.entries().collect::<Vec<_>>());
+            assert_eq!(dense.lower().values(), sparse.lower().values());
+            assert_eq!(dense.lower().pattern(), sparse.lower().pattern());
+            assert_eq!(dense.diagonal(), sparse.diagonal());
+            assert_eq!(dense.times(&[1.0, -1.0, 2.0]), sparse.times(&[1.0, -1.0, 2.0]));
+            assert_eq!(dense.get(3, 0), sparse.get(3, 0));
+        };
+        same(&dense, &sparse);
+        for a in [&mut dense, &mut sparse] {
+            a.scale(0.5);
+            a.add(0, 2, 7.0).unwrap();
+            assert_eq!(a.add(0, 3, 1.0), Err(MatrixError::NotStored { row: 0, column: 3 }));
+            assert!(matches!(a.add(0, 0, f64::NAN), Err(MatrixError::NotFinite { .. })));
+        }
+        same(&dense, &sparse);
     }
 }

@@ -18,7 +18,7 @@ use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
 use stickslip::run::Run;
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csc, Symmetric};
+use stickslip::sparse::{Csc, Symmetric, SystemMatrix};
 
 /// The paper's block with overrides.
 pub fn block(overrides: &[&str]) -> Scene {
@@ -127,9 +127,9 @@ pub fn difference(a: &[State], b: &[State]) -> f64 {
 /// `K⁻¹ force` of an assembled stiffness.
 pub fn solve(stiffness: &Symmetric, force: &[f64]) -> Vec<f64> {
     let n = stiffness.order();
-    let k = Csc::from_triplets(n, n, &stiffness.entries().collect::<Vec<_>>()).unwrap();
+    let k = SystemMatrix::from(Csc::from_triplets(n, n, &stiffness.entries().collect::<Vec<_>>()).unwrap());
     let mut direct = Direct::default();
-    direct.analyze(k.pattern()).unwrap();
+    direct.analyze(&k).unwrap();
     direct.factorize(&k).unwrap();
     let mut u = vec![0.0; n];
     direct.solve(&k, force, &mut u).unwrap();

@@ -345,8 +345,7 @@ fn jacobian_is_the_derivative() {
             difference.iter_mut().zip(ahead).for_each(|(behind, ahead)| *behind = (ahead - *behind) / (2.0 * step));
             formulation.right_hand_side(&mut difference);
             for (row, difference) in difference.into_iter().enumerate() {
-                let jacobian = formulation.jacobian();
-                let entry = jacobian.pattern().slot(row, column).map_or(0.0, |k| jacobian.values()[k]);
+                let entry = formulation.jacobian().get(row, column);
                 let of = |i: &usize| row == layout.p_n(*i) || layout.tangential(*i).contains(&Some(row));
                 let name = (0..CASES.len()).find(of).map_or("equilibrium", |i| CASES[i].0);
                 let what = format!("{:?}, {name}: row {row}, column {column}", conventions.pressure);

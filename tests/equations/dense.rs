@@ -6,11 +6,11 @@ use std::sync::Arc;
 use stickslip::condense::Condensed;
 use stickslip::contact::coulomb::{NormalCase, TangentialCase};
 use stickslip::formulation::{Bdiff, Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
-use stickslip::linear::{Dense, Direct, LinearError, LinearSolver, SparseCholesky, backward_error};
+use stickslip::linear::{Dense, Direct, LinearError, SparseCholesky, backward_error};
 use stickslip::model::Model;
 use stickslip::problem::ContactProblem;
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csc, Pattern};
+use stickslip::sparse::{Csc, DenseSymmetric, Pattern, SystemMatrix};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 
@@ -19,20 +19,23 @@ fn model(text: &str, overrides: &[&str]) -> Model {
     Model::new(&Scene::parse("block.toml", text, &overrides).unwrap()).unwrap()
 }
 
-/// A matrix with these entries.
-fn matrix(n: usize, entries: &[(usize, usize, f64)]) -> Csc {
-    let mut a =
-        Csc::zeros(Arc::new(Pattern::from_entries(n, n, |take| entries.iter().for_each(|e| take(e.0, e.1))).unwrap()));
-    for &(row, column, value) in entries {
-        let slot = a.pattern().slot(row, column).unwrap();
-        a.values_mut()[slot] = value;
+/// A matrix with these entries, the first `displacements` rows and columns of which are stored as a dense block.
+fn matrix(n: usize, displacements: usize, entries: &[(usize, usize, f64)]) -> SystemMatrix {
+    let mut values = vec![0.0; displacements * displacements];
+    let (block, beside): (Vec<_>, Vec<_>) = entries.iter().partition(|e| e.0.max(e.1) < displacements);
+    block.into_iter().for_each(|&(row, column, value)| values[column * displacements + row] = value);
+    let pattern = Pattern::from_entries(n, n, |take| beside.iter().for_each(|e| take(e.0, e.1))).unwrap();
+    let mut rest = Csc::zeros(Arc::new(pattern));
+    for &(row, column, value) in beside {
+        let slot = rest.pattern().slot(row, column).unwrap();
+        rest.values_mut()[slot] = value;
     }
-    a
+    SystemMatrix::new(DenseSymmetric::from_lower(displacements, values).unwrap(), rest).unwrap()
 }
 
 /// A chain of `n` springs, held at its beginning if `held`, with a contact force at its end, and
 /// the contact row `by_u du + by_p dp`.
-fn chain(n: usize, held: f64, [by_u, by_p]: [f64; 2]) -> Csc {
+fn chain(n: usize, held: f64, [by_u, by_p]: [f64; 2]) -> SystemMatrix {
     let mut entries = vec![(n - 1, n, 1.0), (n, n - 1, by_u), (n, n, by_p)];
     for i in 0..n {
         let ends = usize::from(i > 0) + usize::from(i + 1 < n);
@@ -41,7 +44,7 @@ fn chain(n: usize, held: f64, [by_u, by_p]: [f64; 2]) -> Csc {
             entries.extend([(i - 1, i, -1.0), (i, i - 1, -1.0)]);
         }
     }
-    matrix(n + 1, &entries)
+    matrix(n + 1, n, &entries)
 }
 
 fn right_hand_side(n: usize) -> Vec<f64> {
@@ -49,30 +52,30 @@ fn right_hand_side(n: usize) -> Vec<f64> {
 }
 
 /// Solves with `solver` and with a sparse LU, and returns the order of the dense part.
-fn compare(solver: &mut Dense, displacements: usize, a: &Csc, tolerance: f64) -> usize {
-    let n = a.pattern().columns();
+fn compare(solver: &mut Dense, a: &SystemMatrix, tolerance: f64) -> usize {
+    let n = a.order();
     let b = right_hand_side(n);
     // Unrefined, so that stale or wrong factors would show.
     let mut x = vec![0.0; n];
-    solver.factorize(a.values()).unwrap();
+    solver.factorize(a).unwrap();
     solver.solve(&b, &mut x).unwrap();
     let error = backward_error(a, &b, &x).unwrap();
     assert!(error < 1e-9, "{error:e}");
 
     let refined = |mut direct: Direct| {
         let mut x = vec![0.0; n];
-        direct.analyze(a.pattern()).unwrap();
+        direct.analyze(a).unwrap();
         direct.factorize(a).unwrap();
         let info = direct.solve(a, &b, &mut x).unwrap();
         assert!(info.backward_error <= 1e-15, "{}: {info:?}", direct.name());
         x
     };
-    let (x, y) = (refined(Direct::new(Box::new(Dense::new(displacements)))), refined(Direct::default()));
+    let (x, y) = (refined(Direct::from(Dense::default())), refined(Direct::default()));
     let largest = y.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
     let difference = x.iter().zip(&y).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()));
     assert!(difference <= tolerance * largest, "{difference:e} against {largest:e}");
     // The flops are 2/3 of the order cubed.
-    let info = solver.factorize(a.values()).unwrap();
+    let info = solver.factorize(a).unwrap();
     assert!(info.pivot_ratio > 0.0);
     (1.5 * info.flops).cbrt().round() as usize
 }
@@ -112,13 +115,13 @@ fn mixed_states(model: &Model, tolerance: f64) -> Vec<usize> {
     ];
     let condensed = condensed(model);
     let mut formulation = bdiff(model, &condensed);
-    let mut solver = Dense::new(condensed.displacements());
-    solver.analyze(formulation.jacobian().pattern()).unwrap();
+    let mut solver = Dense::default();
+    solver.analyze(formulation.jacobian()).unwrap();
     let orders = states.into_iter().map(|state| {
         formulation.set_cases(state);
         // Where nothing holds the body there is nothing to compare.
         let held = formulation.unheld_motion().is_none();
-        held.then(|| compare(&mut solver, condensed.displacements(), formulation.jacobian(), tolerance))
+        held.then(|| compare(&mut solver, formulation.jacobian(), tolerance))
     });
     orders.flatten().collect()
 }
@@ -161,9 +164,9 @@ fn a_body_held_by_contact() {
         let condensed = condensed(&model);
         let mut formulation = bdiff(&model, &condensed);
         formulation.set_cases(vec![(NormalCase::Open, TangentialCase::NoPressure); model.problem.contacts()]);
-        let mut solver = Dense::new(condensed.displacements());
-        solver.analyze(formulation.jacobian().pattern()).unwrap();
-        let singular = solver.factorize(formulation.jacobian().values());
+        let mut solver = Dense::default();
+        solver.analyze(formulation.jacobian()).unwrap();
+        let singular = solver.factorize(formulation.jacobian());
         assert!(matches!(singular, Err(LinearError::Singular { .. })), "{singular:?}");
     }
 }
@@ -176,8 +179,8 @@ fn matrices_of_an_interior_point_method() {
         let conventions = Conventions::paper(model.problem.weight().unwrap());
         let condensed = condensed(&model);
         let mut formulation = Constrained::new(&condensed, model.scaling(), &conventions, Partition::Products, newton);
-        let mut solver = Dense::new(condensed.displacements());
-        solver.analyze(formulation.matrix().pattern()).unwrap();
+        let mut solver = Dense::default();
+        solver.analyze(formulation.matrix()).unwrap();
         for spread in [0.0, 1.0, 3.0, 5.0] {
             let mut z = vec![0.0; formulation.layout().unknowns()];
             for (k, pair) in formulation.pairs().iter().enumerate() {
@@ -185,7 +188,7 @@ fn matrices_of_an_interior_point_method() {
                 (z[pair.force], z[pair.length]) = (1.2 * 10_f64.powf(tilt), 0.8 * 10_f64.powf(-tilt));
             }
             formulation.linearize(&z);
-            assert_eq!(compare(&mut solver, condensed.displacements(), formulation.matrix(), 1e-9), 20);
+            assert_eq!(compare(&mut solver, formulation.matrix(), 1e-9), 20);
         }
     }
 }
@@ -195,10 +198,10 @@ fn matrices_of_an_interior_point_method() {
 #[test]
 fn a_chain_of_springs() {
     let n = 12;
-    let mut solver = Dense::new(n);
-    solver.analyze(chain(n, 1.0, [1.0, 0.0]).pattern()).unwrap();
+    let mut solver = Dense::default();
+    solver.analyze(&chain(n, 1.0, [1.0, 0.0])).unwrap();
     for (rows, order) in [([1.0, 0.0], n - 1), ([0.0, -1.0], n), ([3.0, 0.5], n)] {
-        assert_eq!(compare(&mut solver, n, &chain(n, 1.0, rows), 1e-13), order);
+        assert_eq!(compare(&mut solver, &chain(n, 1.0, rows), 1e-13), order);
     }
 }
 
@@ -206,18 +209,19 @@ fn a_chain_of_springs() {
 fn errors() {
     let n = 4;
     let a = chain(n, 1.0, [1.0, 0.0]);
-    let mut solver = Dense::new(n);
+    let mut solver = Dense::default();
     let mut x = vec![0.0; n + 1];
-    assert!(matches!(solver.factorize(a.values()), Err(LinearError::Order { missing: "analyze" })));
-    solver.analyze(a.pattern()).unwrap();
+    assert!(matches!(solver.factorize(&a), Err(LinearError::Order { missing: "analyze" })));
+    solver.analyze(&a).unwrap();
     assert!(matches!(solver.solve(&[1.0; 5], &mut x), Err(LinearError::Order { missing: "factorize" })));
-    assert!(matches!(solver.factorize(&a.values()[1..]), Err(LinearError::Shape { .. })));
-    solver.factorize(a.values()).unwrap();
+    for other in [chain(n + 1, 1.0, [1.0, 0.0]), matrix(n + 1, n, &[]), a.rest().clone().into()] {
+        assert!(matches!(solver.factorize(&other), Err(LinearError::Shape { .. })));
+    }
+    solver.factorize(&a).unwrap();
     assert!(matches!(solver.solve(&[1.0; 4], &mut x), Err(LinearError::Shape { .. })));
     assert!(matches!(solver.solve(&[1.0; 5], &mut x[1..]), Err(LinearError::Shape { .. })));
-    assert!(matches!(Dense::new(6).analyze(a.pattern()), Err(LinearError::Shape { .. })));
-    let wide = Arc::new(Pattern::from_entries(2, 3, |take| take(0, 1)).unwrap());
-    assert!(matches!(Dense::new(1).analyze(&wide), Err(LinearError::Shape { .. })));
+    let wide = SystemMatrix::from(Csc::from_triplets(2, 3, &[(0, 1, 1.0)]).unwrap());
+    assert!(matches!(Dense::default().analyze(&wide), Err(LinearError::Shape { .. })));
 
     // Neither row holds anything; the chain is held by nothing; an entry is no number.
     for (a, not_finite) in [
@@ -225,7 +229,7 @@ fn errors() {
         (chain(n, 0.0, [0.0, -1.0]), false),
         (chain(n, 1.0, [f64::NAN, 0.0]), true),
     ] {
-        let error = solver.factorize(a.values()).unwrap_err();
+        let error = solver.factorize(&a).unwrap_err();
         assert!(matches!((error, not_finite), (LinearError::Singular { .. }, false) | (LinearError::NotFinite, true)));
         // A failed factorisation leaves no stale factors behind.
         assert!(matches!(solver.solve(&[1.0; 5], &mut x), Err(LinearError::Order { .. })));
@@ -233,23 +237,104 @@ fn errors() {
     // An interior that no contact can hold: a second chain, free and apart.
     let mut entries: Vec<_> = [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0), (1, 2, -1.0), (2, 1, -1.0)].to_vec();
     entries.extend([(0, 3, 1.0), (3, 0, 1.0), (3, 3, 0.0)]);
-    let apart = matrix(4, &entries);
-    let mut solver = Dense::new(3);
-    solver.analyze(apart.pattern()).unwrap();
-    assert!(matches!(solver.factorize(apart.values()), Err(LinearError::Singular { .. })));
+    let apart = matrix(4, 3, &entries);
+    let mut solver = Dense::default();
+    solver.analyze(&apart).unwrap();
+    assert!(matches!(solver.factorize(&apart), Err(LinearError::Singular { .. })));
 }
 
 #[test]
 fn without_contact_and_without_a_body() {
-    let springs = matrix(2, &[(0, 0, 2.0), (1, 1, 3.0), (0, 1, -1.0), (1, 0, -1.0)]);
-    let mut solver = Dense::new(2);
-    solver.analyze(springs.pattern()).unwrap();
-    assert_eq!(compare(&mut solver, 2, &springs, 1e-15), 2);
-    let forces = matrix(2, &[(0, 0, 2.0), (1, 1, 3.0), (0, 1, -1.0)]);
-    let mut solver = Dense::new(0);
-    solver.analyze(forces.pattern()).unwrap();
+    let springs = matrix(2, 2, &[(0, 0, 2.0), (1, 1, 3.0), (0, 1, -1.0), (1, 0, -1.0)]);
+    let mut solver = Dense::default();
+    solver.analyze(&springs).unwrap();
+    assert_eq!(compare(&mut solver, &springs, 1e-15), 2);
+    let forces = matrix(2, 0, &[(0, 0, 2.0), (1, 1, 3.0), (0, 1, -1.0)]);
+    let mut solver = Dense::default();
+    solver.analyze(&forces).unwrap();
     let mut x = [0.0; 2];
-    solver.factorize(forces.values()).unwrap();
+    solver.factorize(&forces).unwrap();
     solver.solve(&[1.0, 6.0], &mut x).unwrap();
     assert_eq!(x, [1.5, 2.0]);
+}
+
+/// Springs on single displacements of the dense block, and no contact where they stand.
+#[test]
+fn springs_on_the_diagonal() {
+    let a = chain(5, 0.0, [0.0, -1.0]);
+    let mut entries: Vec<_> = a.rest().entries().chain([(2, 2, 3.0), (4, 4, 0.5)]).collect();
+    let held = SystemMatrix::new(a.leading().unwrap().clone(), Csc::from_triplets(6, 6, &entries).unwrap()).unwrap();
+    let mut solver = Dense::default();
+    solver.analyze(&held).unwrap();
+    assert_eq!(compare(&mut solver, &held, 1e-13), 5);
+    // On a displacement with a contact row that holds it, too.
+    entries.retain(|entry| entry.0 < 5 || entry.1 < 4);
+    entries.extend([(5, 4, 2.0)]);
+    let held = SystemMatrix::new(a.leading().unwrap().clone(), Csc::from_triplets(6, 6, &entries).unwrap()).unwrap();
+    solver.analyze(&held).unwrap();
+    assert_eq!(compare(&mut solver, &held, 1e-13), 4);
+}
+
+/// What is kept of the last factors is of use only where nothing has changed: statuses that change one at a time leave no trace.
+#[test]
+fn statuses_that_change_one_at_a_time() {
+    let model = model(BLOCK, &["mesh.elements=[12,9]", "contact.obstacle.normal=[-0.3,-1.0]"]);
+    let condensed = condensed(&model);
+    let mut formulation = bdiff(&model, &condensed);
+    let mut kept = Dense::default();
+    kept.analyze(formulation.jacobian()).unwrap();
+    let (n, n_c) = (formulation.unknowns(), model.problem.contacts());
+    let b = right_hand_side(n);
+    let mut cases = vec![(NormalCase::Open, TangentialCase::NoPressure); n_c];
+    for change in 0..3 * n_c {
+        cases[5 * change % n_c] = match change % 4 {
+            0 => (NormalCase::Closed, TangentialCase::Stick),
+            1 => (NormalCase::Closed, TangentialCase::Slip { direction: [1.0, 0.0], turning: [[0.0; 2]; 2] }),
+            2 => (NormalCase::Closed, TangentialCase::Slip { direction: [-1.0, 0.0], turning: [[0.0; 2]; 2] }),
+            _ => (NormalCase::Open, TangentialCase::NoPressure),
+        };
+        formulation.set_cases(cases.clone());
+        let mut fresh = Dense::default();
+        fresh.analyze(formulation.jacobian()).unwrap();
+        let solutions = [&mut kept, &mut fresh].map(|solver| {
+            let mut x = vec![0.0; n];
+            let info = solver.factorize(formulation.jacobian()).unwrap();
+            solver.solve(&b, &mut x).unwrap();
+            (info, x)
+        });
+        assert_eq!(solutions[0], solutions[1], "{change}");
+    }
+}
+
+/// As large as threads share the work: the dense kernels differ by rounding, and all else not at all.
+#[test]
+fn any_number_of_threads() {
+    let n = 450;
+    let entry =
+        |i: usize, j: usize| if i == j { 4.0 } else { (0.3 * (i * j) as f64).sin() / (1 + i.abs_diff(j)) as f64 };
+    let values = (0..n * n).map(|k| entry(k % n, k / n)).collect();
+    // A contact force at every tenth displacement, on which it depends.
+    let contact = |k: usize| [(10 * k, n + k, 1.0), (n + k, 10 * k, 0.5), (n + k, n + k, -1.0)];
+    let entries: Vec<_> = (0..n / 10).flat_map(contact).collect();
+    let size = n + n / 10;
+    let rest = Csc::from_triplets(size, size, &entries).unwrap();
+    let a = SystemMatrix::new(DenseSymmetric::from_lower(n, values).unwrap(), rest).unwrap();
+    let b = right_hand_side(size);
+    let solved = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let (mut direct, mut x) = (Direct::from(Dense::default()), vec![0.0; size]);
+            direct.analyze(&a).unwrap();
+            assert_eq!((1.5 * direct.factorize(&a).unwrap().flops).cbrt().round() as usize, n);
+            let info = direct.solve(&a, &b, &mut x).unwrap();
+            assert!(info.backward_error <= 1e-15, "{info:?}");
+            x
+        })
+    };
+    let one = solved(1);
+    let largest = one.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    for threads in [2, 3] {
+        let several = solved(threads);
+        assert!(one.iter().zip(&several).all(|(x, y)| (x - y).abs() <= 1e-12 * largest), "{threads}");
+    }
 }

@@ -198,7 +198,7 @@ fn the_newton_system_is_the_derivative() {
         w_o_last: &last[1],
     });
     let mut linear = Direct::default();
-    linear.analyze(formulation.matrix().pattern()).unwrap();
+    linear.analyze(formulation.matrix()).unwrap();
     for spread in [0.0, 0.5, 1.0] {
         // Inside and outside of the cone, pairs tilted either way.
         let n = formulation.unknowns();
@@ -210,7 +210,7 @@ fn the_newton_system_is_the_derivative() {
         let b: Vec<f64> = (0..n).map(|_| random.sign()).collect();
         formulation.linearize(&z);
         linear.factorize(formulation.matrix()).unwrap();
-        let m = formulation.matrix().pattern().rows();
+        let m = formulation.matrix().order();
         let (mut rhs, mut dz) = (vec![0.0; m], vec![0.0; n]);
         formulation.reduce(&z, &b, &mut rhs);
         linear.solve(formulation.matrix(), &rhs, &mut dz[..m]).unwrap();
@@ -251,9 +251,9 @@ fn punch(overrides: &[&str]) -> Scene {
 /// which nothing moves. The exact cone then takes the place of the two constraints of (25).
 fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Loading) {
     let (n, contacts) = (problem.displacements(), problem.contacts());
-    let own = problem.stiffness().lower().entries();
+    let own = problem.stiffness().lower();
     let idle = problem.contact_stiffness().into_iter().enumerate().map(|(i, k)| (n + i, n + i, k));
-    let stiffness = Symmetric::from_triplets(n + contacts, &own.chain(idle).collect::<Vec<_>>()).unwrap();
+    let stiffness = Symmetric::from_triplets(n + contacts, &own.entries().chain(idle).collect::<Vec<_>>()).unwrap();
     let wide = |map: &Csr| random::rows(n + contacts, (0..contacts).map(|i| map.row(i).to_vec()));
     let padded = |values: &[f64]| [values, &vec![0.0; contacts]].concat();
     let thick = ContactProblem::new(Parts {

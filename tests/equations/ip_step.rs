@@ -60,11 +60,11 @@ fn residual(formulation: &Constrained, z: &[f64]) -> Vec<f64> {
 /// The direction for the right-hand side `b`.
 fn direction(formulation: &mut Constrained, z: &[f64], b: &[f64]) -> Vec<f64> {
     formulation.linearize(z);
-    let n = formulation.matrix().pattern().rows();
+    let n = formulation.matrix().order();
     let (mut rhs, mut dz) = (vec![0.0; n], vec![0.0; z.len()]);
     formulation.reduce(z, b, &mut rhs);
     let mut direct = Direct::default();
-    direct.analyze(formulation.matrix().pattern()).unwrap();
+    direct.analyze(formulation.matrix()).unwrap();
     direct.factorize(formulation.matrix()).unwrap();
     direct.solve(formulation.matrix(), &rhs, &mut dz[..n]).unwrap();
     formulation.recover(z, b, &mut dz);
@@ -87,8 +87,7 @@ fn the_extended_matrix_is_the_derivative_of_the_residual() {
         let (ahead, behind) = (at(step), at(-step));
         for row in 0..z.len() {
             let difference = (ahead[row] - behind[row]) / (2.0 * step);
-            let matrix = formulation.matrix();
-            let entry = matrix.pattern().slot(row, column).map_or(0.0, |k| matrix.values()[k]);
+            let entry = formulation.matrix().get(row, column);
             assert!((difference - entry).abs() < 1e-8, "row {row}, column {column}: {difference} {entry}");
         }
     }

@@ -75,8 +75,7 @@ fn check_jacobian(overrides: &[&str]) {
         let behind = at(&shifted);
         for row in 0..n {
             let difference = (ahead[row] - behind[row]) / (2.0 * step);
-            let entry =
-                formulation.jacobian().pattern().slot(row, column).map_or(0.0, |k| formulation.jacobian().values()[k]);
+            let entry = formulation.jacobian().get(row, column);
             let case = (0..CASES.len()).find(|&i| row == layout.p_n(i) || Some(row) == layout.p_t(i));
             let name = case.map_or("equilibrium", |i| CASES[i].0);
             // r spans several units here: differences are exact to rounding / step.
@@ -129,7 +128,7 @@ fn merit_along_a_direction_is_the_merit() {
     formulation.residual(&z, &mut h);
     formulation.linearize(&z);
     let mut direct = Direct::default();
-    direct.analyze(formulation.jacobian().pattern()).unwrap();
+    direct.analyze(formulation.jacobian()).unwrap();
     direct.factorize(formulation.jacobian()).unwrap();
     let rhs: Vec<f64> = h.iter().map(|x| -x).collect();
     direct.solve(formulation.jacobian(), &rhs, &mut dz).unwrap();

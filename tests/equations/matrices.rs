@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use stickslip::linear::{Cholesky, LinearError, backward_error};
-use stickslip::sparse::{Csc, Csr, MatrixError, Pattern, Symmetric};
+use stickslip::sparse::{Csc, Csr, MatrixError, Pattern, Symmetric, SystemMatrix};
 
 /// Patterns whose entries are outside never reach a direct solver, nor values of another number (R2).
 #[test]
@@ -29,7 +29,7 @@ fn no_array_is_read_by_a_length_it_does_not_have() {
 /// Vectors of other lengths have no backward error, and sums of entries are entries.
 #[test]
 fn products_fit() {
-    let a = Csc::from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 4.0)]).unwrap();
+    let a = SystemMatrix::from(Csc::from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 4.0)]).unwrap());
     assert_eq!(backward_error(&a, &[1.0, 4.0], &[1.0, 1.0]).unwrap(), 0.0);
     for (b, x) in [(&[1.0][..], &[1.0, 1.0][..]), (&[1.0, 4.0], &[1.0])] {
         assert!(matches!(backward_error(&a, b, x), Err(LinearError::Shape { .. })));

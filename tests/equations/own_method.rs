@@ -13,7 +13,7 @@ use stickslip::loading::Loading;
 use stickslip::model::Model;
 use stickslip::nonlinear::Outcome;
 use stickslip::problem::{ContactProblem, State};
-use stickslip::sparse::Csc;
+use stickslip::sparse::SystemMatrix;
 
 /// BN, and a diary of the displacements that each increment has.
 struct Diary {
@@ -33,7 +33,7 @@ impl Algorithm for Diary {
 }
 
 impl IncrementSolver for Kept<'_> {
-    fn matrix(&self) -> &Csc {
+    fn matrix(&self) -> &SystemMatrix {
         self.inner.matrix()
     }
 

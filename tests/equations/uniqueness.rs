@@ -81,7 +81,7 @@ fn solve(problem: &ContactProblem, increment: &Increment<'_>, start: [f64; 4]) -
     let mut formulation = Bdiff::new(problem, Scaling::SI, &conventions);
     formulation.begin(&Increment { mu: problem.mu(), ..*increment });
     let mut linear = Direct::default();
-    linear.analyze(formulation.jacobian().pattern()).unwrap();
+    linear.analyze(formulation.jacobian()).unwrap();
     let mut z = start;
     let mut bn = Bn::new(Armijo::PAPER, 60, formulation.unknowns());
     bn.solve(&mut formulation, &mut linear, &mut z, End::Merit(1e-26), &mut |_| Flow::Continue).unwrap();

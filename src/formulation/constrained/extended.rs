@@ -1,16 +1,14 @@
 //! `∇H_I` as it is, on all unknowns, in one fixed pattern.
 
-use std::sync::Arc;
-
 use crate::formulation::SlackLayout;
-use crate::formulation::mixed::{slot, take_equilibrium, write_equilibrium};
+use crate::formulation::mixed::{matrix_with, slot, take_equilibrium, write_equilibrium};
 use crate::formulation::scaled::Scaled;
 use crate::problem::ContactProblem;
-use crate::sparse::{Csc, Pattern};
+use crate::sparse::{Pattern, SystemMatrix};
 
 /// The matrix, and where the entries of the products stand.
 pub(super) struct Extended {
-    matrix: Csc,
+    matrix: SystemMatrix,
     /// For each product row, in the order of the pairs: the slots of `∂/∂force` and `∂/∂length`.
     products: Vec<[usize; 2]>,
 }
@@ -27,24 +25,25 @@ impl Extended {
                 take(pair.length, pair.length);
             }
         });
-        let mut matrix = Csc::zeros(Arc::new(pattern));
+        let mut matrix = matrix_with(pattern, problem, &data.scaling);
         write_equilibrium(&mut matrix, problem, &data.layout, &data.scaling);
-        let (pattern, values) = matrix.parts_mut();
+        let (pattern, values) = matrix.rest_mut().parts_mut();
         linear_rows(data, layout, &mut |row, column, value| values[slot(pattern, row, column)] = value);
         let products = layout.pairs().map(|pair| [pair.force, pair.length].map(|k| slot(pattern, pair.length, k)));
         let products = products.collect();
         Extended { matrix, products }
     }
 
-    pub(super) fn matrix(&self) -> &Csc {
+    pub(super) fn matrix(&self) -> &SystemMatrix {
         &self.matrix
     }
 
     /// Writes the rows of the products; the others are constant.
     pub(super) fn linearize(&mut self, layout: &SlackLayout, z: &[f64]) {
+        let values = self.matrix.rest_mut().values_mut();
         for (pair, [by_force, by_length]) in layout.pairs().zip(&self.products) {
-            self.matrix.values_mut()[*by_force] = z[pair.length];
-            self.matrix.values_mut()[*by_length] = z[pair.force];
+            values[*by_force] = z[pair.length];
+            values[*by_length] = z[pair.force];
         }
     }
 }

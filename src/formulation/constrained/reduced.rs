@@ -14,7 +14,7 @@
 use crate::formulation::SlackLayout;
 use crate::formulation::mixed::{MixedMatrix, TangentialRow};
 use crate::formulation::scaled::Scaled;
-use crate::sparse::Csc;
+use crate::sparse::SystemMatrix;
 
 /// The reduced system.
 pub(super) struct Reduced {
@@ -28,7 +28,7 @@ impl Reduced {
         Reduced { matrix, row_scale: vec![[1.0; 2]; contacts] }
     }
 
-    pub(super) fn matrix(&self) -> &Csc {
+    pub(super) fn matrix(&self) -> &SystemMatrix {
         self.matrix.matrix()
     }
 

@@ -1,122 +1,87 @@
-//! Which entries of the whole matrix make up the stiffness, and which the contact groups.
+//! Which unknowns contact ties together, and which entries of a matrix make up their contact rows.
 
-use std::ops::Range;
 use std::sync::Arc;
-
-use faer::Mat;
 
 use super::local::Local;
 use crate::linear::LinearError;
 use crate::linear::error::expect_length;
 use crate::sets::Sets;
-use crate::sparse::Pattern;
+use crate::sparse::{Pattern, SystemMatrix};
 
 /// The parts of a pattern on `(u, q)`.
 pub(super) struct Blocks {
-    /// That of the whole matrix.
+    /// Where the entries stand that are not of `S`.
     pub pattern: Arc<Pattern>,
-    /// All displacements, group after group.
-    pub displacements: Vec<usize>,
-    /// The place of each in that order.
-    place: Vec<usize>,
+    /// How many displacements there are, the unknowns of `S`.
+    pub displacements: usize,
     /// The groups that share neither a displacement nor a `q`.
     pub groups: Vec<Group>,
 }
 
 /// Displacements and other unknowns that contact rows tie together.
 pub(super) struct Group {
-    /// Its displacements, as a range of [`Blocks::displacements`].
-    pub displacements: Range<usize>,
-    /// Its other unknowns, as numbers of the whole matrix.
+    /// Its displacements, ascending.
+    pub displacements: Vec<usize>,
+    /// Its other unknowns.
     pub others: Vec<usize>,
-    /// `[A D]` and `B` as (place in the small matrix, slot in the whole one).
+    /// `[A D]` and `[E B]` as (place in the small matrix, slot in the pattern).
     rows: Vec<(usize, usize)>,
-    coupling: Vec<(usize, usize)>,
+    forces: Vec<(usize, usize)>,
 }
 
 impl Blocks {
-    /// The parts of `pattern`, the first `displacements` unknowns of which are `u`.
-    pub(super) fn new(pattern: &Arc<Pattern>, displacements: usize) -> Result<Self, LinearError> {
-        let n = pattern.columns();
+    /// The parts of the pattern beside the dense block of `a`.
+    pub(super) fn new(a: &SystemMatrix) -> Result<Self, LinearError> {
+        let (pattern, n) = (a.pattern(), a.order());
         expect_length("rows of the matrix", n, pattern.rows())?;
-        expect_length("displacements in the matrix", displacements.min(n), displacements)?;
-        // Everything but S, as (row, column, slot).
-        let contact = |visit: &mut dyn FnMut(usize, usize, usize)| {
-            for column in 0..n {
-                let slots = pattern.column(column);
-                let first = if column < displacements {
-                    stiffness_slots(pattern, column, displacements).end
-                } else {
-                    slots.start
-                };
-                for slot in first..slots.end {
-                    visit(pattern.row_indices()[slot] as usize, column, slot);
-                }
-            }
+        let displacements = a.leading().map_or(0, |stiffness| stiffness.order());
+        let entries = || {
+            let column = |j: usize| pattern.column(j).map(move |slot| (pattern.row_indices()[slot] as usize, j, slot));
+            (0..n).flat_map(column)
         };
         let mut sets = Sets::new(n);
-        contact(&mut |row, column, _| sets.join(row, column));
-        let (mut number, mut members) = (vec![None; n], Vec::<(Vec<usize>, Vec<usize>)>::new());
+        entries().for_each(|(row, column, _)| sets.join(row, column));
+        let (mut number, mut groups) = (vec![None; n], Vec::<Group>::new());
+        // For each unknown its group, and its place there among those of its kind.
+        let mut at = Vec::with_capacity(n);
         for unknown in 0..n {
-            let group = *number[sets.least(unknown)].get_or_insert(members.len());
-            if group == members.len() {
-                members.push((Vec::new(), Vec::new()));
+            let k = *number[sets.least(unknown)].get_or_insert(groups.len());
+            if k == groups.len() {
+                let [displacements, others] = [(); 2].map(|()| Vec::new());
+                groups.push(Group { displacements, others, rows: Vec::new(), forces: Vec::new() });
             }
-            let (own, others) = &mut members[group];
-            (if unknown < displacements { own } else { others }).push(unknown);
+            let Group { displacements: own, others, .. } = &mut groups[k];
+            let kind = if unknown < displacements { own } else { others };
+            at.push((k, kind.len()));
+            kind.push(unknown);
         }
-        // For each unknown its group, and its place there: first the displacements.
-        let mut at = vec![(0, 0); n];
-        let (mut order, mut groups) = (Vec::with_capacity(displacements), Vec::with_capacity(members.len()));
-        for (k, (own, others)) in members.into_iter().enumerate() {
-            own.iter().chain(&others).enumerate().for_each(|(place, &unknown)| at[unknown] = (k, place));
-            let first = order.len();
-            order.extend(own);
-            groups.push(Group { displacements: first..order.len(), others, rows: Vec::new(), coupling: Vec::new() });
-        }
-        contact(&mut |row, column, slot| {
+        for (row, column, slot) in entries() {
             let ((k, i), (_, j)) = (at[row], at[column]);
-            let group = &mut groups[k];
-            let (own, others) = (group.displacements.len(), group.others.len());
-            if row < displacements {
-                group.coupling.push((i * others + j - own, slot));
-            } else {
-                group.rows.push(((i - own) * (own + others) + j, slot));
-            }
-        });
-        let mut place = vec![0; displacements];
-        order.iter().enumerate().for_each(|(k, &unknown)| place[unknown] = k);
-        Ok(Blocks { pattern: Arc::clone(pattern), displacements: order, place, groups })
-    }
-
-    /// Writes `S`, its rows and columns in the order of [`Blocks::displacements`].
-    pub(super) fn copy_stiffness(&self, values: &[f64], to: &mut Mat<f64>) {
-        let m = self.displacements.len();
-        for column in 0..m {
-            let to = to.col_as_slice_mut(self.place[column]);
-            let slots = stiffness_slots(&self.pattern, column, m);
-            for (&row, value) in self.pattern.row_indices()[slots.clone()].iter().zip(&values[slots]) {
-                to[self.place[row as usize]] = *value;
-            }
+            let Group { displacements: own, others, rows, forces } = &mut groups[k];
+            let (width, j) = (own.len() + others.len(), if column < displacements { j } else { own.len() + j });
+            (if row < displacements { forces } else { rows }).push((i * width + j, slot));
         }
+        Ok(Blocks { pattern: Arc::clone(pattern), displacements, groups })
     }
-}
-
-/// Where the entries of `S` in `column` are stored: as rows ascend, that is one run.
-fn stiffness_slots(pattern: &Pattern, column: usize, displacements: usize) -> Range<usize> {
-    let slots = pattern.column(column);
-    let rows = &pattern.row_indices()[slots.clone()];
-    slots.start..slots.start + rows.partition_point(|&row| (row as usize) < displacements)
 }
 
 impl Group {
-    /// Its contact rows in a matrix with `values`, solved.
-    pub(super) fn solve(&self, values: &[f64]) -> Result<Local, LinearError> {
+    /// Its contact rows in a matrix with `values`, solved; `last` once more if it has come from the same.
+    pub(super) fn solve(&self, values: &[f64], last: Option<Local>) -> Result<Local, LinearError> {
+        let same =
+            |places: &[(usize, usize)], of: &[f64]| places.iter().all(|&(place, slot)| of[place] == values[slot]);
+        if let Some(last) = last.filter(|last| same(&self.rows, last.rows()) && same(&self.forces, last.forces())) {
+            return Ok(last);
+        }
         let (own, others) = (self.displacements.len(), self.others.len());
-        let mut rows = vec![0.0; others * (own + others)];
-        let mut coupling = vec![0.0; own * others];
+        let (mut rows, mut forces) = (vec![0.0; others * (own + others)], vec![0.0; own * (own + others)]);
         self.rows.iter().for_each(|&(place, slot)| rows[place] = values[slot]);
-        self.coupling.iter().for_each(|&(place, slot)| coupling[place] = values[slot]);
-        Local::new(own, others, &rows, &coupling)
+        self.forces.iter().for_each(|&(place, slot)| forces[place] = values[slot]);
+        Local::new(own, others, rows, forces)
+    }
+
+    /// Its displacements, then its other unknowns.
+    pub(super) fn unknowns(&self) -> impl Iterator<Item = usize> + '_ {
+        self.displacements.iter().chain(&self.others).copied()
     }
 }

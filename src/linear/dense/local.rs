@@ -9,7 +9,7 @@
 //! ```
 //!
 //! with c parameters in all: `t` moves displacements, the reactions `s` do not. In its equilibrium
-//! rows, `… + B q`, the reactions are found at the end, by `H B Z = 1`, and until then are kept out by
+//! rows, `… + E u + B q`, the reactions are found at the end, by `H B Z = 1`, and until then are kept out by
 //! `Wᵀ B Z = 0`. An open node has two `t`, a slipping one has one of each, with
 //! `Z = (μ s, 1)` in `(p_t, p_n)`, a sticking one has two reactions; in an interior point method all
 //! are `t`. Oblique normals only fill in the small matrices.
@@ -24,19 +24,21 @@ pub(super) struct Local {
     others: usize,
     /// How many parameters `t`.
     moving: usize,
+    /// `[A D]`, row after row.
+    rows: Vec<f64>,
+    /// `[E B]`, row after row.
+    forces: Vec<f64>,
     /// `[P_u; P_q]`, row after row.
     particular: Vec<f64>,
     /// `[V 0; Y Z]`, column after column.
     null: Vec<f64>,
     /// `[Wᵀ; H]`, row after row.
     left: Vec<f64>,
-    /// `B`, row after row.
-    coupling: Vec<f64>,
 }
 
 impl Local {
     /// Solves `[A D]`, given as `rows`, for a group of so many displacements and other unknowns, which
-    /// act on it by `coupling`, `B`; both row after row.
+    /// act on it by `forces`, `[E B]`; both row after row.
     ///
     /// # Errors
     /// [`LinearError::Singular`] when the rows, or the reactions, depend on each other;
@@ -44,10 +46,10 @@ impl Local {
     pub(super) fn new(
         displacements: usize,
         others: usize,
-        rows: &[f64],
-        coupling: &[f64],
+        rows: Vec<f64>,
+        forces: Vec<f64>,
     ) -> Result<Self, LinearError> {
-        if !rows.iter().chain(coupling).all(|value| value.is_finite()) {
+        if !rows.iter().chain(&forces).all(|value| value.is_finite()) {
             return Err(LinearError::NotFinite);
         }
         let singular = LinearError::Singular { pivot_ratio: 0.0 };
@@ -82,8 +84,7 @@ impl Local {
         }
         let moving = null.len() / n.max(1);
         null.append(&mut reactions);
-        let mut local =
-            Local { displacements, others, moving, particular, null, left: Vec::new(), coupling: coupling.to_vec() };
+        let mut local = Local { displacements, others, moving, rows, forces, particular, null, left: Vec::new() };
         local.left = local.eliminate_reactions().ok_or(singular)?;
         Ok(local)
     }
@@ -98,7 +99,7 @@ impl Local {
             table.row(i)[reactions + i] = 1.0;
         }
         for j in 0..reactions {
-            let force = self.act(&self.column(self.moving + j)[c..]);
+            let force = self.act(self.column(self.moving + j));
             for (i, value) in force.enumerate() {
                 table.row(i)[j] = value;
                 largest = largest.max(value.abs());
@@ -114,9 +115,20 @@ impl Local {
         Some(rows.into_iter().flat_map(|row| table.row(row)[reactions..].to_vec()).collect())
     }
 
-    /// `B q`.
-    fn act<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-        (0..self.displacements).map(move |i| dot(&self.coupling[i * self.others..(i + 1) * self.others], q))
+    /// `E u + B q` of `x = (u, q)`.
+    pub(super) fn act<'a>(&'a self, x: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let n = self.displacements + self.others;
+        (0..self.displacements).map(move |i| dot(&self.forces[i * n..(i + 1) * n], x))
+    }
+
+    /// `[A D]`, row after row.
+    pub(super) fn rows(&self) -> &[f64] {
+        &self.rows
+    }
+
+    /// `[E B]`, row after row.
+    pub(super) fn forces(&self) -> &[f64] {
+        &self.forces
     }
 
     /// Column `j` of `[V 0; Y Z]`.
@@ -135,42 +147,47 @@ impl Local {
         &self.column(j)[..self.displacements]
     }
 
-    /// `Wᵀ r`.
-    pub(super) fn project<'a>(&'a self, r: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-        let c = self.displacements;
-        (0..self.moving).map(move |i| dot(&self.left[i * c..(i + 1) * c], r))
+    /// Row `i` of `Wᵀ`.
+    pub(super) fn projection(&self, i: usize) -> &[f64] {
+        &self.left[i * self.displacements..(i + 1) * self.displacements]
     }
 
-    /// Column `j` of `Wᵀ B Y`.
+    /// `Wᵀ r`.
+    pub(super) fn project<'a>(&'a self, r: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        (0..self.moving).map(move |i| dot(self.projection(i), r))
+    }
+
+    /// Column `j` of `Wᵀ (E V + B Y)`.
     pub(super) fn own(&self, j: usize) -> Vec<f64> {
-        let force: Vec<f64> = self.act(&self.column(j)[self.displacements..]).collect();
+        let force: Vec<f64> = self.act(self.column(j)).collect();
         self.project(&force).collect()
     }
 
     /// `u = P_u b`, `q = P_q b`.
-    pub(super) fn start(&self, b: &[f64], u: &mut [f64], q: &mut [f64]) {
-        for (k, value) in u.iter_mut().chain(q).enumerate() {
-            *value = dot(&self.particular[k * self.others..(k + 1) * self.others], b);
-        }
+    pub(super) fn start<'a>(&'a self, b: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let rows = 0..self.displacements + self.others;
+        rows.map(move |k| dot(&self.particular[k * self.others..(k + 1) * self.others], b))
     }
 
-    /// Takes `B q` off `r`.
-    pub(super) fn subtract_forces(&self, q: &[f64], r: &mut [f64]) {
-        r.iter_mut().zip(self.act(q)).for_each(|(r, force)| *r -= force);
-    }
-
-    /// Adds `V t` to `u` and `Y t` to `q`.
-    pub(super) fn move_by(&self, t: &[f64], u: &mut [f64], q: &mut [f64]) {
+    /// `V t`, `Y t`.
+    pub(super) fn moved(&self, t: &[f64]) -> Vec<f64> {
+        let mut x = vec![0.0; self.displacements + self.others];
         for (j, factor) in t.iter().enumerate() {
-            u.iter_mut().chain(&mut *q).zip(self.column(j)).for_each(|(x, n)| *x += factor * n);
+            x.iter_mut().zip(self.column(j)).for_each(|(x, n)| *x += factor * n);
         }
+        x
+    }
+
+    /// Whether there are reactions.
+    pub(super) fn reacts(&self) -> bool {
+        self.moving < self.displacements
     }
 
     /// Adds `Z H r` to `q`.
     pub(super) fn react(&self, r: &[f64], q: &mut [f64]) {
         let c = self.displacements;
         for j in self.moving..c {
-            let reaction = dot(&self.left[j * c..(j + 1) * c], r);
+            let reaction = dot(self.projection(j), r);
             q.iter_mut().zip(&self.column(j)[c..]).for_each(|(q, n)| *q += reaction * n);
         }
     }
@@ -240,9 +257,14 @@ mod tests {
         [-n_y, n_x, n_x, n_y]
     }
 
+    /// `[E B]` of a node with these forces, without springs.
+    fn with_forces(b: &[f64; 4]) -> Vec<f64> {
+        vec![0.0, 0.0, b[0], b[1], 0.0, 0.0, b[2], b[3]]
+    }
+
     fn parameters(normal: [f64; 2], tangential_row: [f64; 4], normal_row: [f64; 4]) -> usize {
         let (rows, b) = ([tangential_row, normal_row].concat(), coupling(normal));
-        let local = Local::new(2, 2, &rows, &b).unwrap();
+        let local = Local::new(2, 2, rows.clone(), with_forces(&b)).unwrap();
         for j in 0..2 {
             let column = local.column(j);
             for row in rows.chunks_exact(4) {
@@ -250,16 +272,15 @@ mod tests {
             }
             // W^T B Z = 0 and H B Z = 1.
             if j >= local.moving {
-                let force: Vec<f64> = local.act(&column[2..]).collect();
+                let force: Vec<f64> = local.act(column).collect();
                 assert!(local.project(&force).all(|value| value.abs() < 1e-15));
                 let mut q = [0.0; 2];
                 local.react(&force, &mut q);
                 assert!(q.iter().zip(&column[2..]).all(|(q, z)| (q - z).abs() < 1e-15));
             }
         }
-        let (mut u, mut q, given) = ([0.0; 2], [0.0; 2], [0.3, -0.7]);
-        local.start(&given, &mut u, &mut q);
-        let x = [u, q].concat();
+        let given = [0.3, -0.7];
+        let x: Vec<f64> = local.start(&given).collect();
         for (row, b) in rows.chunks_exact(4).zip(given) {
             assert!((dot(row, &x) - b).abs() < 1e-15);
         }
@@ -293,7 +314,7 @@ mod tests {
     #[test]
     fn what_depends_on_each_other_is_an_error() {
         let b = coupling([0.0, -1.0]);
-        let error = |rows: &[f64], b: &[f64]| Local::new(2, 2, rows, b).err();
+        let error = |rows: &[f64], b: &[f64; 4]| Local::new(2, 2, rows.to_vec(), with_forces(b)).err();
         let singular = Some(LinearError::Singular { pivot_ratio: 0.0 });
         assert_eq!(error(&[1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0], &b), singular);
         assert_eq!(error(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], &b), singular);
@@ -304,9 +325,7 @@ mod tests {
 
     #[test]
     fn unknowns_without_a_displacement() {
-        let local = Local::new(0, 2, &[2.0, 0.0, 1.0, 4.0], &[]).unwrap();
-        let mut q = [0.0; 2];
-        local.start(&[2.0, 5.0], &mut [], &mut q);
-        assert_eq!((local.moving(), q), (0, [1.0, 1.0]));
+        let local = Local::new(0, 2, vec![2.0, 0.0, 1.0, 4.0], Vec::new()).unwrap();
+        assert_eq!((local.moving(), local.start(&[2.0, 5.0]).collect::<Vec<_>>()), (0, vec![1.0, 1.0]));
     }
 }

@@ -1,4 +1,4 @@
-//! Dense kernels, one thread each: `L Lᵀ`, and LU with partial pivoting.
+//! Dense kernels: `L Lᵀ`, and LU with partial pivoting.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
@@ -6,6 +6,23 @@ use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 use crate::linear::LinearError;
+use crate::sparse::mirror;
+
+/// Below, a factorisation takes less than a few milliseconds, and waiting for other threads costs what they save.
+const PARALLEL_ORDER: usize = 400;
+
+/// How many threads work on a matrix of this order.
+pub(super) fn threads(order: usize) -> usize {
+    if order < PARALLEL_ORDER { 1 } else { rayon::current_num_threads() }
+}
+
+/// The same, as faer has it.
+fn parallelism(order: usize) -> Par {
+    match threads(order) {
+        1 => Par::Seq,
+        several => Par::rayon(several),
+    }
+}
 
 /// `L Lᵀ` of the lower triangle `l`, m × m, column after column; so is the result, complete.
 pub fn times_transposed(l: &[f64], m: usize) -> Vec<f64> {
@@ -13,20 +30,9 @@ pub fn times_transposed(l: &[f64], m: usize) -> Vec<f64> {
     let mut product = vec![0.0; m * m];
     let to = MatMut::from_column_major_slice_mut(&mut product, m, m);
     let (lower, upper) = (BlockStructure::TriangularLower, BlockStructure::TriangularUpper);
-    matmul(to, lower, Accum::Replace, l, lower, l.transpose(), upper, 1.0, Par::Seq);
-    for column in 0..m {
-        for row in 0..column {
-            product[column * m + row] = product[row * m + column];
-        }
-    }
+    matmul(to, lower, Accum::Replace, l, lower, l.transpose(), upper, 1.0, parallelism(m));
+    mirror(&mut product, m);
     product
-}
-
-/// `y -= A x`; columns where `x` is zero are not read.
-pub(super) fn subtract_product(a: &Mat<f64>, x: &[f64], y: &mut [f64]) {
-    for (column, &factor) in x.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
-        y.iter_mut().zip(a.col_as_slice(column)).for_each(|(y, a)| *y -= a * factor);
-    }
 }
 
 /// Pivots at most as large, relative to the diagonal that they came from, say nothing: that of a Schur
@@ -57,9 +63,10 @@ impl Lu {
         }
         let (mut permutation, mut inverse) = (vec![0_usize; n], vec![0_usize; n]);
         if n > 0 {
-            let mut memory = MemBuffer::new(lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, faer::Spec::default()));
+            let par = parallelism(n);
+            let mut memory = MemBuffer::new(lu_in_place_scratch::<usize, f64>(n, n, par, faer::Spec::default()));
             let stack = MemStack::new(&mut memory);
-            lu_in_place(a.as_mut(), &mut permutation, &mut inverse, Par::Seq, stack, faer::Spec::default());
+            lu_in_place(a.as_mut(), &mut permutation, &mut inverse, par, stack, faer::Spec::default());
         }
         let mut pivot_ratio = 1.0_f64;
         for (k, size) in sizes.iter().enumerate() {
@@ -71,6 +78,11 @@ impl Lu {
             return Err(LinearError::Singular { pivot_ratio });
         }
         Ok(Lu { factors: a, permutation, pivot_ratio })
+    }
+
+    /// The room that the factors take.
+    pub(super) fn into_memory(self) -> Mat<f64> {
+        self.factors
     }
 
     /// The order.
@@ -110,10 +122,6 @@ mod tests {
         // L = [1 0; 2 3]
         let s = times_transposed(&[1.0, 2.0, 0.0, 3.0], 2);
         assert_eq!(s, [1.0, 2.0, 2.0, 13.0]);
-        let s = MatRef::from_column_major_slice(&s, 2, 2).to_owned();
-        let mut y = [0.0, 1.0];
-        subtract_product(&s, &[2.0, 0.0], &mut y);
-        assert_eq!(y, [-2.0, -3.0]);
         assert!(times_transposed(&[], 0).is_empty());
     }
 
@@ -124,13 +132,14 @@ mod tests {
             let a =
                 Mat::from_fn(n, n, |i, j| if i == j && n > 1 { 0.0 } else { 1.0 / (1.0 + i as f64 + 2.0 * j as f64) });
             let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
-            let mut b = vec![0.0; n];
-            subtract_product(&a, &x, &mut b);
+            let product = |x: &[f64]| -> Vec<f64> {
+                (0..n).map(|i| x.iter().enumerate().map(|(j, x)| a[(i, j)] * x).sum()).collect()
+            };
+            let b = product(&x);
             let lu = Lu::new(a.clone(), &vec![1.0; n]).unwrap();
             assert_eq!(lu.order(), n);
-            let mut rest: Vec<f64> = b.clone();
-            subtract_product(&a, &lu.solve(&b), &mut rest);
-            assert!(rest.iter().all(|r| r.abs() < 1e-13), "{n}: {rest:?}");
+            let found = product(&lu.solve(&b));
+            assert!(found.iter().zip(&b).all(|(found, b)| (found - b).abs() < 1e-13), "{n}: {found:?}");
         }
         assert_eq!(Lu::new(Mat::zeros(0, 0), &[]).unwrap().pivot_ratio(), 1.0);
     }

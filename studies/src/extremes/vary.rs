@@ -75,7 +75,7 @@ pub(super) fn condition(model: &Model) -> Result<f64, LinearError> {
     let mut held = Bdiff::new(problem, model.scaling(), &Conventions::natural(problem));
     held.hold_contacts();
     let mut linear = Direct::default();
-    linear.analyze(held.jacobian().pattern())?;
+    linear.analyze(held.jacobian())?;
     match linear.factorize(held.jacobian()) {
         Ok(_) => {}
         Err(LinearError::Singular { .. }) => return Ok(f64::INFINITY),

@@ -1,0 +1,198 @@
+//! The matrix of a linear system whose stiffness may be dense.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use super::error::expect_length;
+use super::{Csc, DenseSymmetric, MatrixError, Pattern};
+
+/// A square matrix that is sparse but for its first rows and columns, which may be a dense symmetric block:
+///
+/// ```text
+/// A = [ S 0 ] + R.
+///     [ 0 0 ]
+/// ```
+///
+/// The stiffness of a condensed body is such an `S`. It never changes, and whoever holds the matrix holds the same numbers.
+/// Without `S` the matrix is `R`, compressed columns.
+#[derive(Debug, Clone)]
+pub struct SystemMatrix {
+    leading: Option<DenseSymmetric>,
+    rest: Csc,
+}
+
+impl From<Csc> for SystemMatrix {
+    /// A matrix without a dense block; who factors it asks for a square one.
+    fn from(rest: Csc) -> Self {
+        SystemMatrix { leading: None, rest }
+    }
+}
+
+impl SystemMatrix {
+    /// The matrix with the dense block `leading`, and `rest` added to it.
+    ///
+    /// # Errors
+    /// When `rest` is not square, or has fewer rows than the block.
+    pub fn new(leading: DenseSymmetric, rest: Csc) -> Result<Self, MatrixError> {
+        let (rows, columns) = (rest.pattern().rows(), rest.pattern().columns());
+        if rows != columns {
+            return Err(MatrixError::NotSquare { rows, columns });
+        }
+        expect_length("rows of the dense block", leading.order().min(rows), leading.order())?;
+        Ok(SystemMatrix { leading: Some(leading), rest })
+    }
+
+    /// The zero matrix with this pattern beside the dense block, if there is one, of which this crate's own matrices are made.
+    pub(crate) fn of(leading: Option<DenseSymmetric>, pattern: Pattern) -> Self {
+        SystemMatrix { leading, rest: Csc::zeros(Arc::new(pattern)) }
+    }
+
+    /// The order.
+    pub fn order(&self) -> usize {
+        self.rest.pattern().columns()
+    }
+
+    /// The dense block `S`.
+    pub fn leading(&self) -> Option<&DenseSymmetric> {
+        self.leading.as_ref()
+    }
+
+    /// All that stands beside the dense block, or is added to it: `R`.
+    pub fn rest(&self) -> &Csc {
+        &self.rest
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn rest_mut(&mut self) -> &mut Csc {
+        &mut self.rest
+    }
+
+    /// Where the entries of [`SystemMatrix::rest`] stand.
+    pub fn pattern(&self) -> &Arc<Pattern> {
+        self.rest.pattern()
+    }
+
+    /// The entry at `(row, column)`; one that is not stored is 0.
+    pub fn get(&self, row: usize, column: usize) -> f64 {
+        let leading = self.leading.as_ref().filter(|leading| row.max(column) < leading.order());
+        let rest = self.pattern().slot(row, column).map_or(0.0, |slot| self.rest.values()[slot]);
+        leading.map_or(0.0, |leading| leading.get(row, column)) + rest
+    }
+
+    /// All stored entries as `(row, column, value)`. What is added to the dense block comes by itself.
+    pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        self.leading.iter().flat_map(DenseSymmetric::entries).chain(self.rest.entries())
+    }
+
+    /// The matrix as compressed columns.
+    pub fn to_csc(&self) -> Cow<'_, Csc> {
+        let Some(leading) = &self.leading else { return Cow::Borrowed(&self.rest) };
+        let (m, n, rest) = (leading.order(), self.order(), &self.rest);
+        let mut whole = Csc::zeros(Arc::new(Pattern::of(n, n, |take| {
+            (0..m).for_each(|column| (0..m).for_each(|row| take(row, column)));
+            rest.entries().for_each(|(row, column, _)| take(row, column));
+        })));
+        let (pattern, values) = whole.parts_mut();
+        for (row, column, value) in self.entries() {
+            if let Some(slot) = pattern.slot(row, column) {
+                values[slot] += value;
+            }
+        }
+        Cow::Owned(whole)
+    }
+
+    /// `A x`.
+    ///
+    /// # Errors
+    /// When `x` has another length than the matrix has columns.
+    pub fn times(&self, x: &[f64]) -> Result<Vec<f64>, MatrixError> {
+        expect_length("vector", self.order(), x.len())?;
+        let mut y = vec![0.0; self.pattern().rows()];
+        self.mul(x, &mut y);
+        Ok(y)
+    }
+
+    /// `y = A x`.
+    pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        if let Some(leading) = &self.leading {
+            let m = leading.order();
+            leading.mul(&x[..m], &mut y[..m]);
+        }
+        self.rest.add_product(x, y);
+    }
+
+    /// `r = b - A x` and `s = |A| |x| + |b|`, what a residual is to be judged against.
+    pub(crate) fn residual(&self, x: &[f64], b: &[f64], r: &mut [f64], s: &mut [f64]) {
+        for (i, &value) in b.iter().enumerate() {
+            r[i] = value;
+            s[i] = value.abs();
+        }
+        if let Some(leading) = &self.leading {
+            let m = leading.order();
+            leading.residual(&x[..m], &mut r[..m], &mut s[..m]);
+        }
+        self.rest.subtract_product(x, r, s);
+    }
+
+    /// The largest size of an entry.
+    pub(crate) fn largest_entry(&self) -> f64 {
+        let leading = self.leading.as_ref().map_or(0.0, DenseSymmetric::largest_entry);
+        self.rest.values().iter().fold(leading, |m, value| m.max(value.abs()))
+    }
+
+    /// The largest size in each row.
+    pub(crate) fn row_norms(&self) -> Vec<f64> {
+        let mut norms = vec![0.0_f64; self.pattern().rows()];
+        if let Some(leading) = &self.leading {
+            norms.iter_mut().zip(leading.row_norms()).for_each(|(norm, own)| *norm = own);
+        }
+        self.rest.entries().for_each(|(row, _, value)| norms[row] = norms[row].max(value.abs()));
+        norms
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// S of order 3 with a row and a column beside it, and something added to its diagonal.
+    fn example() -> SystemMatrix {
+        let values = (0..9).map(|k| 1.0 + 0.5 * f64::from(k)).collect();
+        let entries = [(1, 1, 8.0), (0, 3, -1.0), (3, 2, 0.25), (3, 3, 2.0)];
+        let leading = DenseSymmetric::from_lower(3, values).unwrap().scaled(0.5);
+        SystemMatrix::new(leading, Csc::from_triplets(4, 4, &entries).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn it_is_what_its_compressed_columns_are() {
+        let a = example();
+        let whole = a.to_csc().into_owned();
+        let entry = |row, column| whole.pattern().slot(row, column).map_or(0.0, |slot| whole.values()[slot]);
+        for (row, column) in (0..4).flat_map(|row| (0..4).map(move |column| (row, column))) {
+            assert_eq!(a.get(row, column), entry(row, column), "{row} {column}");
+        }
+        let (x, b) = ([1.0, -2.0, 3.0, 0.5], [0.25, 8.0, -1.0, 0.0]);
+        assert_eq!(a.times(&x).unwrap(), whole.times(&x).unwrap());
+        let residual = |a: &SystemMatrix| {
+            let (mut r, mut s) = ([0.0; 4], [0.0; 4]);
+            a.residual(&x, &b, &mut r, &mut s);
+            [r, s]
+        };
+        let whole = SystemMatrix::from(whole);
+        assert_eq!(residual(&a), residual(&whole));
+        assert!(matches!(whole.to_csc(), Cow::Borrowed(_)));
+        // S_11 + 8 counts as two.
+        assert_eq!((a.largest_entry(), whole.largest_entry()), (8.0, 9.5));
+        assert_eq!(a.row_norms(), [1.0, 8.0, 2.5, 2.0]);
+    }
+
+    #[test]
+    fn parts_that_do_not_fit() {
+        let one = |n| DenseSymmetric::from_lower(n, vec![1.0; n * n]).unwrap();
+        let rest = |rows, columns| Csc::from_triplets(rows, columns, &[]).unwrap();
+        assert!(matches!(SystemMatrix::new(one(2), rest(2, 3)), Err(MatrixError::NotSquare { .. })));
+        assert!(matches!(SystemMatrix::new(one(3), rest(2, 2)), Err(MatrixError::Length { .. })));
+        assert!(SystemMatrix::new(one(2), rest(2, 2)).is_ok());
+    }
+}
