@@ -5,6 +5,7 @@
 //! grows back. On the contact displacements alone several increments are solved before they are judged, see `bundle`.
 
 mod bundle;
+mod landed;
 
 use std::borrow::Cow;
 
@@ -26,17 +27,10 @@ use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Outcome, Stop};
 use crate::problem::{ContactProblem, Increment, State};
-use crate::solvability::{Landing, Load, driven_motion, landing, motion_driven_in_the_equations};
-
-/// The share of its terms that `K r` may leave of a free motion `r` along which a body is carried: ten times what rounding
-/// makes of rotations of bodies with a thousand elements a side.
-const UNSTRAINED: f64 = 1e-12;
+use crate::solvability::{Load, driven_motion, motion_driven_in_the_equations};
 
 /// Roundings of its terms in a gap that is left at the end of the way along which a body is carried, or in the sum of loads.
 const ROUNDINGS: f64 = 16.0;
-
-/// A contact node that is nearer to its obstacle, relative to its gap, touches it.
-const NEGLIGIBLE: f64 = 1e-10;
 
 /// The way through a history as far as it has converged, and the data of the part tried last.
 pub(super) struct Path<'a> {
@@ -107,7 +101,7 @@ impl<'a> Path<'a> {
             method,
             held,
             at,
-            may_be_carried: is_carried_without_strain(problem),
+            may_be_carried: landed::is_carried_without_strain(problem),
             force: vec![0.0; problem.displacements()],
             condensed_force: vec![0.0; condensed.map_or(0, |condensed| condensed.problem.displacements())],
             gap: vec![0.0; n_c],
@@ -336,25 +330,6 @@ impl<'a> Path<'a> {
         Some(time)
     }
 
-    /// Carries a body that contact alone holds to where it comes to rest under the load of the part that ends at `time`; the
-    /// nodes that touch there, if it has not been there before. `None` for a body that supports hold, and where nothing can be said.
-    fn land(&mut self, time: f64, sizes: &[f64]) -> Option<Vec<usize>> {
-        if !self.may_be_carried {
-            return None;
-        }
-        // As near as what the load deforms, Newton's method finds what closes better than a rigid body does.
-        let force = self.held.response(self.loading, None, time).contact_force * self.settings.scaling.force;
-        let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEGLIGIBLE * gap.abs());
-        let reach: Vec<f64> = self.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();
-        let moved = self.at.carried.w_n.iter().zip(&self.at.w_n).map(|(carried, w)| carried + w);
-        let distance: Vec<f64> = self.gap.iter().zip(moved).map(|(gap, w)| gap - w).collect();
-        let load = Load { force: &self.force, sizes };
-        let Landing { weights, nodes } = landing(self.problem, &self.mu, &load, &distance, &reach)?;
-        self.at.carried = self.at.carried.by(self.problem, &weights);
-        let stays = weights.iter().all(|weight| *weight == 0.0);
-        (self.at.reached.is_none() || !stays).then_some(nodes)
-    }
-
     fn accept(&mut self, time: f64, attempt: &Attempt) {
         if self.condensed.is_some_and(|condensed| condensed.nodes().is_some()) {
             self.at.state = Some(attempt.state.clone());
@@ -388,17 +363,4 @@ impl<'a> Path<'a> {
 /// Of a value for each contact node those that the equations have.
 fn on_nodes<'v>(condensed: Option<&Condensed>, values: &'v [f64]) -> Cow<'v, [f64]> {
     condensed.map_or(Cow::Borrowed(values), |condensed| condensed.on_nodes(values))
-}
-
-/// Whether a body has free motions, and they strain it no more than rounding does.
-fn is_carried_without_strain(problem: &ContactProblem) -> bool {
-    let unstrained = |motion: &Vec<f64>| {
-        let (mut force, mut sizes) = (vec![0.0; motion.len()], vec![0.0; motion.len()]);
-        problem.stiffness().mul(motion, &mut force);
-        problem.stiffness().add_sizes(motion, &mut sizes);
-        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        largest(&force) <= UNSTRAINED * largest(&sizes)
-    };
-    let motions = problem.free_motions();
-    !motions.is_empty() && motions.iter().all(unstrained)
 }

@@ -35,7 +35,7 @@ pub const LIBRARY: &[Places] = &[
         ],
     ),
     ("pulp", &["linear/cholesky/sweep.rs", "sparse/lanes.rs"]),
-    ("rayon", &["history/whole.rs", "linear/cholesky.rs"]),
+    ("rayon", &["history/whole.rs", "linear/cholesky.rs", "linear/dense.rs", "linear/dense/lu.rs", "sparse/dense.rs"]),
     ("rustix", &["report/usage.rs"]),
     (
         "schemars",
@@ -45,6 +45,7 @@ pub const LIBRARY: &[Places] = &[
             "contact/range.rs",
             "estimate/",
             "history/record.rs",
+            "history/working_set.rs",
             "report/",
             "uniqueness.rs",
         ],

@@ -7,11 +7,11 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
-use super::super::Status;
-use super::super::told::Told;
-use super::super::whole::Balanced;
 use super::{Path, Start, Walk};
 use crate::contact::KktScales;
+use crate::history::Status;
+use crate::history::told::Told;
+use crate::history::whole::{Balanced, Whole};
 use crate::linear::{Direct, LinearError, Statistics};
 use crate::nonlinear::{Outcome, Stop};
 
@@ -64,7 +64,7 @@ pub(in crate::history) struct Judged {
 impl Path<'_> {
     /// How many increments may go together.
     pub(in crate::history) fn together(&self) -> usize {
-        let operations = |whole: super::Whole<'_>| {
+        let operations = |whole: Whole<'_>| {
             let free = whole.condensed.problem.displacements() as f64;
             4.0 * whole.condensed.info().entries as f64 + ITERATIONS * 2.0 / 3.0 * free.powi(3)
         };
@@ -140,7 +140,7 @@ impl Path<'_> {
         if !bundle.alone {
             scales = self.pose(time).scales;
         }
-        let is_sound = |whole: super::Whole<'_>| whole.is_sound(&balanced, &scales.with_state(&balanced.state));
+        let is_sound = |whole: Whole<'_>| whole.is_sound(&balanced, &scales.with_state(&balanced.state));
         bundle.sound &= self.whole().is_none_or(is_sound);
         let is_current = bundle.is_current && bundle.pending.is_empty();
         let attempt = if is_current {
