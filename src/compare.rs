@@ -30,6 +30,7 @@ use cases::Study;
 use mesh::first_elements;
 
 use crate::history::{LinearAlgebra, Method, Status};
+use crate::linear::blas::Blas;
 use crate::report::Estimates;
 use crate::run::RunError;
 use crate::scene::Scene;
@@ -157,6 +158,8 @@ pub struct Comparison {
     pub units: UnitSystem,
     /// The error that every law may have; no error of a run means anything below it.
     pub tolerance: f64,
+    /// The BLAS behind the times, in a build that has one.
+    pub blas: Option<Blas>,
     /// The meshes, from coarse to fine.
     pub meshes: Vec<MeshResult>,
     /// The runs, mesh by mesh.
@@ -260,7 +263,7 @@ pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> 
         }
     }
     let tolerance = scene.solver.tolerance;
-    Ok(Comparison { title: scene.title.clone(), units, tolerance, meshes: results, runs })
+    Ok(Comparison { title: scene.title.clone(), units, tolerance, blas: Blas::loaded(), meshes: results, runs })
 }
 
 impl Comparison {

@@ -98,7 +98,11 @@ pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     if args.csv {
         csv::runs(&comparison).lines().for_each(|line| say!("{line}"));
     } else {
-        say!("{}\n\n{}", comparison.title, tables(&comparison, &comparison.meshes));
+        say!("{}\n", comparison.title);
+        if let Some(blas) = &comparison.blas {
+            say!("{}\n", blas.with_threads());
+        }
+        say!("{}", tables(&comparison, &comparison.meshes));
         comparison.answers().iter().for_each(|answer| say!("{answer}"));
     }
     if let Some(folder) = &args.out {
@@ -207,6 +211,7 @@ fn write(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
     written(write_file(folder, "meshes.csv", &csv::meshes(comparison)))?;
     let command = std::env::args().skip(1).map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
     let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
+    page.extend(comparison.blas.as_ref().map(|blas| format!("{}.\n\n", blas.with_threads())));
     page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));
     for (stem, what, chart) in compare::charts(comparison) {
         let svg = chart.to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;

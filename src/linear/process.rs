@@ -9,35 +9,21 @@ use std::ffi::c_int;
 #[cfg(feature = "umfpack")]
 use libloading::os::unix::Library;
 
+#[cfg(feature = "umfpack")]
+use super::blas::loaded;
+
 /// Sets the number of BLAS threads and returns the name of the library that took it.
 ///
 /// Fronts of two-dimensional problems are small: a second BLAS thread gains little and, on a busy
-/// machine, can cost an order of magnitude. Which BLAS is loaded is only known at run time, so its
-/// thread control is looked up by name. `None` means that it has none, as the reference BLAS, which
-/// is single-threaded and slower.
+/// machine, can cost an order of magnitude. `None` means that the library has no thread control, as
+/// the reference BLAS, which is single-threaded and slower.
 #[cfg(feature = "umfpack")]
 pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
     let process = Library::this();
     if threads <= 1 {
         run_openmp_serially(&process);
     }
-    let count = c_int::try_from(threads.max(1)).unwrap_or(c_int::MAX);
-    // SAFETY (both): the symbols are the libraries' documented functions, which take the number of
-    // threads as a C int (OpenBLAS, MKL) or as a 64-bit integer (BLIS) and return nothing; any
-    // positive number is valid.
-    for (name, symbol) in [("OpenBLAS", &b"openblas_set_num_threads\0"[..]), ("MKL", b"MKL_Set_Num_Threads\0")] {
-        // SAFETY: see above.
-        if let Ok(set) = unsafe { process.get::<unsafe extern "C" fn(c_int)>(symbol) } {
-            // SAFETY: see above.
-            unsafe { set(count) };
-            return Some(name);
-        }
-    }
-    // SAFETY: see above.
-    let set = unsafe { process.get::<unsafe extern "C" fn(i64)>(b"bli_thread_set_num_threads\0") }.ok()?;
-    // SAFETY: see above.
-    unsafe { set(i64::from(count)) };
-    Some("BLIS")
+    loaded::set_threads(&process, threads)
 }
 
 /// CHOLMOD has parallel regions of its own, whatever the BLAS is told. Without an active level they

@@ -274,6 +274,7 @@ pub fn by_hand() -> Comparison {
         run(IP, 100, 20, 1000.0, 1e-11),
     ];
     Comparison {
+        blas: None,
         title: "by hand".into(),
         units: UnitSystem::si(2),
         tolerance: 1e-10,

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod blas_kernel;
 mod check;
 mod cli;
 mod cli_failures;
