@@ -155,11 +155,12 @@ impl Cli {
 
     fn run(&self) -> Result<ExitCode, Failure> {
         let kernel_before = self.kernel_before()?;
-        threads::start(threads::count(self.threads));
+        let threads = threads::count(self.threads);
+        threads::start(threads);
         match &self.command {
-            Command::Run(args) => run::run(args, kernel_before),
+            Command::Run(args) => run::run(args, threads, kernel_before),
             Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
-            Command::Compare(args) => compare::compare(args),
+            Command::Compare(args) => compare::compare(args, threads),
             Command::Sweep(args) => sweep::sweep(args, self),
             Command::Schema(args) => {
                 schema::schema(args);

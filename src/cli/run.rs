@@ -20,7 +20,7 @@ use stickslip::scene::Scene;
 use stickslip::units::Quantity;
 
 use super::progress::Progress;
-use super::{Failure, SceneArgs, interrupt, uniqueness};
+use super::{Failure, SceneArgs, interrupt, threads, uniqueness};
 use watcher::Watcher;
 
 #[derive(Args)]
@@ -38,8 +38,8 @@ pub(super) struct RunArgs {
     uniqueness: bool,
 }
 
-/// `kernel_before`: the kernel of the BLAS before the program started itself again.
-pub(super) fn run(args: &RunArgs, kernel_before: Option<String>) -> Result<ExitCode, Failure> {
+/// On `count` threads. `kernel_before`: the kernel of the BLAS before the program started itself again.
+pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -> Result<ExitCode, Failure> {
     interrupt::listen();
     let scene = args.scene.read()?;
     if !args.json {
@@ -50,6 +50,7 @@ pub(super) fn run(args: &RunArgs, kernel_before: Option<String>) -> Result<ExitC
     if args.uniqueness {
         run = run.with_uniqueness()?;
     }
+    threads::share_with_the_blas(run.model(), count);
     let folder = args.out.as_deref().map(|path| open_folder(path, &scene, run.model())).transpose()?;
     if !args.json {
         print_head(&scene, &run);

@@ -3,6 +3,7 @@
 use std::thread;
 
 use rayon::ThreadPoolBuilder;
+use stickslip::model::Model;
 
 /// The most that anybody is given.
 pub(super) const MOST: u32 = 1024;
@@ -31,9 +32,27 @@ fn of_openmp(text: &str) -> Option<u32> {
 pub(super) fn start(count: usize) {
     // It can only have been done before, and is then as it was.
     let _ = ThreadPoolBuilder::new().num_threads(count).use_current_thread().build_global();
-    #[cfg(feature = "umfpack")]
-    let _ = stickslip::linear::process::set_blas_threads(1);
+    let_the_blas_have(1);
 }
+
+/// Displacements of a solid body from which on the fronts of its factors are so large that products of theirs are worth sharing.
+const LARGE: usize = 30_000;
+
+/// Lets the BLAS have its share of `count` threads for a run of `model`: all of them for large bodies in space, one for all others,
+/// whose fronts are small. There a second thread of OpenBLAS waits in a loop most of the time.
+pub(super) fn share_with_the_blas(model: &Model, count: usize) {
+    let large = model.mesh.dimension == 3 && model.problem.displacements() >= LARGE;
+    let_the_blas_have(if large { count } else { 1 });
+}
+
+#[cfg(feature = "umfpack")]
+fn let_the_blas_have(count: usize) {
+    // A library that has no word for it has one thread.
+    let _ = stickslip::linear::process::set_blas_threads(count);
+}
+
+#[cfg(not(feature = "umfpack"))]
+fn let_the_blas_have(_: usize) {}
 
 #[cfg(test)]
 mod tests {

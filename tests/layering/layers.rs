@@ -24,6 +24,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("description", &["contact", "fault", "fem", "formula", "mesh", "timeline", "units", "vector"]),
     ("formulation", &["contact", "null_space", "problem", "sparse", "units", "vector"]),
     ("linear", &["sets", "sparse", "vector"]),
+    ("jobs", &["linear"]),
     ("nonlinear", &["formulation", "linear", "sparse", "units"]),
     ("condense", &["linear", "loading", "problem", "sparse"]),
     (
@@ -92,6 +93,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "fem",
             "formulation",
             "history",
+            "linear",
             "mesh",
             "model",
             "problem",
@@ -125,6 +127,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "estimate",
             "fem",
             "history",
+            "jobs",
             "linear",
             "mesh",
             "model",

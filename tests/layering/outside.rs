@@ -19,7 +19,7 @@ pub const LIBRARY: &[Places] = &[
     ("faer", &["linear/", "problem/contact_stiffness.rs", "uniqueness.rs"]),
     ("indicatif", &["cli/progress.rs"]),
     ("libc", &["linear/process.rs"]),
-    ("libloading", &["linear/process.rs"]),
+    ("libloading", &["linear/blas/loaded.rs", "linear/process.rs"]),
     (
         "miette",
         &[
@@ -34,6 +34,7 @@ pub const LIBRARY: &[Places] = &[
             "scene/error.rs",
         ],
     ),
+    ("rayon", &[]),
     ("rustix", &["report/usage.rs"]),
     (
         "schemars",
@@ -43,6 +44,7 @@ pub const LIBRARY: &[Places] = &[
             "contact/range.rs",
             "estimate/",
             "history/record.rs",
+            "linear/blas.rs",
             "report/",
             "uniqueness.rs",
         ],
@@ -53,12 +55,13 @@ pub const LIBRARY: &[Places] = &[
     ("thiserror", &[]),
     ("toml", &["scene/"]),
     ("toml_edit", &["compare/mesh.rs", "scene/"]),
-    ("std::env", &["cli.rs", "cli/"]),
+    // What OpenBLAS has read there is part of what it is.
+    ("std::env", &["cli.rs", "cli/", "linear/blas/loaded.rs"]),
     ("std::fs", &["cli/", "input.rs", "report/folder.rs", "report/usage.rs"]),
     ("std::net", &[NOWHERE]),
     ("std::panic", &["cli/bug.rs"]),
     ("std::process", &["main.rs", "cli.rs", "cli/"]),
-    ("std::thread", &["cli/sweep/processes.rs"]),
+    ("std::thread", &["cli/sweep/processes.rs", "cli/threads.rs", "jobs.rs"]),
 ];
 
 /// The same of the studies, which use the library as any other crate does.

@@ -19,4 +19,5 @@ mod schema;
 mod solvability;
 mod start;
 mod sweep;
+mod threads;
 mod units;
