@@ -59,7 +59,7 @@ fn main() {
             ]);
         }
     }
-    println!("\nmedian of {ROUNDS}; Gflop: the sum of squares of the columns of L\n\n{table}");
+    println!("\nmedian of {ROUNDS}; Gflop: the sum of squares of the columns of L; {}\n\n{table}", common::blas());
 }
 
 /// The displacements that a row of `C_n` or `C_t` reaches.

@@ -53,7 +53,10 @@ fn main() {
         return;
     }
     println!("\nfactor and solve, median of {ITERATIONS} iterations; error: componentwise backward error");
-    println!("MB: UMFPACK's peak; process MB: peak resident memory, mesh and matrices included\n\n{table}");
+    println!(
+        "MB: UMFPACK's peak; process MB: peak resident memory, mesh and matrices included; {}\n\n{table}",
+        common::blas()
+    );
 }
 
 /// Median seconds, worst backward error, entries of L + U, Gflop, UMFPACK's peak memory and the

@@ -43,7 +43,10 @@ fn main() {
     if table.is_empty() {
         return;
     }
-    println!("\nblock, mu = 0.4, 20 + 20 increments; CPU: mesh, assembly and analysis included\n\n{table}");
+    println!(
+        "\nblock, mu = 0.4, 20 + 20 increments; CPU: mesh, assembly and analysis included; {}\n\n{table}",
+        common::blas()
+    );
 }
 
 /// Keeps freed memory once the factors have their size, as the command line does.

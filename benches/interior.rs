@@ -54,7 +54,10 @@ fn main() {
         }
     }
     println!("\nmedian seconds of a factorisation and of a refined solve; errors: the largest, without and with");
-    println!("refinement; backward: of the system that is factored; forward: of all of dz\n\n{table}");
+    println!(
+        "refinement; backward: of the system that is factored; forward: of all of dz; {}\n\n{table}",
+        common::blas()
+    );
 }
 
 /// What is measured of one form.

@@ -8,6 +8,8 @@ macro_rules! say {
     ($($arg:tt)*) => { super::output::line(format_args!($($arg)*)) };
 }
 
+#[cfg(feature = "umfpack")]
+mod blas_kernel;
 mod bug;
 mod check;
 mod compare;
@@ -19,6 +21,7 @@ mod run;
 mod schema;
 mod shell;
 mod sweep;
+mod threads;
 mod uniqueness;
 
 use std::path::PathBuf;
@@ -35,10 +38,21 @@ use stickslip::scene::{Override, Scene, SceneError};
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Threads for the BLAS behind the factorisation
+    /// Threads that share the work; as many as OMP_NUM_THREADS says, or as there are processors, unless given
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(threads::MOST)))]
+    threads: Option<u32>,
+    /// The kernel of OpenBLAS: auto, which starts the program once more where the library has taken one that is too old
+    /// for the processor; keep; or a name, such as HASWELL
     #[cfg(feature = "umfpack")]
-    #[arg(long, global = true, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
-    threads: u32,
+    #[arg(
+        long,
+        global = true,
+        value_name = "KERNEL",
+        env = "STICKSLIP_BLAS_KERNEL",
+        hide_env_values = true,
+        default_value = "auto"
+    )]
+    blas_kernel: blas_kernel::Kernel,
 }
 
 #[derive(Subcommand)]
@@ -129,24 +143,25 @@ impl From<RunError> for Failure {
 }
 
 impl Cli {
-    /// The BLAS threads of a run.
-    #[cfg(feature = "umfpack")]
-    fn threads(&self) -> u32 {
-        self.threads
-    }
-
-    #[cfg(not(feature = "umfpack"))]
-    #[allow(clippy::unused_self)]
-    fn threads(&self) -> u32 {
-        1
+    /// The kernel that the BLAS had taken before the program started itself again for a better one. Only what solves needs
+    /// one.
+    fn kernel_before(&self) -> Result<Option<String>, Failure> {
+        #[cfg(feature = "umfpack")]
+        if let Command::Run(_) | Command::Compare(_) | Command::Sweep(_) = self.command {
+            return blas_kernel::choose(&self.blas_kernel);
+        }
+        Ok(None)
     }
 
     fn run(&self) -> Result<ExitCode, Failure> {
+        let kernel_before = self.kernel_before()?;
+        let threads = threads::count(self.threads);
+        threads::start(threads);
         match &self.command {
-            Command::Run(args) => run::run(args),
+            Command::Run(args) => run::run(args, threads, kernel_before),
             Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
-            Command::Compare(args) => compare::compare(args),
-            Command::Sweep(args) => sweep::sweep(args, self.threads()),
+            Command::Compare(args) => compare::compare(args, threads),
+            Command::Sweep(args) => sweep::sweep(args, self),
             Command::Schema(args) => {
                 schema::schema(args);
                 Ok(ExitCode::SUCCESS)
@@ -195,12 +210,6 @@ pub(crate) fn main() -> ExitCode {
             error.exit()
         }
     };
-    #[cfg(feature = "umfpack")]
-    if stickslip::linear::process::set_blas_threads(cli.threads as usize).is_none() {
-        output::note(
-            "note: the BLAS in use is not OpenBLAS, BLIS or MKL; factorisations may take several times longer",
-        );
-    }
     let code = match bug::caught(|| cli.run()) {
         Ok(Ok(code)) => code,
         Ok(Err(failure)) => output::failure(&failure, json),

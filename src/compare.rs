@@ -5,8 +5,9 @@
 //! ([`Trial::iterates`]). That of *time stepping* is the distance to a reference on the same mesh with many
 //! more increments ([`TimeErrors`]); the difference to half the increments does not serve, for a node that
 //! closes and sticks in the first half comes out the same with either. That of the *mesh* is the
-//! distance of such a reference to that on the finest mesh ([`MeshErrors`]). Time is CPU time of the
-//! process, which the other programs of a machine disturb least.
+//! distance of such a reference to that on the finest mesh ([`MeshErrors`]). Time is CPU time of the thread that a history
+//! has for itself, which the other programs of a machine disturb least; it is whole if the BLAS has been told to take one thread
+//! ([`crate::linear::process`]).
 
 mod answers;
 mod cases;
@@ -18,6 +19,7 @@ mod picture;
 mod tractions;
 
 use std::fmt;
+use std::sync::{Mutex, PoisonError};
 
 pub use answers::{Estimate, Lead};
 pub use errors::{End, MeshErrors, TimeErrors};
@@ -30,6 +32,8 @@ use cases::Study;
 use mesh::first_elements;
 
 use crate::history::{LinearAlgebra, Method, Status};
+use crate::jobs;
+use crate::linear::blas::Blas;
 use crate::report::Estimates;
 use crate::run::RunError;
 use crate::scene::Scene;
@@ -56,6 +60,23 @@ pub struct Plan {
     /// The reference has so many times the increments of the finest history. It carries the error of its
     /// own increments, so that those of the finest history are told up to this share too small.
     pub reference: usize,
+    /// How many histories are computed at a time.
+    pub jobs: Jobs,
+}
+
+/// How many histories are computed at a time, each in a thread of its own. Those that run side by side share memory and caches,
+/// which their times show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Jobs {
+    /// Meshes with their references.
+    pub references: usize,
+    /// The histories that are compared.
+    pub histories: usize,
+}
+
+impl Jobs {
+    /// One after the other.
+    pub const ONE: Self = Jobs { references: 1, histories: 1 };
 }
 
 /// Where the time of a run went, s.
@@ -75,7 +96,7 @@ pub struct Phases {
     pub rest: f64,
     /// The wall time of the whole run.
     pub wall: f64,
-    /// The CPU time of the process for the whole run.
+    /// The CPU time of the whole run.
     pub cpu: f64,
 }
 
@@ -157,6 +178,8 @@ pub struct Comparison {
     pub units: UnitSystem,
     /// The error that every law may have; no error of a run means anything below it.
     pub tolerance: f64,
+    /// The BLAS behind the times, in a build that has one.
+    pub blas: Option<Blas>,
     /// The meshes, from coarse to fine.
     pub meshes: Vec<MeshResult>,
     /// The runs, mesh by mesh.
@@ -217,35 +240,45 @@ impl Plan {
             }),
             increments: shares(scene.time.increments, [4, 2, 1], 1),
             reference: 8,
+            jobs: Jobs::ONE,
         }
     }
 }
 
-/// Computes every history of `plan`, one after the other, and tells `progress` before each what it is.
+/// Computes every history of `plan`, the references first, and tells `progress` before each what it is. Results do not depend on how
+/// many are computed at a time.
 ///
 /// # Errors
 /// When a mesh of the plan cannot be built or is none of this scene's, or the linear algebra cannot go on.
-pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> Result<Comparison, CompareError> {
+pub fn compute(
+    scene: &Scene,
+    plan: &Plan,
+    progress: &mut (dyn FnMut(String) + Send),
+) -> Result<Comparison, CompareError> {
     let mut increments = plan.increments.clone();
     increments.sort_unstable();
     increments.dedup();
     let meshes = mesh::each(&scene.description.mesh, &plan.meshes)?;
     let reference = plan.reference * increments.last().copied().unwrap_or(1);
-    let mut studied: Vec<(MeshResult, Vec<Trial>)> = Vec::new();
-    let mut units = scene.description.system(3);
-    for mesh in meshes {
-        progress(format!("{mesh}, reference with {reference} increments"));
-        let study = Study::new(scene, mesh.clone(), reference)?;
-        units = study.units();
-        let mut runs = Vec::new();
-        for &path in &plan.paths {
-            for &increments in &increments {
-                progress(format!("{mesh}, {path}, {increments} increments"));
-                runs.push(study.run(path, increments)?);
-            }
-        }
-        studied.push((study.result(), runs));
+    let progress = Mutex::new(progress);
+    let tell = |what: String| progress.lock().unwrap_or_else(PoisonError::into_inner)(what);
+    let studies = jobs::run(&meshes, plan.jobs.references, |mesh| {
+        tell(format!("{mesh}, reference with {reference} increments"));
+        Study::new(scene, mesh.clone(), reference)
+    })?;
+    let units = studies.last().map_or(scene.description.system(3), Study::units);
+    let mut cells = Vec::new();
+    for study in &studies {
+        cells.extend(plan.paths.iter().flat_map(|&path| increments.iter().map(move |&number| (study, path, number))));
     }
+    let trials = jobs::run(&cells, plan.jobs.histories, |&(study, path, increments)| {
+        tell(format!("{}, {path}, {increments} increments", study.mesh()));
+        study.run(path, increments)
+    })?;
+    let each = plan.paths.len() * increments.len();
+    let mut trials = trials.into_iter();
+    let mut studied: Vec<(MeshResult, Vec<Trial>)> =
+        studies.into_iter().map(|study| (study.result(), trials.by_ref().take(each).collect())).collect();
     // Only now it is known how fine those from files are. Of meshes with as many displacements that which is named last counts
     // as the finer one.
     studied.sort_by_key(|(result, _)| result.displacements);
@@ -260,7 +293,7 @@ pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> 
         }
     }
     let tolerance = scene.solver.tolerance;
-    Ok(Comparison { title: scene.title.clone(), units, tolerance, meshes: results, runs })
+    Ok(Comparison { title: scene.title.clone(), units, tolerance, blas: Blas::loaded(), meshes: results, runs })
 }
 
 impl Comparison {

@@ -38,6 +38,7 @@ pub mod formula;
 pub mod formulation;
 pub mod history;
 mod input;
+pub mod jobs;
 pub mod linear;
 pub mod loading;
 pub mod mesh;

@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use crate::sparse::Pattern;
 
+pub mod blas;
 pub mod built_in;
 mod choice;
 mod cholesky;

@@ -8,6 +8,7 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
+use stickslip::linear::blas::{Blas, KERNEL_VARIABLE};
 use stickslip::linear::{self, FactorInfo, LinearError, LinearSolver, Strategy, Umfpack};
 use stickslip::model::Model;
 use stickslip::report::Table;
@@ -55,8 +56,16 @@ impl Rows {
         }
         let mut table = Table::new(&self.heads.iter().map(String::as_str).collect::<Vec<_>>());
         self.rows.into_iter().for_each(|row| table.push(row));
-        println!("\n{caption}\n\n{table}");
+        println!("\n{caption}; {}\n\n{table}", blas());
     }
+}
+
+/// The BLAS behind every number. All is measured with one thread of it.
+pub fn blas() -> String {
+    linear::process::set_blas_threads(1);
+    let blas = Blas::loaded().unwrap();
+    let better = blas.better_kernel.map_or(String::new(), |name| format!(" (slow: set {KERNEL_VARIABLE}={name})"));
+    blas.with_threads() + &better
 }
 
 /// Who is measured.

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use stickslip::compare::{
-    self, CompareError, Comparison, ElementChoice, End, MeshChoice, MeshResult, MeshSize, Plan, SolverPath,
+    self, CompareError, Comparison, ElementChoice, End, Jobs, MeshChoice, MeshResult, MeshSize, Plan, SolverPath,
 };
 use stickslip::history::{LinearAlgebra, Method, Start, Status};
 use stickslip::linear::{self, SparseLu};
@@ -53,6 +53,10 @@ pub(super) struct CompareArgs {
     /// Increments of the reference, in those of the finest history
     #[arg(long, value_name = "TIMES", default_value_t = 8, value_parser = clap::value_parser!(u32).range(2..))]
     reference: u32,
+    /// How many histories are computed at a time, each on one thread; unless given, the references on all threads and then the
+    /// histories that are timed one after the other
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
     /// Write the tables as compare.csv, iterations.csv and meshes.csv, the charts, and all of it as
     /// compare.md into this folder
     #[arg(long, value_name = "DIR")]
@@ -74,10 +78,10 @@ fn method(name: &str, setting: &str) -> Method {
 
 /// Exit status 1: a history in a default setting, or a reference, did not converge. The settings of the paper may
 /// fail; the table tells.
-pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
+pub(super) fn compare(args: &CompareArgs, threads: usize) -> Result<ExitCode, Failure> {
     let scene = Scene::read(&args.scene, &args.overrides)?;
     let solvers = solvers(&args.solvers)?;
-    let plan = plan(args, &solvers, &scene);
+    let plan = plan(args, threads, &solvers, &scene);
     if let Some(file) = args.out.as_ref().filter(|out| out.exists() && !out.is_dir()) {
         return Err(write_failure(file, &std::io::ErrorKind::NotADirectory.into()));
     }
@@ -98,7 +102,11 @@ pub(super) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     if args.csv {
         csv::runs(&comparison).lines().for_each(|line| say!("{line}"));
     } else {
-        say!("{}\n\n{}", comparison.title, tables(&comparison, &comparison.meshes));
+        say!("{}\n", comparison.title);
+        if let Some(blas) = &comparison.blas {
+            say!("{}\n", blas.with_threads());
+        }
+        say!("{}", tables(&comparison, &comparison.meshes));
         comparison.answers().iter().for_each(|answer| say!("{answer}"));
     }
     if let Some(folder) = &args.out {
@@ -126,14 +134,18 @@ fn solvers(given: &[LinearAlgebra]) -> Result<Vec<LinearAlgebra>, Failure> {
     Ok([umfpack, LinearAlgebra::condensed(), faer].into_iter().filter(|linear| linear.is_built_in()).collect())
 }
 
-fn plan(args: &CompareArgs, solvers: &[LinearAlgebra], scene: &Scene) -> Plan {
+fn plan(args: &CompareArgs, threads: usize, solvers: &[LinearAlgebra], scene: &Scene) -> Plan {
     let mut paths = Vec::new();
     for &linear in solvers {
         for name in &args.methods {
             paths.extend(args.settings.iter().map(|setting| SolverPath { method: method(name, setting), linear }));
         }
     }
-    let mut plan = Plan { reference: args.reference as usize, ..Plan::modest(scene, paths) };
+    let jobs = args.jobs.map_or(Jobs { references: threads, histories: 1 }, |jobs| {
+        let jobs = usize::from(jobs);
+        Jobs { references: jobs, histories: jobs }
+    });
+    let mut plan = Plan { reference: args.reference as usize, jobs, ..Plan::modest(scene, paths) };
     if !args.meshes.is_empty() {
         plan.meshes = args.meshes.iter().cloned().map(MeshChoice::from).collect();
     }
@@ -207,6 +219,7 @@ fn write(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
     written(write_file(folder, "meshes.csv", &csv::meshes(comparison)))?;
     let command = std::env::args().skip(1).map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
     let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
+    page.extend(comparison.blas.as_ref().map(|blas| format!("{}.\n\n", blas.with_threads())));
     page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));
     for (stem, what, chart) in compare::charts(comparison) {
         let svg = chart.to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;

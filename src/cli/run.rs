@@ -10,6 +10,7 @@ use clap::Args;
 use stickslip::estimate::PeakOf;
 use stickslip::formulation::{Layout, NewtonSystem};
 use stickslip::history::{Method, Status, WorkingSet};
+use stickslip::linear::blas::Blas;
 use stickslip::model::Model;
 use stickslip::report::{
     Acting, BalanceRecord, ComponentSums, LeftOut, ProbeTable, ResultFolder, Resultant, RunReport, Unknowns, Warning,
@@ -19,7 +20,7 @@ use stickslip::scene::Scene;
 use stickslip::units::Quantity;
 
 use super::progress::Progress;
-use super::{Failure, SceneArgs, interrupt, uniqueness};
+use super::{Failure, SceneArgs, interrupt, threads, uniqueness};
 use watcher::Watcher;
 
 #[derive(Args)]
@@ -37,7 +38,8 @@ pub(super) struct RunArgs {
     uniqueness: bool,
 }
 
-pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
+/// On `count` threads. `kernel_before`: the kernel of the BLAS before the program started itself again.
+pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -> Result<ExitCode, Failure> {
     interrupt::listen();
     let scene = args.scene.read()?;
     if !args.json {
@@ -48,9 +50,11 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     if args.uniqueness {
         run = run.with_uniqueness()?;
     }
+    threads::share_with_the_blas(run.model(), count);
     let folder = args.out.as_deref().map(|path| open_folder(path, &scene, run.model())).transpose()?;
     if !args.json {
         print_head(&scene, &run);
+        print_blas(kernel_before.as_deref());
         say!("set-up       symbolic analysis");
     }
     let mut watcher = Watcher {
@@ -66,7 +70,10 @@ pub(super) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let report = run.solve(&mut watcher);
     watcher.progress.finish();
     let Watcher { folder, failed_write, .. } = watcher;
-    let report = report?;
+    let mut report = report?;
+    if let Some(blas) = &mut report.blas {
+        blas.kernel_before = kernel_before;
+    }
     let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     if let Some(folder) = &folder
         && let Err(error) = failed_write.map_or_else(|| folder.add_report(&report), Err)
@@ -140,6 +147,17 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
         say!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
     }
     for warning in Warning::of_model(model).iter().filter(|warning| !warning.kind.needs_the_solution()) {
+        say!("warning      {}", warning.message);
+    }
+}
+
+/// The BLAS, where there is something to say of it.
+fn print_blas(kernel_before: Option<&str>) {
+    let Some(blas) = Blas::loaded() else { return };
+    if let Some(before) = kernel_before {
+        say!("BLAS         {blas}, for which the program started itself again: the library had taken {before}");
+    }
+    if let Some(warning) = Warning::of_blas(&blas) {
         say!("warning      {}", warning.message);
     }
 }

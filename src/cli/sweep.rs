@@ -14,7 +14,7 @@ use stickslip::sweep::{Outcome, Row, Sweep, Variation, combinations, fingerprint
 
 use super::progress::bar;
 use super::run::write_failure;
-use super::{Failure, SceneArgs, interrupt, version};
+use super::{Cli, Failure, SceneArgs, interrupt, threads, version};
 use processes::{Ended, Processes};
 
 #[derive(Args)]
@@ -63,7 +63,7 @@ impl Drop for Results {
 }
 
 /// Exit status 1: a variant did not converge; 3: the machine failed in one.
-pub(super) fn sweep(args: &SweepArgs, threads: u32) -> Result<ExitCode, Failure> {
+pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     interrupt::listen();
     let first = args.scene.read()?;
     let tasks = tasks(args)?;
@@ -71,7 +71,15 @@ pub(super) fn sweep(args: &SweepArgs, threads: u32) -> Result<ExitCode, Failure>
     let path = args.out.as_ref().map_or_else(passing, |out| out.join("variants"));
     let results = Results { path, passes: args.out.is_none() };
     fs::create_dir_all(&results.path).map_err(|error| write_failure(&results.path, &error))?;
-    let processes = Processes { scene: &args.scene.scene, folder: &results.path, threads };
+    let jobs = args.jobs.map_or_else(threads::processors, usize::from).clamp(1, tasks.len().max(1));
+    let processes = Processes {
+        scene: &args.scene.scene,
+        folder: &results.path,
+        // Unless told, they share the processors.
+        threads: cli.threads.map_or_else(|| threads::count(None) / jobs, |count| count as usize).max(1),
+        #[cfg(feature = "umfpack")]
+        kernel: &cli.blas_kernel,
+    };
     if let Some(folder) = &args.out {
         writable(folder)?;
     }
@@ -86,7 +94,6 @@ pub(super) fn sweep(args: &SweepArgs, threads: u32) -> Result<ExitCode, Failure>
     }
     let bar = bar(waiting.len(), "variants");
     let orders: Vec<&Task> = waiting.iter().map(|&k| &tasks[k]).collect();
-    let jobs = processes::count(args.jobs);
     let ended = processes.run(&orders, jobs, &mut |Ended { order, outcome }| {
         let k = waiting[order];
         // A result of a scene that has changed since is not of the scene that was asked for.

@@ -8,7 +8,7 @@ use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
 use crate::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver, Status, Step};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
-use crate::report::{EstimateWatch, Estimates, cpu_seconds};
+use crate::report::{EstimateWatch, Estimates, thread_cpu_seconds};
 use crate::run::{Run, RunError};
 use crate::scene::{Override, Scene};
 use crate::units::UnitSystem;
@@ -45,14 +45,19 @@ impl Study {
         // The gaps of obstacles that move are exact at the ends of the reference's increments, and so for all histories
         // whose increments those divide.
         let scene = scene.with(&mesh.overrides(&scene.description.mesh))?.with(&[increments_of(reference)])?;
-        let (wall, cpu) = (Instant::now(), cpu_seconds());
+        let (wall, cpu) = (Instant::now(), thread_cpu_seconds());
         let model = Model::new(&scene)?;
-        let built = [wall.elapsed().as_secs_f64(), cpu_seconds() - cpu];
+        let built = [wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu];
         let end = scene.time.all().last().copied();
         let mut last = LastIncrement { model: &model, end, watch: EstimateWatch::new(&model) };
         let reference = solve(&scene, &model, built, reference_path(), reference, Some(&mut last))?;
         let estimates = last.watch.estimates(&model);
         Ok(Study { scene, model, mesh, built, reference, estimates })
+    }
+
+    /// Its mesh.
+    pub(super) fn mesh(&self) -> &MeshChoice {
+        &self.mesh
     }
 
     /// The units in which its results are told.
@@ -115,10 +120,10 @@ fn solve(
     last: Option<&mut LastIncrement<'_>>,
 ) -> Result<Solved, RunError> {
     let scene = scene.with(&[increments_of(increments)])?;
-    let (wall, cpu) = (Instant::now(), cpu_seconds());
-    let mut recorder = Recorder { since: cpu_seconds(), iterates: Vec::new(), last };
+    let (wall, cpu) = (Instant::now(), thread_cpu_seconds());
+    let mut recorder = Recorder { since: thread_cpu_seconds(), iterates: Vec::new(), last };
     let outcome = Run::of(model, scene.time.all(), path.solver(&scene.solver))?.history(&mut recorder)?;
-    let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
+    let (wall, cpu) = (wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu);
     let [analysis, factorization, solve] =
         [outcome.linear.analysis_seconds, outcome.linear.factor_seconds, outcome.linear.solve_seconds];
     let assembly: f64 = outcome.records.iter().map(|record| record.seconds.assembly).sum();
@@ -174,7 +179,7 @@ struct Recorder<'a, 'm> {
 
 impl Observer for Recorder<'_, '_> {
     fn ready(&mut self) {
-        self.since = cpu_seconds();
+        self.since = thread_cpu_seconds();
     }
 
     fn iteration(&mut self, increment: usize, record: &IterationRecord) -> Flow {
@@ -184,7 +189,7 @@ impl Observer for Recorder<'_, '_> {
             Some(last) if last.increment == increment => last.iteration + 1,
             _ => record.iteration,
         };
-        let seconds = cpu_seconds() - self.since;
+        let seconds = thread_cpu_seconds() - self.since;
         self.iterates.push(Iterate { increment, iteration, seconds, theta: record.theta, error: record.error });
         Flow::Continue
     }
@@ -196,7 +201,7 @@ impl Observer for Recorder<'_, '_> {
         if let Some(last) = &mut self.last {
             last.see(step);
         }
-        self.since = cpu_seconds();
+        self.since = thread_cpu_seconds();
         Flow::Continue
     }
 }

@@ -9,45 +9,40 @@ use std::ffi::c_int;
 #[cfg(feature = "umfpack")]
 use libloading::os::unix::Library;
 
-/// Sets the number of BLAS threads and returns the name of the library that took it.
+#[cfg(feature = "umfpack")]
+use super::blas::loaded;
+
+/// Sets the number of BLAS threads, and of OpenMP's for this thread, and returns the name of the library that took it.
 ///
-/// Fronts of two-dimensional problems are small: a second BLAS thread gains little and, on a busy
-/// machine, can cost an order of magnitude. Which BLAS is loaded is only known at run time, so its
-/// thread control is looked up by name. `None` means that it has none, as the reference BLAS, which
-/// is single-threaded and slower.
+/// Fronts of two-dimensional problems are small: a second BLAS thread gains nothing there, doubles the CPU
+/// time and, on a busy machine, can cost an order of magnitude. `None` means that the library has no thread control, as
+/// the reference BLAS, which is single-threaded and slower.
 #[cfg(feature = "umfpack")]
 pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
     let process = Library::this();
-    if threads <= 1 {
-        run_openmp_serially(&process);
-    }
-    let count = c_int::try_from(threads.max(1)).unwrap_or(c_int::MAX);
-    // SAFETY (both): the symbols are the libraries' documented functions, which take the number of
-    // threads as a C int (OpenBLAS, MKL) or as a 64-bit integer (BLIS) and return nothing; any
-    // positive number is valid.
-    for (name, symbol) in [("OpenBLAS", &b"openblas_set_num_threads\0"[..]), ("MKL", b"MKL_Set_Num_Threads\0")] {
-        // SAFETY: see above.
-        if let Ok(set) = unsafe { process.get::<unsafe extern "C" fn(c_int)>(symbol) } {
-            // SAFETY: see above.
-            unsafe { set(count) };
-            return Some(name);
-        }
-    }
-    // SAFETY: see above.
-    let set = unsafe { process.get::<unsafe extern "C" fn(i64)>(b"bli_thread_set_num_threads\0") }.ok()?;
-    // SAFETY: see above.
-    unsafe { set(i64::from(count)) };
-    Some("BLIS")
+    set_openmp(&process, threads);
+    loaded::set_threads(&process, threads)
+}
+
+/// Lets the parallel regions of CHOLMOD run in this thread, if it is the one that meets them; elsewhere nothing changes. Does nothing
+/// in a build without it.
+pub fn keep_openmp_in_this_thread() {
+    #[cfg(feature = "umfpack")]
+    set_openmp(&Library::this(), 1);
 }
 
 /// CHOLMOD has parallel regions of its own, whatever the BLAS is told. Without an active level they
 /// run in the thread that meets them; with an OpenMP that keeps this per thread, in the calling one.
 #[cfg(feature = "umfpack")]
-fn run_openmp_serially(process: &Library) {
-    // SAFETY: the symbol is OpenMP's documented function, which takes a C int; 0 is valid.
-    if let Ok(set) = unsafe { process.get::<unsafe extern "C" fn(c_int)>(b"omp_set_max_active_levels\0") } {
-        // SAFETY: see above.
-        unsafe { set(0) };
+fn set_openmp(process: &Library, threads: usize) {
+    let count = c_int::try_from(threads.max(1)).unwrap_or(c_int::MAX);
+    let told = [(&b"omp_set_max_active_levels\0"[..], c_int::from(count > 1)), (b"omp_set_num_threads\0", count)];
+    for (symbol, value) in told {
+        // SAFETY: the symbols are OpenMP's documented functions, which take a C int; no level and one thread are valid.
+        if let Ok(set) = unsafe { process.get::<unsafe extern "C" fn(c_int)>(symbol) } {
+            // SAFETY: see above.
+            unsafe { set(value) };
+        }
     }
 }
 

@@ -16,6 +16,7 @@ use super::warnings::{Warning, WarningKind};
 use crate::auto::{Choice, Faster};
 use crate::contact::RangeLeft;
 use crate::history::{HistoryOutcome, IncrementRecord, Solver, Status, WorkingSet};
+use crate::linear::blas::Blas;
 use crate::model::Model;
 use crate::scene::Scene;
 use crate::uniqueness::CriticalFriction;
@@ -54,6 +55,9 @@ pub struct RunReport {
     /// A linear algebra that is estimated to take much less time, if the run was long enough to ask.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub faster_solver: Option<Faster>,
+    /// The BLAS behind the factorisations, in a build that has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub blas: Option<Blas>,
     /// The verdict.
     pub status: Status,
     /// Why the run ended early.
@@ -144,6 +148,8 @@ pub struct Totals {
     pub wall_seconds: f64,
     /// Wall time for mesh, assembly, patterns and symbolic analysis, s.
     pub setup_seconds: f64,
+    /// The threads that shared the work.
+    pub threads: usize,
     /// Peak resident memory of the process, bytes.
     pub peak_rss_bytes: Option<u64>,
     /// Entries of the factors L and U; with faer a bound of them.
@@ -211,6 +217,8 @@ impl RunReport {
         warnings.extend(validity.warnings(model));
         warnings.extend(facts.estimates.warnings(model));
         warnings.extend(unbalanced(&facts.reactions, &outcome.records, solver.tolerance));
+        let blas = Blas::loaded();
+        warnings.extend(blas.as_ref().and_then(Warning::of_blas));
         RunReport {
             schema_version: SCHEMA_VERSION,
             program_version: env!("CARGO_PKG_VERSION"),
@@ -223,6 +231,7 @@ impl RunReport {
             solver: facts.linear,
             solver_choice: choice.reason(),
             faster_solver: facts.faster,
+            blas,
             status: outcome.status,
             explanation: Explanation::new(solver, model, outcome),
             bodies: BodyRecord::all(model),
@@ -242,6 +251,7 @@ impl RunReport {
                 cpu_seconds: measured.cpu_seconds,
                 wall_seconds: measured.wall_seconds,
                 setup_seconds: measured.model_seconds + outcome.setup_seconds,
+                threads: rayon::current_num_threads(),
                 peak_rss_bytes: measured.peak_rss_bytes,
                 nnz_factors: outcome.linear.factor.entries,
                 backward_error: outcome.linear.worst_backward_error,

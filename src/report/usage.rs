@@ -4,7 +4,16 @@ use rustix::time::{ClockId, clock_gettime};
 
 /// CPU time of this process so far, all threads, s.
 pub fn cpu_seconds() -> f64 {
-    let time = clock_gettime(ClockId::ProcessCPUTime);
+    seconds(ClockId::ProcessCPUTime)
+}
+
+/// CPU time of the thread that calls, s.
+pub fn thread_cpu_seconds() -> f64 {
+    seconds(ClockId::ThreadCPUTime)
+}
+
+fn seconds(clock: ClockId) -> f64 {
+    let time = clock_gettime(clock);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
@@ -30,7 +39,7 @@ fn kilobytes(file: &str, key: &str) -> Option<u64> {
 mod tests {
     #[test]
     fn usage_is_plausible() {
-        assert!(super::cpu_seconds() > 0.0);
+        assert!(super::cpu_seconds() > 0.0 && super::thread_cpu_seconds() > 0.0);
         for bytes in [super::peak_rss_bytes(), super::available_bytes()] {
             assert!(!cfg!(target_os = "linux") || bytes.is_some_and(|bytes| bytes > 1 << 18));
         }

@@ -1,10 +1,11 @@
-//! What may make an answer wrong although every law holds: assumptions that a scene does not meet.
+//! What may make an answer wrong although every law holds: assumptions that a scene does not meet; and what makes it slow.
 
 use serde::Serialize;
 
 use crate::description::Action;
 use crate::estimate::expected_locking;
 use crate::fem::Element;
+use crate::linear::blas::{Blas, KERNEL_VARIABLE};
 use crate::model::Model;
 use crate::units::Quantity;
 
@@ -61,13 +62,15 @@ pub enum WarningKind {
     StickZoneCoarse,
     /// Forces that are so small beside the stiffness and the displacements that rounding counts.
     Unbalanced,
+    /// A BLAS that is several times slower than the processor could run one. Costs time and no accuracy.
+    SlowBlas,
 }
 
 impl WarningKind {
     /// Whether it is known only once the scene is solved; that elements lock is expected before.
     pub fn needs_the_solution(self) -> bool {
         match self {
-            WarningKind::LayersThroughElements | WarningKind::IdleLoad => false,
+            WarningKind::LayersThroughElements | WarningKind::IdleLoad | WarningKind::SlowBlas => false,
             WarningKind::Locking
             | WarningKind::NoContact
             | WarningKind::LargeDisplacements
@@ -113,6 +116,21 @@ impl Warning {
         ];
         let found = messages.into_iter().filter_map(|(kind, message)| Some(Warning { kind, message: message? }));
         expected(model).into_iter().chain(found).collect()
+    }
+
+    /// That the BLAS is slow, if it is, and what makes it faster.
+    pub fn of_blas(blas: &Blas) -> Option<Self> {
+        let cure = match blas.better_kernel {
+            Some(better) if blas.selectable => {
+                format!("set {KERNEL_VARIABLE}={better} in the environment before the program starts")
+            }
+            Some(_) => "install an OpenBLAS that was built for several processors".to_string(),
+            None => "install OpenBLAS, or BLIS or MKL".to_string(),
+        };
+        let message = format!(
+            "the BLAS in use is {blas}; factorisations take longer than they need, up to several times: {cure}"
+        );
+        blas.is_slow().then_some(Warning { kind: WarningKind::SlowBlas, message })
     }
 
     /// That elements lock, if it makes the body too stiff by a `share` that counts.

@@ -34,7 +34,8 @@ fn contact(report: &RunReport) -> &ContactEstimate {
 }
 
 fn kinds_of(report: &RunReport) -> Vec<WarningKind> {
-    report.warnings.iter().map(|warning| warning.kind).collect()
+    let kinds = report.warnings.iter().map(|warning| warning.kind);
+    kinds.filter(|kind| *kind != WarningKind::SlowBlas).collect()
 }
 
 /// A cylinder on a block, right of the symmetry plane x = 0 or on both sides of it, with elements of the size `REACH / n`.

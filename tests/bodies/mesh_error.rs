@@ -11,6 +11,7 @@ use stickslip::formula::Formula;
 use stickslip::history::Solver;
 use stickslip::mesh::{Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, shape};
 use stickslip::model::Model;
+use stickslip::report::{Warning, WarningKind};
 use stickslip::run::Run;
 
 use super::estimates::solved;
@@ -330,6 +331,7 @@ fn rounding_is_no_strain() {
         let model = Model::build(&body).unwrap();
         let report = Run::of(&model, vec![1.0], Solver::default()).unwrap().solve(&mut ()).unwrap();
         assert_eq!((report.estimates.locking, report.estimates.discretisation), (None, None), "{plane:?}");
-        assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+        let of_the_body = |warning: &Warning| warning.kind != WarningKind::SlowBlas;
+        assert!(!report.warnings.iter().any(of_the_body), "{:?}", report.warnings);
     }
 }

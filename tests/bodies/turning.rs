@@ -166,6 +166,7 @@ fn kinds(text: &str) -> Vec<WarningKind> {
         WarningKind::StickZoneCoarse,
         WarningKind::Locking,
         WarningKind::CoarseMesh,
+        WarningKind::SlowBlas,
     ];
     let kinds = warnings(text).into_iter().map(|warning| warning.kind);
     kinds.filter(|kind| !of_the_mesh.contains(kind)).collect()

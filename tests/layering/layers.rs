@@ -24,6 +24,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("description", &["contact", "fault", "fem", "formula", "mesh", "timeline", "units", "vector"]),
     ("formulation", &["contact", "null_space", "problem", "sparse", "units", "vector"]),
     ("linear", &["sets", "sparse", "vector"]),
+    ("jobs", &["linear"]),
     ("nonlinear", &["formulation", "linear", "sparse", "units"]),
     ("condense", &["linear", "loading", "problem", "sparse"]),
     (
@@ -93,6 +94,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "fem",
             "formulation",
             "history",
+            "linear",
             "mesh",
             "model",
             "problem",
@@ -127,6 +129,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "estimate",
             "fem",
             "history",
+            "jobs",
             "linear",
             "mesh",
             "model",

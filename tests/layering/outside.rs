@@ -19,7 +19,7 @@ pub const LIBRARY: &[Places] = &[
     ("faer", &["linear/", "problem/contact_stiffness.rs", "uniqueness.rs"]),
     ("indicatif", &["cli/progress.rs"]),
     ("libc", &["linear/process.rs"]),
-    ("libloading", &["linear/process.rs"]),
+    ("libloading", &["linear/blas/loaded.rs", "linear/process.rs"]),
     (
         "miette",
         &[
@@ -35,7 +35,7 @@ pub const LIBRARY: &[Places] = &[
         ],
     ),
     ("pulp", &["linear/cholesky/sweep.rs", "sparse/lanes.rs"]),
-    ("rayon", &["history/whole.rs", "linear/cholesky.rs", "linear/dense.rs", "linear/dense/lu.rs", "sparse/dense.rs"]),
+    ("rayon", &[]),
     ("rustix", &["report/usage.rs"]),
     (
         "schemars",
@@ -46,6 +46,7 @@ pub const LIBRARY: &[Places] = &[
             "estimate/",
             "history/record.rs",
             "history/working_set.rs",
+            "linear/blas.rs",
             "report/",
             "uniqueness.rs",
         ],
@@ -56,12 +57,13 @@ pub const LIBRARY: &[Places] = &[
     ("thiserror", &[]),
     ("toml", &["scene/"]),
     ("toml_edit", &["compare/mesh.rs", "scene/"]),
-    ("std::env", &["cli.rs", "cli/"]),
+    // What OpenBLAS has read there is part of what it is.
+    ("std::env", &["cli.rs", "cli/", "linear/blas/loaded.rs"]),
     ("std::fs", &["cli/", "input.rs", "report/folder.rs", "report/usage.rs"]),
     ("std::net", &[NOWHERE]),
     ("std::panic", &["cli/bug.rs"]),
     ("std::process", &["main.rs", "cli.rs", "cli/"]),
-    ("std::thread", &["cli/sweep/processes.rs"]),
+    ("std::thread", &["cli/sweep/processes.rs", "cli/threads.rs", "jobs.rs"]),
 ];
 
 /// The same of the studies, which use the library as any other crate does.

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod blas_kernel;
 mod check;
 mod cli;
 mod cli_failures;
@@ -18,4 +19,5 @@ mod schema;
 mod solvability;
 mod start;
 mod sweep;
+mod threads;
 mod units;

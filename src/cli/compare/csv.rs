@@ -9,7 +9,7 @@ use super::{Told, fields, resultants, told};
 const OF_RUN: [&str; 6] = ["method", "setting", "solver", "elements", "mesh", "increments"];
 
 /// What is told of it.
-const RUN_COLUMNS: [&str; 20] = [
+const RUN_COLUMNS: [&str; 23] = [
     "status",
     "converged",
     "iterations",
@@ -30,9 +30,21 @@ const RUN_COLUMNS: [&str; 20] = [
     "error_forces",
     "error_work",
     "front",
+    "blas",
+    "blas_kernel",
+    "blas_threads",
 ];
 
 pub(super) fn runs(comparison: &Comparison) -> String {
+    let blas = comparison.blas.as_ref().map_or_else(Default::default, |blas| {
+        let version = blas.version.iter().map(|version| format!(" {version}"));
+        let threads = blas.threads.map_or(String::new(), |threads| threads.to_string());
+        [
+            version.fold(blas.library.to_string(), |name, version| name + &version),
+            blas.kernel.clone().unwrap_or_default(),
+            threads,
+        ]
+    });
     let row = |run: &Trial| {
         let mut row = named_path(run);
         row.extend([run.status.to_string(), run.converged.to_string()]);
@@ -47,6 +59,7 @@ pub(super) fn runs(comparison: &Comparison) -> String {
         let errors = run.errors.map(|errors| [errors.p_n, errors.p_t, errors.forces, errors.work]);
         row.extend(numbers(errors));
         row.push(comparison.front(&run.mesh).contains(&run).to_string());
+        row.extend(blas.clone());
         row
     };
     csv_table(&[&OF_RUN[..], &RUN_COLUMNS].concat(), comparison.runs.iter().map(row))

@@ -12,6 +12,8 @@ use std::time::Duration;
 
 use stickslip::sweep::Outcome;
 
+#[cfg(feature = "umfpack")]
+use super::super::blas_kernel::Kernel;
 use super::super::interrupt;
 use super::Task;
 
@@ -27,8 +29,11 @@ pub(super) struct Processes<'a> {
     pub scene: &'a Path,
     /// Where the results go, a folder for each fingerprint.
     pub folder: &'a Path,
-    /// The BLAS threads of each process.
-    pub threads: u32,
+    /// The threads of each process.
+    pub threads: usize,
+    /// The kernel of the BLAS of each.
+    #[cfg(feature = "umfpack")]
+    pub kernel: &'a Kernel,
 }
 
 /// A process that has ended.
@@ -44,11 +49,6 @@ struct Running {
     child: Child,
     /// Where it prints its report, or why there is none.
     printed: PathBuf,
-}
-
-/// How many processes at a time: as many as there are processors, unless told.
-pub(super) fn count(wanted: Option<u16>) -> usize {
-    wanted.map_or_else(|| thread::available_parallelism().map_or(1, Into::into), usize::from)
 }
 
 impl Processes<'_> {
@@ -155,8 +155,9 @@ impl Processes<'_> {
         command.arg("run").arg(self.scene).arg("--json").arg("--out").arg(&partial);
         command.args(overrides.iter().flat_map(|change| ["--set".to_string(), change.to_string()]));
         command.envs(BLAS_THREADS.map(|name| (name, self.threads.to_string())));
-        #[cfg(feature = "umfpack")]
         command.arg("--threads").arg(self.threads.to_string());
+        #[cfg(feature = "umfpack")]
+        command.arg("--blas-kernel").arg(self.kernel.to_string());
         let child = command.stdin(Stdio::null()).stdout(File::create(&printed)?).stderr(Stdio::null()).spawn()?;
         Ok(Running { order, child, printed })
     }
