@@ -96,9 +96,10 @@ impl<'a> Run<'a> {
     ) -> Result<Self, RunError> {
         history::check_times(&times).map_err(history::Error::from)?;
         let may_condense = solver.linear.is_none_or(LinearAlgebra::condenses) && !solver.method.is_of_paper();
-        let working_set = match may_condense {
-            true => reach::working_set(&model.problem, &model.loading, &times, reach::AFFORDABLE)?,
-            false => None,
+        let working_set = if may_condense {
+            reach::working_set(&model.problem, &model.loading, &times, reach::AFFORDABLE)?
+        } else {
+            None
         };
         let (problem, held) = (&model.problem, working_set.as_deref());
         let choice = match solver.linear {

@@ -48,7 +48,9 @@ pub(super) fn lack(
         return None;
     }
     let mut is_held = vec![false; all];
-    held.iter().for_each(|&i| is_held[i] = true);
+    for &i in held {
+        is_held[i] = true;
+    }
     let distance = |i: usize| data.gap[i] - problem.c_n().dot(i, &attempt.state.u);
     let mut others: Vec<(usize, f64)> = (0..all).filter(|&i| !is_held[i]).map(|i| (i, distance(i))).collect();
     others.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -60,6 +62,8 @@ pub(super) fn lack(
     if 4 * (held.len() + joining) >= 3 * all {
         return Some(Lack { nodes: (0..all).collect(), solved });
     }
-    others.iter().take(joining).for_each(|(i, _)| is_held[*i] = true);
+    for (i, _) in others.iter().take(joining) {
+        is_held[*i] = true;
+    }
     Some(Lack { nodes: (0..all).filter(|&i| is_held[i]).collect(), solved })
 }

@@ -2,10 +2,16 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::random::Random;
-use crate::common::{Keep, difference};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
+use crate::common::{self, Keep, difference};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System, WorkingSet};
+use stickslip::loading::{LoadCase, Loading, Motion};
 use stickslip::model::Model;
+use stickslip::problem::{ContactProblem, Parts};
+use stickslip::reach;
+use stickslip::report::LeftOut;
+use stickslip::run::{Recording, Run};
 use stickslip::scene::Scene;
+use stickslip::sparse::{Csr, Symmetric};
 
 /// Runs `method` on condensed equations that hold the nodes `first`, or all.
 fn condensed(scene: &Scene, model: &Model, method: Method, first: Option<Vec<usize>>) -> (HistoryOutcome, Keep) {
@@ -109,4 +115,153 @@ fn any_set_leads_to_the_same_answer() {
         }
     }
     assert!(grown > 20, "{grown}");
+}
+
+/// All nodes are what they are without a set: to the last bit.
+#[test]
+fn a_set_of_all_nodes_changes_nothing() {
+    for (name, text) in scenes() {
+        let scene = Scene::parse("scene.toml", &text, &[]).unwrap();
+        let model = Model::new(&scene).unwrap();
+        let all = (0..model.problem.contacts()).collect();
+        let (none, expected) = condensed(&scene, &model, Method::BN, None);
+        let (outcome, keep) = condensed(&scene, &model, Method::BN, Some(all));
+        assert_eq!((none.working_set, outcome.working_set), (None, None), "{name}");
+        assert!(expected.states == keep.states, "{name}");
+    }
+}
+
+/// A set that holds all that ever closes stays, and so does one of any size where the constants of the paper or a body that contact
+/// alone holds ask for all.
+#[test]
+fn sets_that_need_not_grow() {
+    let (_, text) = scenes().swap_remove(0);
+    let scene = Scene::parse("scene.toml", &text, &[]).unwrap();
+    let model = Model::new(&scene).unwrap();
+    let (_, keep) = condensed(&scene, &model, Method::BN, None);
+    let pressed = |i: &usize| keep.states.iter().any(|state| state.p_n[*i] > 0.0);
+    let first: Vec<usize> = (0..model.problem.contacts()).filter(pressed).collect();
+    let (outcome, other) = condensed(&scene, &model, Method::BN, Some(first.clone()));
+    let (held, all) = (first.len(), model.problem.contacts());
+    assert_eq!(outcome.working_set, Some(WorkingSet { first: held, last: held, all, grown: 0 }));
+    assert!(difference(&keep.states, &other.states) <= 1e-9);
+    let (paper, _) = condensed(&scene, &model, Method::PaperBn, Some(first));
+    assert_eq!(paper.working_set, None);
+    let free = common::scene("held_by_contact.toml", &["time.increments=2"]);
+    let model = Model::new(&free).unwrap();
+    assert_eq!(condensed(&free, &model, Method::BN, Some(vec![0])).0.working_set, None);
+}
+
+/// A lever without weight lifts nodes on springs of their own ten times as high as its end is pushed, each towards a stop. The stops
+/// are out of reach of what is known before, and in each increment the lever comes to more of them than have joined.
+#[test]
+fn a_set_that_is_wrong_five_times_in_a_row() {
+    const STOPS: usize = 200;
+    const REACHED: [usize; 5] = [1, 4, 8, 15, 29];
+    // Displacements: the lever's, then those of the nodes.
+    let mut entries = vec![(0, 0, 1.0 + 100.0 * STOPS as f64)];
+    entries.extend((1..=STOPS).flat_map(|i| [(i, i, 1.0), (i, 0, -10.0)]));
+    let stiffness = Symmetric::from_triplets(STOPS + 1, &entries).unwrap();
+    // What pushes the lever comes from the other side than the stops.
+    let c_n = Csr::from_rows(STOPS + 1, (0..=STOPS).map(|i| [(i, if i == 0 { -1.0 } else { 1.0 })])).unwrap();
+    let problem = ContactProblem::new(Parts::new(stiffness, c_n)).unwrap();
+    // The end of the lever is pushed by 1 at each time, and by then so many stops are reached.
+    let met = |i: usize| REACHED.iter().position(|reached| i < *reached).map_or(6.0, |k| k as f64 + 1.0);
+    let gap: Vec<f64> = std::iter::once(0.0).chain((0..STOPS).map(|i| 10.0 * met(i) - 4.0 + 0.01 * i as f64)).collect();
+    let push = Motion::new(0..1, vec![-1.0], vec![[0.0; 2]], vec![[0.0, 0.0], [5.0, 5.0]]).unwrap();
+    let loading = Loading::new(Vec::new(), gap).unwrap().with_motions(vec![push], Vec::new()).unwrap();
+    let times = [1.0, 2.0, 3.0, 4.0, 5.0];
+    let first = reach::working_set(&problem, &loading, &times, 0.0).unwrap().unwrap();
+    assert_eq!(first, [0]);
+    for method in [Method::BN, Method::IP] {
+        let settings = HistorySettings::new(&problem, &loading, method).unwrap();
+        let set = HistorySettings { working_set: Some(first.clone()), ..settings.clone() };
+        let (mut keep, mut expected) = (Keep::default(), Keep::default());
+        let linear = || LinearAlgebra::condensed().into();
+        let outcome = history::run(&problem, &loading, &times, &set, linear(), &mut keep).unwrap();
+        let all = history::run(&problem, &loading, &times, &settings, System::default(), &mut expected).unwrap();
+        assert_eq!((outcome.status, all.status), (Status::Converged, Status::Converged));
+        let joined: Vec<usize> = outcome.records.iter().map(|record| record.joined).collect();
+        assert_eq!(joined, [2, 4, 7, 14, 28]);
+        assert_eq!(outcome.working_set, Some(WorkingSet { first: 1, last: 56, all: STOPS + 1, grown: 5 }));
+        for (state, reached) in keep.states.iter().zip(REACHED) {
+            assert_eq!(state.p_n[1..].iter().filter(|p| **p > 0.0).count(), reached);
+        }
+        assert!(difference(&expected.states, &keep.states) <= 1e-9);
+    }
+}
+
+/// What the method does not solve on some nodes is left to all of them: too few iterations are told as that, by all.
+#[test]
+fn a_failure_is_that_of_all_nodes() {
+    let (_, text) = scenes().swap_remove(0);
+    let scene = Scene::parse("scene.toml", &text, &[]).unwrap();
+    let model = Model::new(&scene).unwrap();
+    let (problem, loading, times) = (&model.problem, &model.loading, scene.time.all());
+    let settings = HistorySettings::new(problem, loading, Method::BN).unwrap().until(1, 1e-10);
+    let settings = HistorySettings { halvings: 0, ..settings };
+    let set = HistorySettings { working_set: Some((10..20).collect()), ..settings.clone() };
+    let [all, some] = [&settings, &set].map(|settings| {
+        history::run(problem, loading, &times, settings, LinearAlgebra::condensed().into(), &mut ()).unwrap()
+    });
+    assert_eq!((all.status, some.status), (Status::MaxIterations, Status::MaxIterations));
+    assert_eq!(all.records.len(), some.records.len());
+    assert_eq!(some.working_set.unwrap().last, problem.contacts());
+}
+
+/// Within reach is as near as the deepest interference, loads included.
+#[test]
+fn what_is_within_reach() {
+    // Nodes on springs of 1 N/m, each in front of its stop.
+    let n = 10;
+    let stiffness = Symmetric::from_triplets(n, &(0..n).map(|i| (i, i, 1.0)).collect::<Vec<_>>()).unwrap();
+    let c_n = Csr::from_rows(n, (0..n).map(|i| [(i, 1.0)])).unwrap();
+    let problem = ContactProblem::new(Parts::new(stiffness, c_n)).unwrap();
+    let gap: Vec<f64> = (0..n).map(|i| i as f64 - 0.5).collect();
+    let loading = |force: f64| {
+        let force = (0..n).map(|i| if i == 4 { force } else { 0.0 }).collect();
+        Loading::new(vec![LoadCase::new(force, vec![[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]).unwrap()], gap.clone())
+            .unwrap()
+    };
+    let set = |loading: &Loading, times: &[f64]| reach::working_set(&problem, loading, times, 0.0).unwrap();
+    assert_eq!(set(&loading(0.0), &[1.0]), Some(vec![0, 1]));
+    // As deep as 1.5 at node 4, but not at these times.
+    assert_eq!(set(&loading(5.0), &[1.0]), Some(vec![0, 1, 2, 4]));
+    assert_eq!(set(&loading(5.0), &[2.0]), Some(vec![0, 1]));
+    // Too many, and as many as they like.
+    assert_eq!(set(&loading(20.0), &[1.0]), None);
+    let spared = |affordable| reach::working_set(&problem, &loading(0.0), &[1.0], affordable).unwrap();
+    assert_eq!((spared(1.0), spared(f64::INFINITY)), (None, None));
+    // A body that contact alone holds has them all.
+    let parts = Parts { free_motions: None, ..problem.clone().into_parts() };
+    let free = Symmetric::from_triplets(n, &[(0, 0, 1.0)]).unwrap();
+    let free = ContactProblem::new(Parts { stiffness: free, ..parts }).unwrap();
+    assert_eq!(reach::working_set(&free, &loading(0.0), &[1.0], 0.0).unwrap(), None);
+}
+
+/// Through the door: chosen, told before and after.
+#[test]
+fn a_long_face_under_a_small_roller() {
+    let obstacle = "{ kind = \"cylinder\", radius = 20.0, apex = [3.0, 1.0], approach = [[0, 0], [1, 1e-3], [2, 0]] }";
+    let text = block("[10.0, 1.0]", "[700, 3]", 0.3, obstacle, "[time]\nend = 2.0\nincrements = 4\n");
+    let scene =
+        |solver: &str| Scene::parse("face.toml", &format!("{text}[solver]\nlinear = \"{solver}\"\n"), &[]).unwrap();
+    let [condensed, whole] = ["condensed", "umfpack"].map(scene);
+    let run = Run::new(&condensed).unwrap();
+    let first = run.working_set().unwrap().len();
+    assert!(first < 350, "{first}");
+    let mut recording = Recording::all();
+    let report = run.solve(&mut recording).unwrap();
+    assert_eq!(report.status, Status::Converged);
+    assert_eq!(report.working_set, Some(WorkingSet { first, last: first, all: 701, grown: 0 }));
+    let out_of_reach = |left_out: &&LeftOut| left_out.reason.contains("out of reach");
+    let told: Vec<_> = report.left_out.iter().filter(out_of_reach).map(|told| (told.count, told.unknown)).collect();
+    assert_eq!(told, [(701 - first, "p_n"), (701 - first, "p_t")]);
+    let mut expected = Recording::all();
+    let other = Run::new(&whole).unwrap();
+    assert_eq!(other.working_set(), None);
+    let other = other.solve(&mut expected).unwrap();
+    assert_eq!(other.working_set, None);
+    let states = |recording: &Recording| recording.increments.iter().map(|step| step.state.clone()).collect::<Vec<_>>();
+    assert!(difference(&states(&expected), &states(&recording)) <= 1e-9);
 }
