@@ -171,23 +171,31 @@ impl LastIncrement<'_> {
 
 /// Keeps the iterations.
 struct Recorder<'a, 'm> {
-    /// The CPU time at the end of the last increment, s.
+    /// The CPU time at the start of the increment, s.
     since: f64,
     iterates: Vec<Iterate>,
     last: Option<&'a mut LastIncrement<'m>>,
 }
 
 impl Observer for Recorder<'_, '_> {
-    fn ready(&mut self) {
-        self.since = thread_cpu_seconds();
+    fn waits_for(&mut self, _increment: usize) -> bool {
+        false
     }
 
     fn iteration(&mut self, increment: usize, record: &IterationRecord) -> Flow {
-        let iteration = match self.iterates.last() {
+        // What was solved ahead and taken back comes again.
+        while self.iterates.last().is_some_and(|last| last.increment > increment) {
+            self.iterates.pop();
+        }
+        let begun = self.iterates.last().filter(|last| last.increment == increment).map(|last| last.iteration);
+        if begun.is_none() {
+            self.since = thread_cpu_seconds();
+        }
+        let iteration = match begun {
             // A further attempt at the increment starts where the last one is known to have failed.
-            Some(last) if last.increment == increment && record.iteration == 0 => return Flow::Continue,
-            Some(last) if last.increment == increment => last.iteration + 1,
-            _ => record.iteration,
+            Some(_) if record.iteration == 0 => return Flow::Continue,
+            Some(last) => last + 1,
+            None => record.iteration,
         };
         let seconds = thread_cpu_seconds() - self.since;
         self.iterates.push(Iterate { increment, iteration, seconds, theta: record.theta, error: record.error });
@@ -195,13 +203,12 @@ impl Observer for Recorder<'_, '_> {
     }
 
     fn increment(&mut self, step: &Step<'_>) -> Flow {
-        if let Some(last) = self.iterates.last_mut().filter(|last| last.increment == step.record.index) {
+        if let Some(last) = self.iterates.iter_mut().rfind(|last| last.increment == step.record.index) {
             last.error = Some(step.record.kkt.worst().1);
         }
         if let Some(last) = &mut self.last {
             last.see(step);
         }
-        self.since = thread_cpu_seconds();
         Flow::Continue
     }
 }

@@ -6,6 +6,7 @@ mod common;
 mod arrays;
 mod backends_agree;
 mod bn_vs_ip;
+mod bundles;
 mod carried;
 mod cholesky;
 mod condensed;
