@@ -161,15 +161,24 @@ impl Condensed {
     pub(crate) fn states(&self, ends: &[(f64, State)]) -> Result<Vec<State>, LinearError> {
         let (mut loads, mut borders, mut rests) = (Vec::new(), Vec::<Vec<f64>>::new(), Vec::new());
         for (time, contact) in ends {
-            let (mut border, mut rest) = (self.spread(&contact.u), self.spread(&contact.u_rest));
-            match &self.basis {
-                Some(basis) if !contact.u_rest.is_empty() => basis.apply_beyond(&mut border, &mut rest),
-                Some(basis) => basis.apply(&mut border),
-                None => {}
-            }
-            borders.push(self.border.iter().map(|&dof| border[dof]).collect());
+            let rest = match &self.basis {
+                None => {
+                    borders.push(contact.u.clone());
+                    self.spread(&contact.u_rest)
+                }
+                Some(basis) => {
+                    let (mut border, mut rest) = (self.spread(&contact.u), self.spread(&contact.u_rest));
+                    if rest.is_empty() {
+                        basis.apply(&mut border);
+                    } else {
+                        basis.apply_beyond(&mut border, &mut rest);
+                    }
+                    borders.push(self.border.iter().map(|&dof| border[dof]).collect());
+                    rest
+                }
+            };
             loads.push(self.loading.cases().iter().map(|case| case.factor(*time)).collect());
-            rests.push(if contact.u_rest.is_empty() { Vec::new() } else { rest });
+            rests.push(rest);
         }
         let bodies = self.factor.expand_each(&self.cases, &loads, &borders)?;
         let states = bodies.into_iter().zip(rests).zip(ends).map(|((u, u_rest), (_, contact))| {
@@ -179,9 +188,9 @@ impl Condensed {
         Ok(states.collect())
     }
 
-    /// Values on the contact displacements as values on all, 0 on the others and where there are none.
+    /// Values on the contact displacements as values on all, 0 on the others; none if there are none.
     fn spread(&self, values: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; self.factor.order()];
+        let mut all = vec![0.0; if values.is_empty() { 0 } else { self.factor.order() }];
         self.border.iter().zip(values).for_each(|(&dof, value)| all[dof] = *value);
         all
     }

@@ -24,6 +24,8 @@ pub(super) struct BnMethod<'a> {
     z: Vec<f64>,
     /// What rounding leaves off `z`.
     rest: Vec<f64>,
+    /// From where to where the last increment went, where directions of slip turn.
+    last: Option<[Vec<f64>; 2]>,
 }
 
 impl<'a> BnMethod<'a> {
@@ -66,6 +68,7 @@ impl<'a> BnMethod<'a> {
             start,
             rest: vec![0.0; z.len()],
             z,
+            last: None,
         }
     }
 
@@ -121,14 +124,18 @@ impl IncrementSolver for BnMethod<'_> {
         if self.closes && !solved {
             self.close_landed(task);
         }
-        let BnMethod { problem, formulation, bn, measured, start, z, rest, .. } = self;
+        let from = self.z.clone();
+        let BnMethod { problem, formulation, bn, measured, start, z, rest, last, .. } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         formulation.begin(task.increment);
         task.response.add_to(z);
         if task.first && *start == FirstGuess::Held && !solved {
             task.response.add_forces_to(z);
         }
-        let start = z.clone();
+        let (start, turns) = (z.clone(), *measured && layout.has_second_tangent());
+        if let (Some(stretch), Some(last), true) = (task.stretch, last.as_ref(), turns) {
+            go_on_as_before(formulation, last, &from, stretch, z);
+        }
         let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpacked_with(z, rest, &scaling));
         let end = match measured {
             true => End::Measured { tolerance: task.tolerance, error: &mut error },
@@ -136,12 +143,16 @@ impl IncrementSolver for BnMethod<'_> {
         };
         let outcome = bn.solve(formulation, linear, z, end, observe)?;
         rest.copy_from_slice(bn.rest());
+        *last = None;
         if outcome.stop == Stop::Met && formulation.is_tied() {
             // One of many solutions: the one that is nearest, if rounding leaves it one.
             let settled = formulation.settled(z, &start);
             if error(&settled, rest) <= error(z, rest).max(task.tolerance) {
                 *z = settled;
             }
+        }
+        if outcome.stop == Stop::Met && turns {
+            *last = Some([from, z.clone()]);
         }
         Ok(outcome)
     }
@@ -159,6 +170,24 @@ impl IncrementSolver for BnMethod<'_> {
 
     fn unknowns(&mut self) -> &mut Vec<f64> {
         &mut self.z
+    }
+}
+
+/// Goes on from `from` as the `last` increment went, `stretch` times as far, if that is nearer to a solution than `z` is: where the
+/// directions of slip turn, they turn on, and Newton's method need not find out again.
+fn go_on_as_before(formulation: &Bdiff, last: &[Vec<f64>; 2], from: &[f64], stretch: f64, z: &mut [f64]) {
+    let [before, after] = last;
+    if after != from {
+        return;
+    }
+    let ahead: Vec<f64> = from.iter().zip(before).map(|(z, before)| z + stretch * (z - before)).collect();
+    let merit = |z: &[f64]| {
+        let mut h = vec![0.0; z.len()];
+        formulation.residual(z, &mut h);
+        formulation.merit(&h)
+    };
+    if merit(&ahead) < merit(z) {
+        z.copy_from_slice(&ahead);
     }
 }
 

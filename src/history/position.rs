@@ -10,6 +10,8 @@ use crate::problem::{ContactProblem, State};
 pub(super) struct Position {
     /// The time reached; `None` stands for the unloaded body.
     pub reached: Option<f64>,
+    /// The length of the last part, s.
+    pub length: Option<f64>,
     /// The state then, from where the body has been carried, if another stage may follow.
     pub state: Option<State>,
     /// The largest backward error of the whole system where the body is condensed.
@@ -51,6 +53,7 @@ impl Position {
         let zeros = || vec![0.0; problem.contacts()];
         Position {
             reached: None,
+            length: None,
             state: None,
             worst_backward_error: 0.0,
             scales: KktScales::default(),

@@ -18,6 +18,8 @@ pub struct Task<'a> {
     pub response: &'a Response,
     /// Of a body that contact alone holds, the contact nodes on which it comes to rest, as far as that is known.
     pub landed: Option<&'a [usize]>,
+    /// How long it is relative to the one before, if there is one.
+    pub stretch: Option<f64>,
     /// The scales of the error measure, from the increments before and the load of this one.
     pub scales: &'a KktScales,
     /// The error that is allowed.

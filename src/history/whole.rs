@@ -42,15 +42,17 @@ impl Whole<'_> {
     /// The states at these times (s), by those of the condensed problem and the external forces there.
     pub(super) fn states(&self, ends: &[(f64, State)], forces: &[Vec<f64>]) -> Result<Vec<Balanced>, LinearError> {
         let states = self.condensed.states(ends)?;
-        let balance = |(states, forces)| self.balances(states, forces);
-        if states.len() <= LANES {
-            return Ok(balance((&states[..], forces)));
-        }
-        Ok(states.par_chunks(LANES).zip(forces.par_chunks(LANES)).flat_map_iter(balance).collect())
+        let balances = |(states, forces): (&[State], &[Vec<f64>])| self.balances(states, forces);
+        let balances: Vec<(Vec<f64>, f64)> = match states.len() <= LANES {
+            true => balances((&states, forces)),
+            false => states.par_chunks(LANES).zip(forces.par_chunks(LANES)).flat_map_iter(balances).collect(),
+        };
+        let balanced = |(state, (imbalance, backward_error))| Balanced { state, imbalance, backward_error };
+        Ok(states.into_iter().zip(balances).map(balanced).collect())
     }
 
-    /// As many states as go side by side.
-    fn balances(&self, states: &[State], forces: &[Vec<f64>]) -> Vec<Balanced> {
+    /// Imbalance and backward error of as many states as go side by side.
+    fn balances(&self, states: &[State], forces: &[Vec<f64>]) -> Vec<(Vec<f64>, f64)> {
         let problem = self.problem;
         let u = side_by_side(problem.displacements(), states.iter().map(|state| &state.u[..]));
         let (elastic, sizes) = problem.stiffness().products(&u);
@@ -60,7 +62,7 @@ impl Whole<'_> {
                 false => problem.imbalance(force, state),
             };
             let backward_error = backward_error(problem, state, force, &imbalance, lane(&sizes, k));
-            Balanced { state: state.clone(), imbalance, backward_error }
+            (imbalance, backward_error)
         };
         states.iter().zip(forces).enumerate().map(balanced).collect()
     }
