@@ -1,5 +1,6 @@
 //! Independent computations, several at a time, each in a thread of its own with all that it does.
 
+use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -21,22 +22,25 @@ pub fn run<T: Sync, R: Send, E: Send>(
 ) -> Result<Vec<R>, E> {
     let next = AtomicUsize::new(0);
     let done: Mutex<Vec<Option<Result<R, E>>>> = Mutex::new(tasks.iter().map(|_| None).collect());
+    let job = || {
+        // A pool of this thread alone. Without one, work would be shared with the others.
+        let _pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+        keep_openmp_in_this_thread();
+        loop {
+            let place = next.fetch_add(1, Ordering::Relaxed);
+            let Some(task) = tasks.get(place) else { break };
+            let result = work(task);
+            if result.is_err() {
+                next.store(tasks.len(), Ordering::Relaxed);
+            }
+            lock(&done)[place] = Some(result);
+        }
+    };
     thread::scope(|scope| {
-        for _ in 0..jobs.clamp(1, tasks.len().max(1)) {
-            scope.spawn(|| {
-                // A pool of this thread alone. Without one, work would be shared with the others.
-                let _pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
-                keep_openmp_in_this_thread();
-                loop {
-                    let place = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(task) = tasks.get(place) else { break };
-                    let result = work(task);
-                    if result.is_err() {
-                        next.store(tasks.len(), Ordering::Relaxed);
-                    }
-                    lock(&done)[place] = Some(result);
-                }
-            });
+        let jobs: Vec<_> = (0..jobs.clamp(1, tasks.len().max(1))).map(|_| scope.spawn(&job)).collect();
+        for job in jobs {
+            // A panic goes on as what it was.
+            job.join().unwrap_or_else(|panic| resume_unwind(panic));
         }
     });
     let results = done.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -81,6 +85,13 @@ mod tests {
             Ok::<bool, Infallible>(left == here && right == here)
         };
         assert_eq!(run(&[1, 2, 3, 4], 2, work).unwrap(), [true; 4]);
+    }
+
+    #[test]
+    fn a_panic_is_what_it_was() {
+        let work = |n: &u32| if *n == 7 { panic!("seven is odd") } else { Ok::<u32, Infallible>(*n) };
+        let panic = std::panic::catch_unwind(|| run(&[6, 7, 8], 2, work)).unwrap_err();
+        assert_eq!(panic.downcast_ref(), Some(&"seven is odd"));
     }
 
     #[test]

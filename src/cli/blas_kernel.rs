@@ -134,9 +134,7 @@ fn restart(kernel: Option<&str>, running: &str) -> io::Error {
     let mut arguments = env::args_os();
     let name: OsString = arguments.next().unwrap_or_default();
     let arguments: Vec<OsString> = arguments.collect();
-    // By its path, so that the system lists it under its name; if that has gone since, as the file that it is.
-    let programs = env::current_exe().into_iter().chain([PathBuf::from("/proc/self/exe")]);
-    let refused = programs.map(|program| {
+    let replace = |program: PathBuf| {
         let mut command = Command::new(program);
         command.arg0(&name).args(&arguments).env(RESTARTED, format!("{}:{running}", std::process::id()));
         match kernel {
@@ -144,6 +142,10 @@ fn restart(kernel: Option<&str>, running: &str) -> io::Error {
             None => command.env_remove(KERNEL_VARIABLE),
         };
         command.exec()
-    });
-    refused.last().unwrap_or_else(|| io::ErrorKind::NotFound.into())
+    };
+    // By its path, so that the system lists it under its name; if that has gone since, as the file that it is.
+    if let Ok(path) = env::current_exe() {
+        replace(path);
+    }
+    replace(PathBuf::from("/proc/self/exe"))
 }

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use stickslip::compare::{
-    self, CompareError, Comparison, ElementChoice, End, Jobs, MeshChoice, MeshResult, MeshSize, Plan, SolverPath,
+    self, CompareError, Comparison, ElementChoice, End, MeshChoice, MeshResult, MeshSize, Plan, SolverPath,
 };
 use stickslip::history::{LinearAlgebra, Method, Start, Status};
 use stickslip::linear::{self, SparseLu};
@@ -53,8 +53,7 @@ pub(super) struct CompareArgs {
     /// Increments of the reference, in those of the finest history
     #[arg(long, value_name = "TIMES", default_value_t = 8, value_parser = clap::value_parser!(u32).range(2..))]
     reference: u32,
-    /// How many histories are computed at a time, each on one thread; unless given, the references on all threads and then the
-    /// histories that are timed one after the other
+    /// How many histories are computed at a time, each on one thread; as many as there are threads unless given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     /// Write the tables as compare.csv, iterations.csv and meshes.csv, the charts, and all of it as
@@ -141,10 +140,7 @@ fn plan(args: &CompareArgs, threads: usize, solvers: &[LinearAlgebra], scene: &S
             paths.extend(args.settings.iter().map(|setting| SolverPath { method: method(name, setting), linear }));
         }
     }
-    let jobs = args.jobs.map_or(Jobs { references: threads, histories: 1 }, |jobs| {
-        let jobs = usize::from(jobs);
-        Jobs { references: jobs, histories: jobs }
-    });
+    let jobs = args.jobs.map_or(threads, usize::from);
     let mut plan = Plan { reference: args.reference as usize, jobs, ..Plan::modest(scene, paths) };
     if !args.meshes.is_empty() {
         plan.meshes = args.meshes.iter().cloned().map(MeshChoice::from).collect();

@@ -61,7 +61,7 @@ pub const LIBRARY: &[Places] = &[
     ("std::env", &["cli.rs", "cli/", "linear/blas/loaded.rs"]),
     ("std::fs", &["cli/", "input.rs", "report/folder.rs", "report/usage.rs"]),
     ("std::net", &[NOWHERE]),
-    ("std::panic", &["cli/bug.rs"]),
+    ("std::panic", &["cli/bug.rs", "jobs.rs"]),
     ("std::process", &["main.rs", "cli.rs", "cli/"]),
     ("std::thread", &["cli/sweep/processes.rs", "cli/threads.rs", "jobs.rs"]),
 ];

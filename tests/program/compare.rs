@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use stickslip::compare::{
-    self, Comparison, End, Estimate, Jobs, MeshChoice, MeshErrors, MeshResult, MeshSize, Phases, Plan, SolverPath,
+    self, Comparison, End, Estimate, MeshChoice, MeshErrors, MeshResult, MeshSize, Phases, Plan, SolverPath,
     TimeErrors, TractionNode, Tractions, Trial, front,
 };
 use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step, System};
@@ -163,8 +163,7 @@ fn time_stepping_is_of_first_order_on_every_path() {
     let scene = block(&["contact.friction=0.8"]);
     let ip = SolverPath { method: Method::IP, ..CONDENSED };
     let paths = vec![BN, ip, CONDENSED];
-    let plan =
-        Plan { paths, meshes: elements(&[20, 10]), increments: vec![20, 320, 80], reference: 8, jobs: Jobs::ONE };
+    let plan = Plan { paths, meshes: elements(&[20, 10]), increments: vec![20, 320, 80], reference: 8, jobs: 1 };
     let mut told = Vec::new();
     let comparison = compare::compute(&scene, &plan, &mut |what| told.push(what)).unwrap();
     assert_eq!(told.len(), plan.histories());
@@ -202,8 +201,7 @@ fn in_three_dimensions_both_tangents_count() {
     let scene =
         |overrides: [&str; 2]| Scene::parse("cube.toml", text, &overrides.map(|text| text.parse().unwrap())).unwrap();
     let increments = vec![4, 16];
-    let plan =
-        Plan { paths: vec![BN, CONDENSED], meshes: elements(&[2, 4]), increments, reference: 8, jobs: Jobs::ONE };
+    let plan = Plan { paths: vec![BN, CONDENSED], meshes: elements(&[2, 4]), increments, reference: 8, jobs: 1 };
     for scene in [
         scene(["mesh.elements=[6,6,6]", "mesh.size=[1,1,1]"]),
         scene(["mesh.elements=[16,16,4]", "mesh.size=[1,1,0.25]"]),

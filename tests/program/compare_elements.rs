@@ -1,7 +1,7 @@
 //! Kinds of elements compared: errors beside estimates, and the mesh that is recommended.
 #![allow(clippy::unwrap_used)]
 
-use stickslip::compare::{self, Comparison, Jobs, MeshChoice, MeshErrors, MeshResult, MeshSize, Plan, Trial};
+use stickslip::compare::{self, Comparison, MeshChoice, MeshErrors, MeshResult, MeshSize, Plan, Trial};
 use stickslip::scene::Scene;
 
 use super::compare::{CONDENSED, by_hand, mesh, run};
@@ -23,7 +23,7 @@ fn elements_are_compared_with_their_estimates() {
     let kinds = ["triangle", "quadrilateral:b-bar", "triangle6"].map(|name| Some(name.parse().unwrap()));
     let choice = |elements, n| MeshChoice { size: MeshSize::Elements(n), elements };
     let meshes = kinds.iter().flat_map(|kind| [10, 20].map(|n| choice(*kind, n))).collect();
-    let plan = Plan { paths: vec![CONDENSED], meshes, increments: vec![1], reference: 2, jobs: Jobs::ONE };
+    let plan = Plan { paths: vec![CONDENSED], meshes, increments: vec![1], reference: 2, jobs: 1 };
     let comparison = compare::compute(&scene, &plan, &mut |_| ()).unwrap();
     assert_eq!(comparison.elements().len(), 3);
     assert_eq!(comparison.meshes.last().unwrap().mesh, choice(kinds[2], 20));

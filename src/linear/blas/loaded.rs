@@ -118,8 +118,9 @@ fn threads(process: &Library, kind: &Kind) -> Option<usize> {
 
 /// BLIS' name for the processor that it takes this one for.
 fn blis_kernel(process: &Library) -> Option<String> {
-    // SAFETY (both): the symbols are documented functions of BLIS; an architecture is an enumeration, a C int, and its name a
+    // SAFETY (all): the symbols are documented functions of BLIS; an architecture is an enumeration, a C int, and its name a
     // string that is never freed.
+    // SAFETY: see above.
     let id = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(b"bli_arch_query_id\0") }.ok()?;
     // SAFETY: see above.
     let name = unsafe { process.get::<unsafe extern "C" fn(c_int) -> *const c_char>(b"bli_arch_string\0") }.ok()?;
