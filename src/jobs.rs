@@ -37,7 +37,7 @@ pub fn run<T: Sync, R: Send, E: Send>(
         }
     };
     thread::scope(|scope| {
-        let jobs: Vec<_> = (0..jobs.clamp(1, tasks.len().max(1))).map(|_| scope.spawn(&job)).collect();
+        let jobs: Vec<_> = (0..jobs.clamp(1, tasks.len().max(1))).map(|_| scope.spawn(job)).collect();
         for job in jobs {
             // A panic goes on as what it was.
             job.join().unwrap_or_else(|panic| resume_unwind(panic));

@@ -136,7 +136,7 @@ impl Stages<'_> {
         let mut together = 1;
         while outcome.records.len() < times.len() {
             let (first, to_come) = (outcome.records.len() + 1, &times[outcome.records.len()..]);
-            let most = together.min(path.together()).min(to_come.len());
+            let most = together.min(to_come.len());
             let many = (1..most).find(|&k| observer.waits_for(first + k - 1)).unwrap_or(most);
             let mut told = Told { problem, index: first, observer: &mut *observer };
             let mut bundle = match path.ahead(&to_come[..many], &mut linear, &mut told) {
@@ -197,7 +197,7 @@ impl Stages<'_> {
                     return Ok(None);
                 }
             }
-            together = if bundle.sound { 2 * together } else { 1 };
+            together = if bundle.sound { path.together().min(2 * together) } else { 1 };
         }
         Ok(None)
     }

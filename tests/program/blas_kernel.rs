@@ -271,7 +271,9 @@ fn a_comparison_names_the_kernel() {
     let (folder, scene) = Folder::with_scene(&small());
     let out = folder.join("out");
     let more = ["--methods", "bn", "--solvers", "condensed", "--meshes", "4", "--increments", "1", "--reference", "2"];
-    let output = stickslip().args(["compare", &scene, "--out", &out]).args(more).output().unwrap();
+    // That of this process.
+    let mut program = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    let output = program.args(["compare", &scene, "--blas-kernel", "keep", "--out", &out]).args(more).output().unwrap();
     assert_exit(&output, 0);
     let blas = Blas::loaded().unwrap();
     let named =
