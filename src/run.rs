@@ -230,7 +230,7 @@ impl<'a> Run<'a> {
             LinearAlgebra::Whole(lu) => {
                 System::from(lu.solver_for(self.model.mesh.dimension == 2 && expected() >= MANY))
             }
-            condensed => condensed.into(),
+            condensed @ LinearAlgebra::Condensed(_) => condensed.into(),
         }
     }
 

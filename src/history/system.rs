@@ -87,6 +87,7 @@ impl Serialize for LinearAlgebra {
 }
 
 /// The linear system of a run.
+#[allow(clippy::large_enum_variant)] // There is one of it.
 pub enum System {
     /// The uncondensed one, with this solver.
     Whole(Direct),

@@ -38,14 +38,22 @@ pub(super) struct Balanced {
     pub backward_error: f64,
 }
 
+impl Balanced {
+    /// The largest imbalance, N.
+    fn violation(&self) -> f64 {
+        self.imbalance.iter().fold(0.0_f64, |m, r| m.max(r.abs()))
+    }
+}
+
 impl Whole<'_> {
     /// The states at these times (s), by those of the condensed problem and the external forces there.
     pub(super) fn states(&self, ends: &[(f64, State)], forces: &[Vec<f64>]) -> Result<Vec<Balanced>, LinearError> {
         let states = self.condensed.states(ends)?;
         let balances = |(states, forces): (&[State], &[Vec<f64>])| self.balances(states, forces);
-        let balances: Vec<(Vec<f64>, f64)> = match states.len() <= LANES {
-            true => balances((&states, forces)),
-            false => states.par_chunks(LANES).zip(forces.par_chunks(LANES)).flat_map_iter(balances).collect(),
+        let balances: Vec<(Vec<f64>, f64)> = if states.len() <= LANES {
+            balances((&states, forces))
+        } else {
+            states.par_chunks(LANES).zip(forces.par_chunks(LANES)).flat_map_iter(balances).collect()
         };
         let balanced = |(state, (imbalance, backward_error))| Balanced { state, imbalance, backward_error };
         Ok(states.into_iter().zip(balances).map(balanced).collect())
@@ -57,9 +65,10 @@ impl Whole<'_> {
         let u = side_by_side(problem.displacements(), states.iter().map(|state| &state.u[..]));
         let (elastic, sizes) = problem.stiffness().products(&u);
         let balanced = |(k, (state, force)): (usize, (&State, &Vec<f64>))| {
-            let imbalance = match state.u_rest.is_empty() {
-                true => problem.imbalance_of(lane(&elastic, k), force, state),
-                false => problem.imbalance(force, state),
+            let imbalance = if state.u_rest.is_empty() {
+                problem.imbalance_of(lane(&elastic, k), force, state)
+            } else {
+                problem.imbalance(force, state)
             };
             let backward_error = backward_error(problem, state, force, &imbalance, lane(&sizes, k));
             (imbalance, backward_error)
@@ -69,11 +78,7 @@ impl Whole<'_> {
 
     /// Whether a state needs no refinement; `scales` are those that include it.
     pub(super) fn is_sound(&self, balanced: &Balanced, scales: &KktScales) -> bool {
-        balanced.backward_error <= BACKWARD_ERROR && self.violation(balanced) <= self.allowed(scales)
-    }
-
-    fn violation(&self, balanced: &Balanced) -> f64 {
-        balanced.imbalance.iter().fold(0.0_f64, |m, r| m.max(r.abs()))
+        balanced.backward_error <= BACKWARD_ERROR && balanced.violation() <= self.allowed(scales)
     }
 
     /// A tenth, as the rounding of the imbalance counts, too.
@@ -98,7 +103,7 @@ impl Whole<'_> {
             }
             let mut state = reached.state.clone();
             let mut imbalance = reached.imbalance.clone();
-            if self.violation(&reached) > self.allowed(&scales) {
+            if reached.violation() > self.allowed(&scales) {
                 // Below the rounding of u: its second word is needed.
                 state.u_rest.resize(state.u.len(), 0.0);
                 imbalance = self.problem.imbalance(force, &state);

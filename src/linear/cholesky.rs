@@ -202,7 +202,9 @@ impl Cholesky {
         expect_length("reduced right-hand side", self.interior(), reduced.interior.len())?;
         expect_length("solution", self.order(), x.len())?;
         let solutions = self.expand_each(std::slice::from_ref(reduced), &[vec![1.0]], &[x_c])?;
-        solutions.iter().for_each(|solution| x.copy_from_slice(solution));
+        for solution in &solutions {
+            x.copy_from_slice(solution);
+        }
         Ok(())
     }
 
@@ -241,9 +243,9 @@ impl Cholesky {
         let share = vectors.len().div_ceil(rayon::current_num_threads()).max(1);
         let sweep = |vectors: &mut [Vec<Lanes>]| sweep::backward(&*self.factor, self.interior(), vectors);
         if share < vectors.len() {
-            vectors.par_chunks_mut(share).for_each(sweep)
+            vectors.par_chunks_mut(share).for_each(sweep);
         } else {
-            sweep(&mut vectors)
+            sweep(&mut vectors);
         }
         let solution = |k: usize| {
             let mut x = vec![0.0; self.order()];

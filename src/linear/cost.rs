@@ -42,8 +42,9 @@ mod seconds {
     pub const S_INCREMENT_ENTRY: f64 = 11e-9;
 }
 
-/// Bytes an entry of `S` takes at most, with its copies and 64-bit indices (measured: 60 at m = 2000).
-const S_BYTES: f64 = 64.0;
+/// Bytes an entry of `S` takes at most: `S`, the block of `L` that it comes from, the same as a square while `S` is made, and later the
+/// factors of what is free (measured: 43 at m = 4000).
+const S_BYTES: f64 = 44.0;
 /// Bytes an entry of a sparse factor takes at most, while it is made.
 const LU_BYTES: f64 = 16.0;
 

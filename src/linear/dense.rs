@@ -118,20 +118,19 @@ impl Dense {
 }
 
 impl Blocks {
+    /// One row for each `t`: what `row` says of it in its group, on the displacements there.
+    fn on_displacements(&self, groups: &[Local], row: fn(&Local, usize) -> &[f64]) -> Csr {
+        let rows = self.groups.iter().zip(groups).flat_map(|(group, local)| {
+            let entries = move |j| group.displacements.iter().copied().zip(row(local, j).iter().copied());
+            (0..local.moving()).map(entries)
+        });
+        Csr::of_rows(self.displacements, rows)
+    }
+
     /// Writes `Wᵀ (S V + E V + B Y)` of these solutions of the `groups`; for each column the size of the numbers it came from.
     fn form(&self, stiffness: &DenseSymmetric, groups: &[Local], matrix: &mut Mat<f64>) -> Vec<f64> {
-        let all = || self.groups.iter().zip(groups);
-        let on_places = |places: &[usize], row: &[f64]| places.iter().copied().zip(row.iter().copied()).collect();
-        let rows = |row: fn(&Local, usize) -> &[f64]| {
-            let of_group = |(group, local)| {
-                let (group, local): (&blocks::Group, &Local) = (group, local);
-                (0..local.moving())
-                    .map(move |j| on_places(&group.displacements, row(local, j)))
-                    .collect::<Vec<Vec<_>>>()
-            };
-            Csr::of_rows(self.displacements, all().flat_map(of_group))
-        };
-        let (projections, motions) = (rows(Local::projection), rows(Local::motion));
+        let projections = self.on_displacements(groups, Local::projection);
+        let motions = self.on_displacements(groups, Local::motion);
         let order = motions.rows();
         matrix.resize_with(order, order, |_, _| 0.0);
         let project = |column: &[f64], factor: f64, to: &mut [f64]| {
@@ -159,7 +158,7 @@ impl Blocks {
             columns.into_par_iter().enumerate().for_each(write);
         }
         let mut sizes = Vec::with_capacity(order);
-        for (group, local) in all() {
+        for (group, local) in self.groups.iter().zip(groups) {
             let first = sizes.len();
             for j in 0..local.moving() {
                 let own = local.own(j);

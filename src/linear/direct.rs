@@ -46,7 +46,7 @@ enum Solver {
     /// A solver of compressed columns; a dense block becomes some.
     Sparse(Box<dyn LinearSolver>),
     /// The one for matrices with a dense block.
-    Dense(Dense),
+    Dense(Box<Dense>),
 }
 
 impl Solver {
@@ -74,7 +74,7 @@ impl Solver {
 
 impl From<Dense> for Direct {
     fn from(solver: Dense) -> Self {
-        Direct::with(Solver::Dense(solver))
+        Direct::with(Solver::Dense(Box::new(solver)))
     }
 }
 
@@ -164,7 +164,7 @@ impl Direct {
     /// As [`LinearSolver::solve`], [`LinearError::PatternChanged`], and [`LinearError::NotFinite`].
     pub fn solve(&mut self, a: &SystemMatrix, b: &[f64], x: &mut [f64]) -> Result<SolveInfo, LinearError> {
         self.expect_analysed(a)?;
-        expect_length("right-hand side", a.order(), b.len())?;
+        expect_length("right-hand side", a.pattern().rows(), b.len())?;
         expect_length("solution", a.order(), x.len())?;
         let start = Instant::now();
         let info = refine::solve(&mut |b, x| self.solver.solve(b, x), a, b, x, &mut self.work)?;

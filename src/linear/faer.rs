@@ -1,5 +1,6 @@
-//! faer's sparse factorisations, in pure Rust and on one thread.
+//! faer's sparse factorisations, in pure Rust.
 
+use faer::Par;
 use faer::dyn_stack::{MemBuffer, StackReq};
 use faer::perm::PermRef;
 use faer::sparse::FaerError;
@@ -12,6 +13,14 @@ mod lu;
 
 pub(super) use llt::{Llt, minimum_degree};
 pub use lu::FaerLu;
+
+/// Less is done in a few milliseconds, most of it in fronts too small to be shared.
+const PARALLEL_FLOPS: f64 = 3e8;
+
+/// The threads for a factorisation with so many operations.
+fn parallelism(flops: f64) -> Par {
+    if flops < PARALLEL_FLOPS || rayon::current_num_threads() == 1 { Par::Seq } else { Par::rayon(0) }
+}
 
 fn permutation<'a>(forward: &'a [usize], inverse: &'a [usize]) -> PermRef<'a, usize> {
     PermRef::new_checked(forward, inverse, forward.len())

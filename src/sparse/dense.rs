@@ -64,9 +64,10 @@ impl DenseSymmetric {
         DenseSymmetric { factor: self.factor * factor, ..self.clone() }
     }
 
-    /// The entry at `(row, column)`.
+    /// The entry at `(row, column)`, 0 outside the matrix.
     pub fn get(&self, row: usize, column: usize) -> f64 {
-        self.factor * self.column(column)[row]
+        let n = self.order();
+        if row.max(column) < n { self.factor * self.shared.values[column * n + row] } else { 0.0 }
     }
 
     /// What all shared numbers are multiplied by.

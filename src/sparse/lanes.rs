@@ -31,6 +31,7 @@ impl Symmetric {
     }
 
     /// Compiled for each kind of processor, with the same result.
+    #[allow(clippy::inline_always)] // Only what is inlined is.
     #[inline(always)]
     fn products_here(&self, x: &[Lanes]) -> (Vec<Lanes>, Vec<Lanes>) {
         let lower = self.lower();

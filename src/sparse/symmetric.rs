@@ -125,8 +125,9 @@ impl Symmetric {
             Stored::Dense(dense) => {
                 let n = dense.order();
                 let pattern = Pattern::of(n, n, |take| (0..n).for_each(|j| (j..n).for_each(|i| take(i, j))));
-                let values = dense.lower_entries().map(|(_, _, value)| value).collect();
-                Cow::Owned(Csc::new(Arc::new(pattern), values).expect("as many entries as places"))
+                let mut lower = Csc::zeros(Arc::new(pattern));
+                lower.values_mut().iter_mut().zip(dense.lower_entries()).for_each(|(to, entry)| *to = entry.2);
+                Cow::Owned(lower)
             }
         }
     }
@@ -195,8 +196,7 @@ impl Symmetric {
     pub fn get(&self, row: usize, column: usize) -> f64 {
         match &self.stored {
             Stored::Lower(lower) => slot(lower, row, column).map_or(0.0, |slot| lower.values()[slot]),
-            Stored::Dense(dense) if row.max(column) < dense.order() => dense.get(row, column),
-            Stored::Dense(_) => 0.0,
+            Stored::Dense(dense) => dense.get(row, column),
         }
     }
 

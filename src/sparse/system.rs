@@ -74,9 +74,8 @@ impl SystemMatrix {
 
     /// The entry at `(row, column)`; one that is not stored is 0.
     pub fn get(&self, row: usize, column: usize) -> f64 {
-        let leading = self.leading.as_ref().filter(|leading| row.max(column) < leading.order());
         let rest = self.pattern().slot(row, column).map_or(0.0, |slot| self.rest.values()[slot]);
-        leading.map_or(0.0, |leading| leading.get(row, column)) + rest
+        self.leading.as_ref().map_or(0.0, |leading| leading.get(row, column)) + rest
     }
 
     /// All stored entries as `(row, column, value)`. What is added to the dense block comes by itself.

@@ -71,7 +71,7 @@ fn counts(records: &[IncrementRecord]) -> Vec<(usize, Status, usize, usize, Vec<
 fn together_they_are_what_each_is_alone() {
     let cube = include_str!("../../data/scenes/cube.toml");
     let cycles = include_str!("../../data/scenes/cycles.toml");
-    let second = ["mesh.elements=[6,5]", "mesh.order=2", "time.increments=30", "solver.setting='default'"];
+    let second = ["mesh.elements=[6,5]", "mesh.cells='triangle6'", "time.increments=30", "solver.setting='default'"];
     for (name, scene) in [
         ("block", scene(BLOCK, &["mesh.elements=[10,10]", "solver.setting='default'"])),
         ("second order", scene(BLOCK, &second)),

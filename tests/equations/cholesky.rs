@@ -256,3 +256,38 @@ fn the_default_of_this_build() {
     let info = Cholesky::factor(&k, &last).unwrap().info();
     assert_eq!(info, BACKENDS[0](&k, &last).unwrap().info());
 }
+
+/// Matrices as large as threads share the work: the factors differ by rounding.
+#[cfg(feature = "faer")]
+#[test]
+fn any_number_of_threads() {
+    use stickslip::linear::{Direct, FaerLu};
+    use stickslip::sparse::SystemMatrix;
+
+    let n = 1000;
+    let entry = |i: usize, j: usize| if i == j { 4.0 } else { (0.3 * (i * j) as f64).sin() / (i - j) as f64 };
+    let entries: Vec<_> = (0..n).flat_map(|i| (0..=i).map(move |j| (i, j, entry(i, j)))).collect();
+    let k = Symmetric::from_triplets(n, &entries).unwrap();
+    let (a, b) =
+        (SystemMatrix::from(Csc::from_triplets(n, n, &k.entries().collect::<Vec<_>>()).unwrap()), vector(n, 4));
+    let solved = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let (mut direct, mut x, mut y) = (Direct::new(Box::new(FaerLu::default())), vec![0.0; n], vec![0.0; n]);
+            direct.analyze(&a).unwrap();
+            direct.factorize(&a).unwrap();
+            direct.solve(&a, &b, &mut x).unwrap();
+            let factor = Cholesky::faer(&k, &[]).unwrap();
+            assert!(factor.info().flops > 3e8);
+            factor.solve(&b, &mut y).unwrap();
+            [x, y]
+        })
+    };
+    let [one, y] = solved(1);
+    close(&one, &y, 1e-12);
+    for threads in [2, 3] {
+        for x in solved(threads) {
+            close(&x, &one, 1e-12);
+        }
+    }
+}

@@ -23,7 +23,9 @@ fn model(text: &str, overrides: &[&str]) -> Model {
 fn matrix(n: usize, displacements: usize, entries: &[(usize, usize, f64)]) -> SystemMatrix {
     let mut values = vec![0.0; displacements * displacements];
     let (block, beside): (Vec<_>, Vec<_>) = entries.iter().partition(|e| e.0.max(e.1) < displacements);
-    block.into_iter().for_each(|&(row, column, value)| values[column * displacements + row] = value);
+    for &(row, column, value) in block {
+        values[column * displacements + row] = value;
+    }
     let pattern = Pattern::from_entries(n, n, |take| beside.iter().for_each(|e| take(e.0, e.1))).unwrap();
     let mut rest = Csc::zeros(Arc::new(pattern));
     for &(row, column, value) in beside {

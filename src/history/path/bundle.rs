@@ -120,7 +120,9 @@ impl Path<'_> {
             None => states.into_iter().map(|(_, state)| self.balanced(state)).collect(),
         };
         let share = clock.elapsed().as_secs_f64() / solved.len() as f64;
-        solved.iter_mut().for_each(|pending| pending.seconds += share);
+        for pending in &mut solved {
+            pending.seconds += share;
+        }
         if let Some(at) = at {
             *self.at = at;
         }

@@ -34,6 +34,7 @@ pub(super) fn backward(factor: &dyn Supernodal, interior: usize, vectors: &mut [
 }
 
 /// Compiled for each kind of processor, with the same result.
+#[allow(clippy::inline_always)] // Only what is inlined is.
 #[inline(always)]
 fn substitute(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<Lanes>]) {
     let mut work = vec![Vec::new(); vectors.len()];
@@ -71,6 +72,7 @@ const TILE: usize = 4;
 const BLOCK: usize = 64;
 
 /// Takes `Σ_i l_i x_i` off the first entry of `from` for the first of `columns`, and so on. They are as long as `x`.
+#[allow(clippy::inline_always)]
 #[inline(always)]
 fn subtract_products<const N: usize>(columns: [&[f64]; N], x: &[Lanes], from: &mut [Lanes]) {
     for start in (0..x.len()).step_by(BLOCK) {

@@ -6,7 +6,7 @@ use super::local::Local;
 use crate::linear::LinearError;
 use crate::linear::error::expect_length;
 use crate::sets::Sets;
-use crate::sparse::{Pattern, SystemMatrix};
+use crate::sparse::{DenseSymmetric, Pattern, SystemMatrix};
 
 /// The parts of a pattern on `(u, q)`.
 pub(super) struct Blocks {
@@ -34,7 +34,7 @@ impl Blocks {
     pub(super) fn new(a: &SystemMatrix) -> Result<Self, LinearError> {
         let (pattern, n) = (a.pattern(), a.order());
         expect_length("rows of the matrix", n, pattern.rows())?;
-        let displacements = a.leading().map_or(0, |stiffness| stiffness.order());
+        let displacements = a.leading().map_or(0, DenseSymmetric::order);
         let entries = || {
             let column = |j: usize| pattern.column(j).map(move |slot| (pattern.row_indices()[slot] as usize, j, slot));
             (0..n).flat_map(column)

@@ -13,10 +13,10 @@ use faer::sparse::linalg::cholesky::supernodal::{
 };
 use faer::sparse::utils::{permute_self_adjoint, permute_self_adjoint_scratch};
 use faer::sparse::{FaerError, SparseColMatRef};
-use faer::{Par, Side, Spec};
+use faer::{Side, Spec};
 
 use super::indices::Indices;
-use super::{memory, out_of_memory, permutation};
+use super::{memory, out_of_memory, parallelism, permutation};
 use crate::linear::supernodal::{Supernodal, Supernode};
 use crate::linear::{FactorInfo, LinearError};
 use crate::sparse::{Csc, Pattern};
@@ -59,7 +59,8 @@ impl Llt {
         let analysed = permuted.analyse().map_err(|error| out_of_memory(error, "the symbolic analysis"))?;
         let (symbolic, mut info) = analysed;
 
-        let size = factorize_supernodal_numeric_llt_scratch::<usize, f64>(&symbolic, Par::Seq, Spec::default());
+        let par = parallelism(info.flops);
+        let size = factorize_supernodal_numeric_llt_scratch::<usize, f64>(&symbolic, par, Spec::default());
         let mut work = memory(size).map_err(|error| out_of_memory(error, "the factorisation"))?;
         let mut values = Vec::new();
         let room = values.try_reserve_exact(symbolic.len_val());
@@ -70,7 +71,7 @@ impl Llt {
             permuted.lower(),
             LltRegularization::default(),
             &symbolic,
-            Par::Seq,
+            par,
             MemStack::new(&mut work),
             Spec::default(),
         );

@@ -1,4 +1,4 @@
-//! faer's supernodal LU: a backend in pure Rust, on one thread, for the uncondensed system.
+//! faer's supernodal LU: a backend in pure Rust for the uncondensed system.
 //!
 //! faer pivots by the largest entry of a column, whatever its row, so what bounds the fill is the
 //! factor of AᵀA, and COLAMD, which orders the columns for that, is right although the pattern is
@@ -21,7 +21,7 @@ use faer::sparse::linalg::{LuError, SymbolicSupernodalParams, colamd, qr};
 use faer::{Conj, Par, Spec};
 
 use super::indices::Indices;
-use super::{memory, out_of_memory, permutation};
+use super::{memory, out_of_memory, parallelism, permutation};
 use crate::linear::error::{expect_finite, expect_length};
 use crate::linear::{FactorInfo, LinearError, LinearSolver};
 use crate::sparse::Pattern;
@@ -52,6 +52,7 @@ struct Analysed {
     symbolic: SymbolicSupernodalLu<usize>,
     /// A bound of the entries of L and U.
     entries: usize,
+    par: Par,
     /// The right-hand side of the solve that tells whether the factors are sound.
     probe: Vec<f64>,
     work: MemBuffer,
@@ -99,6 +100,8 @@ impl Analysed {
             rows: [vec![0; n], vec![0; n]],
             // Whatever the pivots: row k of U and column k of L fit into column k of the factor of AᵀA.
             entries: 2 * counts.iter().sum::<usize>(),
+            // The same bound has so many operations.
+            par: parallelism(counts.iter().map(|&count| 2.0 * (count as f64).powi(2)).sum()),
             // Signs without order, so that hardly a null vector is at right angles to them.
             probe: (0..n).map(|i| if (i.wrapping_mul(0x9E37_79B9) >> 16) & 1 == 0 { 1.0 } else { -1.0 }).collect(),
             columns: [order, inverse],
@@ -132,7 +135,7 @@ impl LinearSolver for FaerLu {
         expect_length("values of the matrix", analysed.a.rows.len(), values.len())?;
         expect_finite(values)?;
         analysed.scale(values);
-        let Analysed { a, transposed, values, transposed_values, columns, rows, symbolic, work, .. } = analysed;
+        let Analysed { a, transposed, values, transposed_values, columns, rows, symbolic, work, par, .. } = analysed;
         let [row_order, row_inverse] = rows;
         let result = factorize_supernodal_numeric_lu(
             row_order,
@@ -142,7 +145,7 @@ impl LinearSolver for FaerLu {
             transposed.0.with(transposed_values),
             permutation(&columns[0], &columns[1]),
             symbolic,
-            Par::Seq,
+            *par,
             MemStack::new(work),
             Spec::default(),
         );
