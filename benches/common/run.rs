@@ -136,7 +136,7 @@ fn run(case: Case, who: &str, method: Method) -> Measured {
     let naive = who == "naive";
     let tolerance = if naive { 1e-3 } else { scene.solver.tolerance };
     let problem = &model.problem;
-    let choice = || Choice::cheapest(problem, method, scene.time.increments, available_bytes()).unwrap().linear;
+    let choice = || Choice::cheapest(problem, None, method, scene.time.increments, available_bytes()).unwrap().linear;
     let system = match scene.solver.linear {
         _ if naive => System::from(Box::new(Naive::default()) as Box<dyn LinearSolver>),
         linear => System::from(linear.unwrap_or_else(choice)),
