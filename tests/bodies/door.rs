@@ -111,5 +111,9 @@ fn a_linear_solver_of_ones_own() {
     let report = Run::new(&scene).unwrap().solve_with(System::from(mine), &mut ()).unwrap();
     assert_eq!((report.status, report.solver.as_str()), (Status::Converged, "mine"));
     assert_eq!(counts.load(std::sync::atomic::Ordering::Relaxed), report.totals.factorizations);
-    assert_eq!(report.end, Run::new(&scene).unwrap().solve(&mut ()).unwrap().end);
+    // That of the run itself may have another order of elimination.
+    let end = Run::new(&scene).unwrap().solve(&mut ()).unwrap().end;
+    for (found, expected) in [(report.end.sum_p_n, end.sum_p_n), (report.end.sum_p_t, end.sum_p_t)] {
+        assert!((found - expected).abs() <= 1e-12 * expected.abs(), "{found} {expected}");
+    }
 }

@@ -42,7 +42,7 @@ fn bricks_slide_round_a_corner() {
         (Side::Upper, [5, 1, 5, 4, 4, 4, 4, 5, 5, 5], [2.463_550_541_0e5, -8.221_924_016_3e2, -4.926_415_032_1e4]),
         (Side::Lower, [5, 1, 5, 4, 4, 4, 4, 4, 5, 4], [8.797_592_165_7e5, -7.331_262_749_8e4, -1.546_375_174_5e5]),
     ];
-    for (slave, expected_iterations, expected) in cases {
+    for (slave, most_iterations, expected) in cases {
         let model = Model::build(&bricks(slave)).unwrap();
         let weights: f64 = model.contacts.iter().map(|contact| contact.weight).sum();
         assert!((weights - 0.36).abs() < 1e-14);
@@ -51,8 +51,8 @@ fn bricks_slide_round_a_corner() {
             let outcome = solved(&model, solver(Method::BN, linear), &mut maps);
             assert_eq!(maps.1, 10);
             let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
-            let near = |(found, expected): (&usize, usize)| found.abs_diff(expected) <= 1;
-            assert!(iterations.iter().zip(expected_iterations).all(near), "{slave:?} {linear:?} {iterations:?}");
+            let few = |(found, expected): (&usize, usize)| *found <= expected + 1;
+            assert!(iterations.iter().zip(most_iterations).all(few), "{slave:?} {linear:?} {iterations:?}");
             let state = outcome.state;
             let largest = (0..model.contacts.len()).max_by(|a, b| state.p_n[*a].total_cmp(&state.p_n[*b])).unwrap();
             let found = [state.p_n[largest], state.p_t[largest], state.p_o[largest]];
