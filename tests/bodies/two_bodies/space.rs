@@ -51,8 +51,9 @@ fn bricks_slide_round_a_corner() {
             let outcome = solved(&model, solver(Method::BN, linear), &mut maps);
             assert_eq!(maps.1, 10);
             let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
-            let few = |(found, expected): (&usize, usize)| *found <= expected + 1;
-            assert!(iterations.iter().zip(most_iterations).all(few), "{slave:?} {linear:?} {iterations:?}");
+            // One increment or another may take more, all of them together not.
+            let (all, most) = (iterations.iter().sum::<usize>(), most_iterations.iter().sum());
+            assert!(all <= most, "{slave:?} {linear:?} {iterations:?}");
             let state = outcome.state;
             let largest = (0..model.contacts.len()).max_by(|a, b| state.p_n[*a].total_cmp(&state.p_n[*b])).unwrap();
             let found = [state.p_n[largest], state.p_t[largest], state.p_o[largest]];
