@@ -132,7 +132,8 @@ impl IncrementSolver for BnMethod<'_> {
         if task.first && *start == FirstGuess::Held && !solved {
             task.response.add_forces_to(z);
         }
-        let (start, turns) = (z.clone(), *measured && layout.has_second_tangent());
+        let start = z.clone();
+        let turns = *measured && (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i));
         if let (Some(stretch), Some(last), true) = (task.stretch, last.as_ref(), turns) {
             go_on_as_before(formulation, last, &from, stretch, z);
         }
