@@ -163,6 +163,34 @@ const HALVED: [&str; 12] = [
     "contact.friction=0.8",
 ];
 
+/// A plate on soft springs: a ball presses it down near its right end, which comes up against a plane that few nodes seem to reach.
+const LEVER: &str = r#"
+[mesh]
+kind = "block"
+size = [0.08, 0.04, 0.004]
+elements = [20, 12, 1]
+[material]
+young = 210e9
+poisson = 0.3
+[[spring]]
+boundary = "bottom"
+normal = 1e8
+tangential = 1e8
+[[contact]]
+boundary = "top"
+friction = 0.3
+obstacle = { kind = "sphere", radius = 0.1, apex = [0.06, 0.02, 0.004], approach = [[0, 0], [1, 2e-4]] }
+[[contact]]
+boundary = "bottom"
+friction = 0.3
+obstacle = { kind = "plane", gap = 2.2e-4 }
+[solver]
+linear = "condensed"
+[time]
+end = 1.0
+increments = 2
+"#;
+
 /// Reports of many kinds: plane and in space, failed, with warnings, with everything that has to be asked for.
 fn reports() -> Vec<Value> {
     let cube = edit(include_str!("../../data/scenes/cube.toml"), "[10, 10, 10]", "[2, 2, 2]");
@@ -194,6 +222,7 @@ fn reports() -> Vec<Value> {
         report(&without(&small(), "[[support]]", "[[load]]"), 1),
         json_of(&two_bodies(), &[]),
         json_of(include_str!("../../data/scenes/two_blocks.toml"), &["--set", "contact.slave=\"automatic\""]),
+        json_of(LEVER, &[]),
     ]
 }
 
