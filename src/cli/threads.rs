@@ -30,9 +30,10 @@ fn of_openmp(text: &str) -> Option<u32> {
 
 /// Gives the work of this process `count` threads, the present one among them.
 pub(super) fn start(count: usize) {
+    // First, while there are no others: it can then end those that it does not need.
+    let_the_blas_have(1);
     // It can only have been done before, and is then as it was.
     let _ = ThreadPoolBuilder::new().num_threads(count).use_current_thread().build_global();
-    let_the_blas_have(1);
 }
 
 /// Displacements of a solid body from which on the fronts of its factors are so large that products of theirs are worth sharing.

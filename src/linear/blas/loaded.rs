@@ -39,12 +39,16 @@ const KINDS: [Kind; 3] = [
     },
 ];
 
-/// Tells the BLAS how many threads to take; its name, none if it has no such function.
-pub(in crate::linear) fn set_threads(process: &Library, threads: usize) -> Option<&'static str> {
-    let count = c_int::try_from(threads.max(1)).unwrap_or(c_int::MAX);
+/// Tells the BLAS how many threads to take, if it takes another number; its name, none if it has no such function.
+pub(in crate::linear) fn set_threads(process: &Library, wanted: usize) -> Option<&'static str> {
+    let count = c_int::try_from(wanted.max(1)).unwrap_or(c_int::MAX);
     // SAFETY (all): the symbols are the libraries' documented functions, which take the number of threads as a C int (OpenBLAS,
     // MKL) or as a 64-bit integer (BLIS) and return nothing; any positive number is valid.
     KINDS.iter().find_map(|kind| {
+        let before = threads(process, kind)?;
+        if before == wanted {
+            return Some(kind.name);
+        }
         if kind.counts_in_64_bits {
             // SAFETY: see above.
             let set = unsafe { process.get::<unsafe extern "C" fn(i64)>(kind.set_threads) }.ok()?;
@@ -56,8 +60,27 @@ pub(in crate::linear) fn set_threads(process: &Library, threads: usize) -> Optio
             // SAFETY: see above.
             unsafe { set(count) };
         }
+        if wanted == 1 && kind.name == "OpenBLAS" {
+            end_workers(process, before);
+        }
         Some(kind.name)
     })
+}
+
+/// Ends the threads that OpenBLAS has started for itself when it was loaded, one less than `threads`, as long as there is none but
+/// these and the calling one. Each waits in a loop for some 0.1 s of CPU time before it sleeps, whether it ever gets work or not.
+/// They are started again where more threads than one are asked for.
+fn end_workers(process: &Library, threads: usize) {
+    // Linux tells all threads of this process by a folder each. Elsewhere they sleep by themselves.
+    let all = std::fs::read_dir("/proc/self/task").map_or(usize::MAX, Iterator::count);
+    if all <= threads {
+        // SAFETY: OpenBLAS exports the function that it calls itself before a process forks. It takes nothing, returns a C int
+        // and waits for its threads to end; these are idle, as nobody else is there to be in a product.
+        if let Ok(end) = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(b"blas_thread_shutdown_\0") } {
+            // SAFETY: see above.
+            unsafe { end() };
+        }
+    }
 }
 
 /// All that the BLAS of this process tells.
