@@ -1,6 +1,6 @@
 //! Vectors four at a time: what a matrix or its factors hold is read once for all of them.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::Symmetric;
 
@@ -27,20 +27,30 @@ pub fn lane(lanes: &[Lanes], k: usize) -> Vec<f64> {
 impl Symmetric {
     /// `A x` and `|A| |x|` of four vectors `x`, each as if it were alone.
     pub(crate) fn products(&self, x: &[Lanes]) -> (Vec<Lanes>, Vec<Lanes>) {
-        Arch::new().dispatch(|| self.products_here(x))
+        Arch::new().dispatch(Products { of: self, x })
     }
+}
 
-    /// Compiled for each kind of processor, with the same result.
-    #[allow(clippy::inline_always)] // Only what is inlined is.
+/// Compiled for each kind of processor, with the same result.
+struct Products<'a> {
+    of: &'a Symmetric,
+    x: &'a [Lanes],
+}
+
+impl WithSimd for Products<'_> {
+    type Output = (Vec<Lanes>, Vec<Lanes>);
+
+    #[allow(clippy::inline_always)] // Only what is inlined is compiled for more than the least processor.
     #[inline(always)]
-    fn products_here(&self, x: &[Lanes]) -> (Vec<Lanes>, Vec<Lanes>) {
-        let lower = self.lower();
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let (of, x) = (self.of, self.x);
+        let lower = of.lower();
         let (pattern, values) = (lower.pattern(), lower.values());
         let (mut products, mut sizes) = (vec![[0.0; LANES]; x.len()], vec![[0.0; LANES]; x.len()]);
         let add = |to: &mut Lanes, value: f64, x: &Lanes| to.iter_mut().zip(x).for_each(|(to, x)| *to += value * x);
         let add_size =
             |to: &mut Lanes, value: f64, x: &Lanes| to.iter_mut().zip(x).for_each(|(to, x)| *to += (value * x).abs());
-        for column in 0..self.order() {
+        for column in 0..of.order() {
             let slots = pattern.column(column);
             let (mut product, mut size) = ([0.0; LANES], [0.0; LANES]);
             for (&row, &value) in pattern.row_indices()[slots.clone()].iter().zip(&values[slots]) {
@@ -76,6 +86,6 @@ mod tests {
             a.add_sizes(x, &mut size);
             assert_eq!((lane(&products, k), lane(&sizes, k)), (product, size));
         }
-        assert_eq!(lane(&products, 3), [0.0; 7]);
+        assert_eq!(lane(&products, LANES - 1), [0.0; 7]);
     }
 }

@@ -4,7 +4,7 @@
 //! along and leave `L_cr` to a second pass over the factors, and the blocks are so small that a call of
 //! a matrix product for each costs more than its work.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::{Supernodal, Supernode, nodes};
 use crate::sparse::{LANES, Lanes};
@@ -14,12 +14,29 @@ pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
     let mut work = Vec::new();
     for node in nodes(factor).take_while(|node| node.first < interior) {
         gather(&node, x, &mut work);
-        for k in 0..node.columns.min(interior - node.first) {
-            let column = node.column(k);
-            let (top, below) = work[k..].split_at_mut(1);
-            top[0] /= column[0];
-            let value = top[0];
-            below.iter_mut().zip(&column[1..]).for_each(|(x, l)| *x -= l * value);
+        let columns = node.columns.min(interior - node.first);
+        for first in (0..columns).step_by(TILE) {
+            // First the columns among themselves; then all rows below them.
+            let end = columns.min(first + TILE);
+            for k in first..end {
+                let column = node.column(k);
+                let (top, below) = work[k..].split_at_mut(1);
+                top[0] /= column[0];
+                below[..end - k - 1].iter_mut().zip(&column[1..]).for_each(|(x, l)| *x -= l * top[0]);
+            }
+            let (top, below) = work.split_at_mut(end);
+            if let Ok(values) = <[f64; TILE]>::try_from(&top[first..]) {
+                let [a, b, c, d] = std::array::from_fn(|k| &node.column(first + k)[TILE - k..]);
+                let rows = below.iter_mut().zip(a).zip(b).zip(c).zip(d);
+                rows.for_each(|((((x, a), b), c), d)| {
+                    *x = *x - a * values[0] - b * values[1] - c * values[2] - d * values[3];
+                });
+            } else {
+                for (k, value) in (first..).zip(&top[first..]) {
+                    let column = &node.column(k)[end - k..];
+                    below.iter_mut().zip(column).for_each(|(x, l)| *x -= l * value);
+                }
+            }
         }
         let (block, below) = work.split_at(node.columns);
         x[node.first..node.first + node.columns].copy_from_slice(block);
@@ -30,11 +47,27 @@ pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
 /// `[y_r; x_c] → [L_rr⁻ᵀ (y_r - L_crᵀ x_c); x_c]`, in the order of the factors, of all these vectors in one pass over `L`.
 /// What becomes of one does not hang on the others.
 pub(super) fn backward(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<Lanes>]) {
-    Arch::new().dispatch(|| substitute(factor, interior, vectors));
+    Arch::new().dispatch(Backward { factor, interior, vectors });
 }
 
 /// Compiled for each kind of processor, with the same result.
-#[allow(clippy::inline_always)] // Only what is inlined is.
+struct Backward<'a> {
+    factor: &'a dyn Supernodal,
+    interior: usize,
+    vectors: &'a mut [Vec<Lanes>],
+}
+
+impl WithSimd for Backward<'_> {
+    type Output = ();
+
+    #[allow(clippy::inline_always)] // Only what is inlined is compiled for more than the least processor.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        substitute(self.factor, self.interior, self.vectors);
+    }
+}
+
+#[allow(clippy::inline_always)]
 #[inline(always)]
 fn substitute(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<Lanes>]) {
     let mut work = vec![Vec::new(); vectors.len()];
