@@ -1,5 +1,7 @@
 //! The stiffness matrix of a mesh.
 
+use rayon::prelude::*;
+
 use super::dofs::Dofs;
 use super::elastic::Elasticity;
 use super::inverted::InvertedElement;
@@ -8,6 +10,9 @@ use super::stiffness::element_stiffness;
 use super::strain::Element;
 use crate::mesh::Mesh;
 use crate::sparse::Symmetric;
+
+/// The stiffnesses of so many cells are made together, on all threads, before they are added up in the order of the cells.
+const TOGETHER: usize = 4096;
 
 /// `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m, in two dimensions per unit
 /// depth, of a body of revolution all around; every element is an `element`, and `material` is that of each.
@@ -18,7 +23,7 @@ pub fn assemble(
     mesh: &Mesh,
     dofs: &Dofs,
     element: Element,
-    material: impl Fn(usize) -> Elasticity,
+    material: impl Fn(usize) -> Elasticity + Sync,
 ) -> Result<Symmetric, InvertedElement> {
     let volumes = NodalVolumes::new(mesh, element, &material)?;
     assemble_watched(mesh, dofs, element, &volumes, material, |_, _| {})
@@ -31,7 +36,7 @@ pub(super) fn assemble_watched(
     dofs: &Dofs,
     element: Element,
     volumes: &NodalVolumes,
-    material: impl Fn(usize) -> Elasticity,
+    material: impl Fn(usize) -> Elasticity + Sync,
     mut watch: impl FnMut(&[usize], &[Vec<f64>]),
 ) -> Result<Symmetric, InvertedElement> {
     let mut k = Symmetric::of(dofs.free(), |take| {
@@ -72,11 +77,18 @@ pub(super) fn assemble_watched(
             }
         }
     };
-    for (e, cell) in mesh.cells.iter().enumerate() {
-        let whole = material(e);
+    let of_cell = |e: usize| {
+        let (whole, cell) = (material(e), &mesh.cells[e]);
         let law = if volumes.of_cell(e).is_empty() { whole } else { whole.deviatoric() };
         let stiffness = element_stiffness(cell.kind, mesh.geometry, &mesh.points(&cell.nodes), element, &law);
-        add(&cell.nodes, stiffness.ok_or_else(|| InvertedElement::of(mesh, e))?);
+        stiffness.ok_or_else(|| InvertedElement::of(mesh, e))
+    };
+    for first in (0..mesh.cells.len()).step_by(TOGETHER) {
+        let cells = first..mesh.cells.len().min(first + TOGETHER);
+        let together: Vec<_> = cells.clone().into_par_iter().map(of_cell).collect();
+        for (e, stiffness) in cells.zip(together) {
+            add(&mesh.cells[e].nodes, stiffness?);
+        }
     }
     for volume in volumes.iter() {
         add(volume.nodes(), volume.stiffness(mesh.dimension));

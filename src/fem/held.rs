@@ -31,7 +31,7 @@ impl HeldRows {
         dofs: &Dofs,
         element: Element,
         volumes: &NodalVolumes,
-        material: impl Fn(usize) -> Elasticity,
+        material: impl Fn(usize) -> Elasticity + Sync,
         springs: &[Spring],
     ) -> Result<(Symmetric, Self), InvertedElement> {
         let d = mesh.dimension;

@@ -59,7 +59,7 @@ pub const LIBRARY: &[Places] = &[
     ("toml_edit", &["compare/mesh.rs", "scene/"]),
     // What OpenBLAS has read there is part of what it is.
     ("std::env", &["cli.rs", "cli/", "linear/blas/loaded.rs"]),
-    ("std::fs", &["cli/", "input.rs", "report/folder.rs", "report/usage.rs"]),
+    ("std::fs", &["cli/", "input.rs", "linear/blas/loaded.rs", "report/folder.rs", "report/usage.rs"]),
     ("std::net", &[NOWHERE]),
     ("std::panic", &["cli/bug.rs", "jobs.rs"]),
     ("std::process", &["main.rs", "cli.rs", "cli/"]),
