@@ -9,8 +9,9 @@ use serde::Serialize;
 use crate::formulation::Layout;
 use crate::history::{LinearAlgebra, Method};
 use crate::linear::cost::{self, Cost, Sizes, Work};
-use crate::linear::{Cholesky, LinearError, SparseLu};
+use crate::linear::{Cholesky, FactorInfo, LinearError, SparseLu};
 use crate::problem::ContactProblem;
+use crate::reach::Reach;
 
 /// BN keeps its factors while no contact status changes, so its factorisations grow as the root of the number
 /// of increments, this many times it: 5, 7.5, 11 and 14 on the paper's block with 25, 50, 100 and 200 contact nodes (2 to
@@ -73,18 +74,19 @@ impl Choice {
     }
 
     /// The cheapest way to solve `increments` increments of `problem` with `method`, where condensed equations hold the contact
-    /// nodes `working_set` or all; `available` is the free memory in bytes, if it is known.
+    /// nodes `reach` or all; `available` is the free memory in bytes, if it is known.
     ///
     /// # Errors
     /// When memory is short for the symbolic analysis.
     pub fn cheapest(
         problem: &ContactProblem,
-        working_set: Option<&[usize]>,
+        reach: &Reach,
         method: Method,
         increments: usize,
         available: Option<u64>,
     ) -> Result<Self, LinearError> {
-        let estimates = Estimates::new(problem, working_set, method, increments)?;
+        let stiffness = stiffness(problem, reach)?;
+        let estimates = Estimates::new(problem, reach, method, increments, stiffness);
         let Estimates { sparse, condensed } = estimates;
         let short_of = available.filter(|&available| condensed.bytes > available as f64);
         let condense = condensed.seconds < sparse.seconds && short_of.is_none();
@@ -100,7 +102,7 @@ impl Choice {
     pub fn faster(
         &self,
         problem: &ContactProblem,
-        working_set: Option<&[usize]>,
+        reach: &Reach,
         method: Method,
         increments: usize,
         seconds: f64,
@@ -110,7 +112,14 @@ impl Choice {
         if self.estimates.is_some() || seconds < long {
             return Ok(None);
         }
-        let Estimates { sparse, condensed } = Estimates::new(problem, working_set, method, increments)?;
+        let estimates = |stiffness| Estimates::new(problem, reach, method, increments, stiffness);
+        // No factor has fewer entries than the matrix.
+        let least = FactorInfo { entries: problem.stiffness().lower().values().len(), ..FactorInfo::default() };
+        let other = |Estimates { sparse, condensed }| if self.linear.condenses() { sparse } else { condensed };
+        if MUCH * other(estimates(least)).seconds > seconds {
+            return Ok(None);
+        }
+        let Estimates { sparse, condensed } = estimates(stiffness(problem, reach)?);
         let (here, other, solver) = match self.linear {
             LinearAlgebra::Condensed(_) => (condensed, sparse, LinearAlgebra::default()),
             LinearAlgebra::Whole(_) => (sparse, condensed, LinearAlgebra::condensed()),
@@ -142,6 +151,11 @@ impl Choice {
     }
 }
 
+/// What factors of `K` in an order of low fill take.
+fn stiffness(problem: &ContactProblem, reach: &Reach) -> Result<FactorInfo, LinearError> {
+    reach.stiffness().map_or_else(|| Cholesky::predict(problem.stiffness()), Ok)
+}
+
 /// How many factorisations BN or an interior point method needs for `increments` increments, as an estimate.
 pub(crate) fn factorizations(layout: &Layout, method: Method, increments: usize) -> f64 {
     match method {
@@ -157,28 +171,19 @@ pub(crate) fn factorizations(layout: &Layout, method: Method, increments: usize)
 }
 
 impl Estimates {
-    fn new(
-        problem: &ContactProblem,
-        working_set: Option<&[usize]>,
-        method: Method,
-        increments: usize,
-    ) -> Result<Self, LinearError> {
+    fn new(problem: &ContactProblem, reach: &Reach, method: Method, increments: usize, stiffness: FactorInfo) -> Self {
         let layout = Layout::new(problem);
-        let held = match working_set {
+        let held = match &reach.nodes {
             Some(nodes) => problem.contact_displacements_of(nodes.iter().copied()),
             None => problem.contact_displacements(),
         };
-        let sizes = Sizes {
-            unknowns: layout.unknowns(),
-            contact_displacements: held.len(),
-            stiffness: Cholesky::predict(problem.stiffness())?,
-        };
+        let sizes = Sizes { unknowns: layout.unknowns(), contact_displacements: held.len(), stiffness };
         let factorizations = factorizations(&layout, method, increments);
         let work = Work { increments, factorizations, all_free: method.is_interior() };
-        Ok(Estimates {
+        Estimates {
             sparse: cost::sparse(&sizes, &work, SparseLu::default() == SparseLu::Faer),
             condensed: cost::condensed(&sizes, &work),
-        })
+        }
     }
 }
 

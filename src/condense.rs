@@ -19,11 +19,39 @@
 //! contact block and taken off again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use crate::linear::{Cholesky, FactorInfo, LinearError, Reduced, SparseCholesky, times_transposed};
 use crate::loading::{LoadCase, Loading};
 use crate::problem::{ContactProblem, OwnBasis, Parts, State};
 use crate::sparse::{Csr, DenseSymmetric, Symmetric};
+
+/// How a body is condensed.
+#[derive(Clone)]
+pub struct Condensation {
+    cholesky: SparseCholesky,
+    /// The factors of `K` with the displacements of all contact nodes last, if somebody has them.
+    factor: Option<Arc<Cholesky>>,
+}
+
+impl From<SparseCholesky> for Condensation {
+    /// By this factorisation of `K`.
+    fn from(cholesky: SparseCholesky) -> Self {
+        Condensation { cholesky, factor: None }
+    }
+}
+
+impl Condensation {
+    /// The same, and what it would factor first.
+    pub(crate) fn factored(cholesky: SparseCholesky, factor: Option<Arc<Cholesky>>) -> Self {
+        Condensation { cholesky, factor }
+    }
+
+    /// The factorisation of `K`.
+    pub fn cholesky(&self) -> SparseCholesky {
+        self.cholesky
+    }
+}
 
 /// A condensed body.
 pub struct Condensed {
@@ -31,7 +59,7 @@ pub struct Condensed {
     pub problem: ContactProblem,
     /// Its loads.
     pub loading: Loading,
-    factor: Cholesky,
+    factor: Arc<Cholesky>,
     /// The contact displacements among all, ascending.
     border: Vec<usize>,
     /// What each load case leaves of the interior.
@@ -56,10 +84,10 @@ impl Condensed {
     /// # Errors
     /// [`LinearError::Singular`] when a part of the body moves freely while the contact nodes are held;
     /// when memory is short.
-    pub fn new(problem: &ContactProblem, loading: &Loading, cholesky: SparseCholesky) -> Result<Self, LinearError> {
+    pub fn new(problem: &ContactProblem, loading: &Loading, by: impl Into<Condensation>) -> Result<Self, LinearError> {
         let border = problem.contact_displacements();
         let basis = OwnBasis::of(problem);
-        let (factor, stiffness) = schur_complement(problem.stiffness(), &border, basis.as_ref(), cholesky)?;
+        let (factor, stiffness) = schur_complement(problem.stiffness(), &border, basis.as_ref(), by.into())?;
         let cases = loading.cases().iter().map(|case| factor.reduce(case.force())).collect::<Result<Vec<_>, _>>()?;
         let reduced = |(case, reduced): (&LoadCase, &Reduced)| case.on(forces(&border, basis.as_ref(), reduced));
         Ok(Condensed {
@@ -241,10 +269,11 @@ fn schur_complement(
     stiffness: &Symmetric,
     border: &[usize],
     basis: Option<&OwnBasis>,
-    cholesky: SparseCholesky,
-) -> Result<(Cholesky, Symmetric), LinearError> {
+    Condensation { cholesky, factor }: Condensation,
+) -> Result<(Arc<Cholesky>, Symmetric), LinearError> {
     let mut shift = Vec::new();
-    let factor = match cholesky.factor(stiffness, border) {
+    let factor_of = |stiffness| cholesky.factor(stiffness, border).map(Arc::new);
+    let factor = match factor.map_or_else(|| factor_of(stiffness), Ok) {
         Err(LinearError::Singular { .. }) if !border.is_empty() => {
             let (mut held, diagonal) = (stiffness.clone(), stiffness.diagonal());
             // What has no stiffness of its own takes that of others, or any.
@@ -257,7 +286,7 @@ fn schur_complement(
             };
             shift.extend(border.iter().map(rho));
             border.iter().zip(&shift).filter(|entry| *entry.1 > 0.0).for_each(|(&dof, rho)| held.raise(dof, dof, *rho));
-            cholesky.factor(&held, border)?
+            factor_of(&held)?
         }
         factor => factor?,
     };

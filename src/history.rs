@@ -166,7 +166,7 @@ pub fn run_with(
         System::Whole(linear) => {
             stages.stage(algorithm, None, linear)?;
         }
-        System::Condensed(cholesky) => stages.condensed(algorithm, cholesky)?,
+        System::Condensed(condensation) => stages.condensed(algorithm, &condensation)?,
     }
     Ok(stages.outcome)
 }

@@ -8,8 +8,10 @@
 //!
 //! [`HistorySettings::working_set`]: crate::history::HistorySettings::working_set
 
+use std::sync::Arc;
+
 use crate::linear::cost::{self, Work};
-use crate::linear::{LinearError, SparseCholesky};
+use crate::linear::{Cholesky, FactorInfo, LinearError, SparseCholesky};
 use crate::loading::Loading;
 use crate::problem::ContactProblem;
 
@@ -19,7 +21,26 @@ pub const AFFORDABLE: f64 = 1.0;
 /// What is left out must save this share of what all nodes cost, for it may have to join one by one.
 const WORTHWHILE: f64 = 0.5;
 
-/// The contact nodes, ascending, that condensed equations of `problem` under `loading` begin with, over increments that end at
+/// A factor of `K` of a body in space has some tens of times its entries. A border whose square is less costs little more.
+const ENTRIES_OF_FACTOR: usize = 32;
+
+/// What condensed equations begin with.
+#[derive(Debug, Default)]
+pub struct Reach {
+    /// The contact nodes that they hold, ascending, if not all.
+    pub nodes: Option<Vec<usize>>,
+    /// The factors of `K` with the displacements of all contact nodes last, where they were made to find that all stay.
+    pub(crate) factor: Option<Arc<Cholesky>>,
+}
+
+impl Reach {
+    /// What is known of the factors of `K` in an order of low fill.
+    pub(crate) fn stiffness(&self) -> Option<FactorInfo> {
+        self.factor.as_ref().map(|factor| factor.info_of_interior())
+    }
+}
+
+/// The contact nodes that condensed equations of `problem` under `loading` begin with, over increments that end at
 /// `times` (s). `None` stands for all: in a body that contact alone holds, where all are cheap, and where too many are within reach.
 /// Nodes out of reach stay, the nearest first, as long as what they cost is at most `affordable` times the work with the body.
 ///
@@ -30,10 +51,25 @@ pub fn working_set(
     loading: &Loading,
     times: &[f64],
     affordable: f64,
-) -> Result<Option<Vec<usize>>, LinearError> {
+    cholesky: SparseCholesky,
+) -> Result<Reach, LinearError> {
+    let (nodes, factor) = within(problem, loading, times, affordable, cholesky)?;
+    // With fewer nodes other displacements come last.
+    let factor = factor.filter(|_| nodes.is_none()).map(Arc::new);
+    Ok(Reach { nodes, factor })
+}
+
+/// The nodes, if not all, and the factors of `K` with all contact displacements last, if they were needed.
+fn within(
+    problem: &ContactProblem,
+    loading: &Loading,
+    times: &[f64],
+    affordable: f64,
+    cholesky: SparseCholesky,
+) -> Result<(Option<Vec<usize>>, Option<Cholesky>), LinearError> {
     let all = problem.contacts();
     if all == 0 || !problem.free_motions().is_empty() {
-        return Ok(None);
+        return Ok((None, None));
     }
     let (m, increments) = (problem.contact_displacements().len(), times.len());
     let work = Work { increments, factorizations: increments as f64, all_free: false };
@@ -42,42 +78,46 @@ pub fn working_set(
     let spare =
         affordable * cost::body(problem.displacements(), problem.stiffness().lower().values().len(), increments);
     if of_contact(all) <= spare {
-        return Ok(None);
+        return Ok((None, None));
     }
     let mut least = least_distances(loading, times, &[]);
     // Loads are not asked where obstacles alone meet too many.
     if of_contact(within_reach(&least).0) > most {
-        return Ok(None);
+        return Ok((None, None));
     }
+    let mut made = None;
     if loading.largest_force() > 0.0 {
-        let Some(moved) = unopposed(problem, loading)? else { return Ok(None) };
+        let last = problem.contact_displacements();
+        let few = last.len().pow(2) <= ENTRIES_OF_FACTOR * problem.stiffness().lower().values().len();
+        let factor = match cholesky.factor(problem.stiffness(), if few { &last } else { &[] }) {
+            // Without contact forces it has no bounds.
+            Err(LinearError::Singular { .. }) => return Ok((None, None)),
+            factor => factor?,
+        };
+        let moved = unopposed(problem, loading, &factor)?;
+        made = Some(factor).filter(|_| few);
         least = least_distances(loading, times, &moved);
     }
     let (within, nearest) = within_reach(&least);
     let affordable = (0..all).find(|nodes| of_contact(nodes + 1) > spare).unwrap_or(all);
     let held = within.max(affordable).max(1);
     if of_contact(held) > most {
-        return Ok(None);
+        return Ok((None, made));
     }
     let mut nodes = nearest[..held].to_vec();
     nodes.sort_unstable();
-    Ok(Some(nodes))
+    Ok((Some(nodes), made))
 }
 
-/// `C_n K⁻¹ f` of each load, n_c, m: how far it moves the contact nodes where no contact force acts. `None` if that is without bounds.
-fn unopposed(problem: &ContactProblem, loading: &Loading) -> Result<Option<Vec<Vec<f64>>>, LinearError> {
-    let factor = match SparseCholesky::default().factor(problem.stiffness(), &[]) {
-        Ok(factor) => factor,
-        Err(LinearError::Singular { .. }) => return Ok(None),
-        Err(error) => return Err(error),
-    };
+/// `C_n K⁻¹ f` of each load, n_c, m: how far it moves the contact nodes where no contact force acts.
+fn unopposed(problem: &ContactProblem, loading: &Loading, factor: &Cholesky) -> Result<Vec<Vec<f64>>, LinearError> {
     let mut u = vec![0.0; problem.displacements()];
     let mut moved = Vec::with_capacity(loading.cases().len());
     for case in loading.cases() {
         factor.solve(case.force(), &mut u)?;
         moved.push(problem.c_n().mul(&u));
     }
-    Ok(Some(moved))
+    Ok(moved)
 }
 
 /// `d`, n_c, m, where each load in proportion to its factor moves the contact nodes by `moved`.

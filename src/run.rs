@@ -39,10 +39,10 @@ use crate::auto::{Choice, Faster, factorizations};
 use crate::contact::ContactStatus;
 use crate::formulation::Layout;
 use crate::history::{self, HistoryOutcome, IncrementRecord, LinearAlgebra, Observer, Solver, System};
-use crate::linear::{Direct, LinearError};
+use crate::linear::{Direct, LinearError, SparseCholesky};
 use crate::model::Model;
 use crate::problem::State;
-use crate::reach;
+use crate::reach::{self, Reach};
 use crate::report::{Facts, Measured, RunReport, available_bytes, cpu_seconds, peak_rss_bytes};
 use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
@@ -60,8 +60,8 @@ pub struct Run<'a> {
     times: Vec<f64>,
     solver: Solver,
     choice: Choice,
-    /// The contact nodes that condensed equations hold at first, if not all.
-    working_set: Option<Vec<usize>>,
+    /// What condensed equations begin with.
+    reach: Reach,
     uniqueness: bool,
     /// Wall time of mesh, assembly and choice, s.
     model_seconds: f64,
@@ -74,8 +74,17 @@ impl<'a> Run<'a> {
     /// # Errors
     /// As [`discretise`], and when memory is short for the choice.
     pub fn new(scene: &'a Scene) -> Result<Self, RunError> {
+        Run::prepared(scene, |_| ())
+    }
+
+    /// The same; `prepare` sees the model before the first factorisation, to set how many threads that may take.
+    ///
+    /// # Errors
+    /// As [`Run::new`].
+    pub fn prepared(scene: &'a Scene, prepare: impl FnOnce(&Model)) -> Result<Self, RunError> {
         let start = Instant::now();
         let model = Cow::Owned(discretise(scene)?);
+        prepare(&model);
         Run::start(Some(scene), model, scene.time.all(), scene.solver, start)
     }
 
@@ -96,18 +105,24 @@ impl<'a> Run<'a> {
     ) -> Result<Self, RunError> {
         history::check_times(&times).map_err(history::Error::from)?;
         let may_condense = solver.linear.is_none_or(LinearAlgebra::condenses) && !solver.method.is_of_paper();
-        let working_set = if may_condense {
-            reach::working_set(&model.problem, &model.loading, &times, reach::AFFORDABLE)?
-        } else {
-            None
+        let cholesky = match solver.linear {
+            Some(LinearAlgebra::Condensed(cholesky)) => cholesky,
+            _ => SparseCholesky::default(),
         };
-        let (problem, held) = (&model.problem, working_set.as_deref());
+        let mut reach = if may_condense {
+            reach::working_set(&model.problem, &model.loading, &times, reach::AFFORDABLE, cholesky)?
+        } else {
+            Reach::default()
+        };
         let choice = match solver.linear {
             Some(linear) => Choice::named(linear),
-            None => Choice::cheapest(problem, held, solver.method, times.len(), available_bytes())?,
+            None => Choice::cheapest(&model.problem, &reach, solver.method, times.len(), available_bytes())?,
         };
+        if !choice.linear.condenses() {
+            reach.factor = None;
+        }
         let model_seconds = start.elapsed().as_secs_f64();
-        Ok(Run { scene, model, times, solver, choice, working_set, uniqueness: false, model_seconds })
+        Ok(Run { scene, model, times, solver, choice, reach, uniqueness: false, model_seconds })
     }
 
     /// The same run, whose report also tells the critical friction at the end.
@@ -144,7 +159,7 @@ impl<'a> Run<'a> {
 
     /// The contact nodes that condensed equations hold at first, ascending, if not all; others join when they are needed.
     pub fn working_set(&self) -> Option<&[usize]> {
-        self.working_set.as_deref()
+        self.reach.nodes.as_deref()
     }
 
     /// The body before the first increment, as increment 0: undeformed and free of contact forces, with the gaps at t = 0.
@@ -230,14 +245,14 @@ impl<'a> Run<'a> {
             LinearAlgebra::Whole(lu) => {
                 System::from(lu.solver_for(self.model.mesh.dimension == 2 && expected() >= MANY))
             }
-            condensed @ LinearAlgebra::Condensed(_) => condensed.into(),
+            LinearAlgebra::Condensed(cholesky) => System::condensed(cholesky, self.reach.factor.clone()),
         }
     }
 
     fn history_with(&self, system: System, observer: &mut dyn Observer) -> Result<HistoryOutcome, RunError> {
         let Model { problem, loading, .. } = &*self.model;
         let mut settings = self.solver.settings(problem, loading)?;
-        settings.working_set.clone_from(&self.working_set);
+        settings.working_set.clone_from(&self.reach.nodes);
         Ok(history::run(problem, loading, &self.times, &settings, system, observer)?)
     }
 
@@ -257,6 +272,6 @@ impl<'a> Run<'a> {
             return Ok(None);
         }
         let (problem, increments) = (&self.model.problem, self.times.len());
-        self.choice.faster(problem, self.working_set(), self.solver.method, increments, seconds)
+        self.choice.faster(problem, &self.reach, self.solver.method, increments, seconds)
     }
 }

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use stickslip::auto::Choice;
 use stickslip::history::{self, HistorySettings, Method, Observer, Status, System};
 use stickslip::linear::{self, LinearSolver};
+use stickslip::reach::Reach;
 use stickslip::report::{available_bytes, cpu_seconds, peak_rss_bytes};
 use stickslip::units::Scaling;
 
@@ -136,7 +137,9 @@ fn run(case: Case, who: &str, method: Method) -> Measured {
     let naive = who == "naive";
     let tolerance = if naive { 1e-3 } else { scene.solver.tolerance };
     let problem = &model.problem;
-    let choice = || Choice::cheapest(problem, None, method, scene.time.increments, available_bytes()).unwrap().linear;
+    let choice = || {
+        Choice::cheapest(problem, &Reach::default(), method, scene.time.increments, available_bytes()).unwrap().linear
+    };
     let system = match scene.solver.linear {
         _ if naive => System::from(Box::new(Naive::default()) as Box<dyn LinearSolver>),
         linear => System::from(linear.unwrap_or_else(choice)),

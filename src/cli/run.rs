@@ -46,11 +46,10 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         say!("{}", scene.title);
         say!("set-up       mesh, stiffness, contact");
     }
-    let mut run = Run::new(&scene)?;
+    let mut run = Run::prepared(&scene, |model| threads::share_with_the_blas(model, count))?;
     if args.uniqueness {
         run = run.with_uniqueness()?;
     }
-    threads::share_with_the_blas(run.model(), count);
     let folder = args.out.as_deref().map(|path| open_folder(path, &scene, run.model())).transpose()?;
     if !args.json {
         print_head(&scene, &run);

@@ -14,9 +14,9 @@ use super::told::{Told, record};
 use super::walked::Walked;
 use super::working_set::WorkingSet;
 use super::{Error, HistoryOutcome};
-use crate::condense::Condensed;
+use crate::condense::{Condensation, Condensed};
 use crate::contact::{Violation, rounding_level, statuses_of};
-use crate::linear::{Dense, Direct, LinearError, SparseCholesky, Statistics};
+use crate::linear::{Dense, Direct, LinearError, Statistics};
 use crate::loading::Loading;
 use crate::nonlinear::{Flow, Stop};
 use crate::problem::ContactProblem;
@@ -46,7 +46,7 @@ impl Stages<'_> {
     ///
     /// # Errors
     /// As [`super::run`].
-    pub(super) fn condensed(&mut self, algorithm: &dyn Algorithm, cholesky: SparseCholesky) -> Result<(), Error> {
+    pub(super) fn condensed(&mut self, algorithm: &dyn Algorithm, condensation: &Condensation) -> Result<(), Error> {
         let all = self.problem.contacts();
         let asked_for = self.settings.working_set.as_ref().filter(|_| self.problem.free_motions().is_empty());
         let mut nodes = asked_for.filter(|nodes| nodes.len() < all).cloned();
@@ -58,7 +58,7 @@ impl Stages<'_> {
                 let grown = |before: WorkingSet| WorkingSet { last: held, grown: before.grown + 1, ..before };
                 self.outcome.working_set = Some(self.outcome.working_set.map_or(first, grown));
             }
-            match self.condensed_stage(algorithm, cholesky, part) {
+            match self.condensed_stage(algorithm, condensation, part) {
                 Ok(None) => return Ok(()),
                 Ok(Some(more)) => {
                     self.joined += more.len() - held;
@@ -77,12 +77,14 @@ impl Stages<'_> {
     fn condensed_stage(
         &mut self,
         algorithm: &dyn Algorithm,
-        cholesky: SparseCholesky,
+        condensation: &Condensation,
         part: Option<(Box<dyn Algorithm>, Vec<usize>)>,
     ) -> Result<Option<Vec<usize>>, Error> {
         let (own, condensed) = match part {
-            Some((own, nodes)) => (Some(own), Condensed::of_nodes(self.problem, self.loading, nodes, cholesky)),
-            None => (None, Condensed::new(self.problem, self.loading, cholesky)),
+            Some((own, nodes)) => {
+                (Some(own), Condensed::of_nodes(self.problem, self.loading, nodes, condensation.cholesky()))
+            }
+            None => (None, Condensed::new(self.problem, self.loading, condensation.clone())),
         };
         let condensed = match condensed {
             Ok(condensed) => condensed,

@@ -2,10 +2,12 @@
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use serde::{Serialize, Serializer};
 
-use crate::linear::{Direct, FactorInfo, LinearSolver, SparseCholesky, SparseLu, Statistics};
+use crate::condense::Condensation;
+use crate::linear::{Cholesky, Direct, FactorInfo, LinearSolver, SparseCholesky, SparseLu, Statistics};
 
 /// How the linear systems of a run are set up, and what factors them.
 ///
@@ -91,8 +93,8 @@ impl Serialize for LinearAlgebra {
 pub enum System {
     /// The uncondensed one, with this solver.
     Whole(Direct),
-    /// The one on the contact displacements, the rest eliminated by this factorisation of `K`.
-    Condensed(SparseCholesky),
+    /// The one on the contact displacements.
+    Condensed(Condensation),
 }
 
 impl Default for System {
@@ -105,7 +107,7 @@ impl From<LinearAlgebra> for System {
     fn from(choice: LinearAlgebra) -> Self {
         match choice {
             LinearAlgebra::Whole(lu) => System::from(lu.solver()),
-            LinearAlgebra::Condensed(cholesky) => System::Condensed(cholesky),
+            LinearAlgebra::Condensed(cholesky) => System::Condensed(cholesky.into()),
         }
     }
 }
@@ -118,11 +120,16 @@ impl From<Box<dyn LinearSolver>> for System {
 }
 
 impl System {
+    /// The one on the contact displacements, where the factors of `K` with those of all contact nodes last may be there already.
+    pub(crate) fn condensed(cholesky: SparseCholesky, factor: Option<Arc<Cholesky>>) -> Self {
+        System::Condensed(Condensation::factored(cholesky, factor))
+    }
+
     /// The name a report shows.
     pub fn name(&self) -> String {
         match self {
             System::Whole(linear) => linear.name().to_string(),
-            System::Condensed(cholesky) => LinearAlgebra::Condensed(*cholesky).to_string(),
+            System::Condensed(condensation) => LinearAlgebra::Condensed(condensation.cholesky()).to_string(),
         }
     }
 

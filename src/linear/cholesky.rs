@@ -43,6 +43,12 @@ pub struct Reduced {
     interior: Vec<f64>,
 }
 
+impl std::fmt::Debug for Cholesky {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Cholesky").field("border", &self.border).field("info", &self.info).finish_non_exhaustive()
+    }
+}
+
 impl SparseCholesky {
     /// [`Cholesky::factor`] by this one.
     ///
@@ -136,6 +142,16 @@ impl Cholesky {
     /// that supernodes store, the peak leaves out what the ordering takes.
     pub fn info(&self) -> FactorInfo {
         self.info
+    }
+
+    /// About what a factorisation with no unknown held back would tell: the dense block of those that come last is left out.
+    pub(crate) fn info_of_interior(&self) -> FactorInfo {
+        let block = self.border * (self.border + 1) / 2;
+        FactorInfo {
+            entries: self.info.entries.saturating_sub(block),
+            flops: (self.info.flops - (self.border as f64).powi(3) / 3.0).max(0.0),
+            ..self.info
+        }
     }
 
     /// The smallest over the largest pivot of the interior.

@@ -6,6 +6,7 @@ use stickslip::auto::Choice;
 use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
 use stickslip::model::Model;
 use stickslip::problem::State;
+use stickslip::reach::Reach;
 use stickslip::run::Run;
 use stickslip::scene::Scene;
 
@@ -18,7 +19,7 @@ fn scene(overrides: &[&str]) -> (Scene, Model) {
 }
 
 fn cheapest(scene: &Scene, model: &Model, available: Option<u64>) -> Choice {
-    Choice::cheapest(&model.problem, None, scene.solver.method, scene.time.increments, available).unwrap()
+    Choice::cheapest(&model.problem, &Reach::default(), scene.solver.method, scene.time.increments, available).unwrap()
 }
 
 fn choice(overrides: &[&str], available: Option<u64>) -> Choice {

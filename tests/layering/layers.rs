@@ -81,7 +81,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     ("reach", &["linear", "loading", "problem"]),
-    ("auto", &["formulation", "history", "linear", "problem"]),
+    ("auto", &["formulation", "history", "linear", "problem", "reach"]),
     ("estimate", &["contact", "description", "fem", "mesh", "model", "problem", "sets", "vector"]),
     (
         "report",
