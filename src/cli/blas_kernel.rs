@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::str::FromStr;
 
-use stickslip::linear::blas::{Blas, KERNEL_VARIABLE, Vectors, kernel_names};
+use stickslip::linear::blas::{Blas, KERNEL_VARIABLE, Vectors, kernel_names, may_run_here};
 
 use super::Failure;
 
@@ -31,11 +31,11 @@ impl FromStr for Kernel {
     type Err = Infallible;
 
     fn from_str(text: &str) -> Result<Self, Infallible> {
-        Ok(match text {
-            // A variable that is empty says nothing.
+        // Names of kernels may be in capitals or not, and so may these. A variable that is empty says nothing.
+        Ok(match text.to_ascii_lowercase().as_str() {
             "" | "auto" => Kernel::Auto,
             "keep" => Kernel::Keep,
-            name => Kernel::Named(name.to_string()),
+            _ => Kernel::Named(text.to_string()),
         })
     }
 }
@@ -107,18 +107,15 @@ fn check(name: &str, blas: &Blas) -> Result<(), Failure> {
             "--blas-kernel {name}: {blas}, takes no kernel by its name"
         )));
     }
-    match Vectors::of_processor() {
-        Some(processor) if Vectors::of_kernel(name) > Some(processor) => {
-            Err(bad_kernel(&format!("--blas-kernel {name}: this processor cannot run it")))
-        }
-        _ => Ok(()),
+    if may_run_here(name) {
+        Ok(())
+    } else {
+        Err(bad_kernel(&format!("--blas-kernel {name}: this processor cannot run it")))
     }
 }
 
 fn bad_kernel(message: &str) -> Failure {
-    let processor = Vectors::of_processor();
-    let runs = |name: &&str| processor.is_none() || Vectors::of_kernel(name) <= processor;
-    let names: Vec<&str> = kernel_names().filter(runs).collect();
+    let names: Vec<&str> = kernel_names().filter(|name| may_run_here(name)).collect();
     let help = format!("names, as far as the library was built with them: {}", names.join(", "));
     Failure::Input(miette::miette!(help = help, "{message}"))
 }

@@ -161,6 +161,26 @@ pub fn kernel_names() -> impl Iterator<Item = &'static str> {
     KERNELS.iter().flat_map(|(_, names)| names.iter().copied())
 }
 
+/// Kernels with instructions that AMD's processors had for some years, and no others before or after.
+const RETIRED: [&str; 6] = ["Opteron", "Opteron_SSE3", "Bulldozer", "Piledriver", "Steamroller", "Excavator"];
+
+/// Whether this processor may run OpenBLAS' kernel of that name, as far as it is known what that takes.
+pub fn may_run_here(name: &str) -> bool {
+    let Some(processor) = Vectors::of_processor() else { return true };
+    let retired = RETIRED.iter().any(|retired| retired.eq_ignore_ascii_case(name));
+    Vectors::of_kernel(name) <= Some(processor) && (!retired || has_retired_instructions())
+}
+
+fn has_retired_instructions() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::is_x86_feature_detected as has;
+        has!("sse4a") && (has!("tbm") || !has!("avx2"))
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    false
+}
+
 /// The name by which OpenBLAS has had, for years, a kernel that is faster than `kernel` on a processor with such vectors. None
 /// if `kernel` is as good or not known, or the processor has none worth asking for.
 pub fn better_kernel(kernel: &str, processor: Option<Vectors>) -> Option<&'static str> {

@@ -122,7 +122,7 @@ impl Warning {
     pub fn of_blas(blas: &Blas) -> Option<Self> {
         let cure = match blas.better_kernel {
             Some(better) if blas.selectable => {
-                format!("set {KERNEL_VARIABLE}={better} in the environment before the program starts")
+                format!("ask for the kernel {better}: the program by --blas-kernel, any other by {KERNEL_VARIABLE}")
             }
             Some(_) => "install an OpenBLAS that was built for several processors".to_string(),
             None => "install OpenBLAS, or BLIS or MKL".to_string(),

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
-use stickslip::linear::blas::{Blas, Vectors, better_kernel};
+use stickslip::linear::blas::{Blas, Vectors, better_kernel, kernel_names, may_run_here};
 
 use crate::common::program::{Folder, assert_exit, json, small, stderr, stdout};
 
@@ -71,7 +71,7 @@ fn a_kernel_that_the_user_chose_stays_and_is_told() {
         assert_eq!(blas["better_kernel"], better);
         assert!(blas.get("kernel_before").is_none() && warns(&report), "{blas}");
         let output = run(&scene, &[("OPENBLAS_CORETYPE", asked)], args);
-        let cure = format!("set OPENBLAS_CORETYPE={better} in the environment");
+        let cure = format!("ask for the kernel {better}");
         assert!(
             stdout(&output).contains("with the kernel Prescott") && stdout(&output).contains(&cure),
             "{}",
@@ -126,6 +126,13 @@ fn a_kernel_that_there_is_none_of_is_status_2() {
             assert_eq!(json(&output)["status"], "bad-input");
         }
     }
+    // Nor is one asked for that would end the program in the middle.
+    for kernel in kernel_names().filter(|kernel| !may_run_here(kernel)) {
+        let output = run(&scene, &[], &["--blas-kernel", kernel]);
+        assert_exit(&output, 2);
+        assert!(stderr(&output).contains("this processor cannot run it"), "{}", stderr(&output));
+    }
+    assert_exit(&run(&scene, &[], &["--blas-kernel", "KEEP"]), 0);
     // What solves nothing needs none.
     let checked = stickslip().args(["check", &scene, "--blas-kernel", "Pentium9"]).output().unwrap();
     assert_exit(&checked, 0);
