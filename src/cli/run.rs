@@ -164,18 +164,14 @@ fn print_blas(kernel_before: Option<&str>) {
 fn print_verdict(report: &RunReport, increments: usize) {
     let totals = &report.totals;
     let done = report.increments.iter().filter(|record| record.status == Status::Converged).count();
-    let (law, error) = report
-        .increments
-        .iter()
-        .map(|record| record.kkt.worst())
-        .fold(("none", 0.0), |a, b| if b.1.is_nan() || b.1 > a.1 { b } else { a });
+    // Where an increment was interrupted nothing was reached yet.
+    let reached = report.increments.iter().filter(|record| record.status != Status::Interrupted);
+    let worst = reached.map(|record| record.kkt.worst()).reduce(|a, b| if b.1.is_nan() || b.1 > a.1 { b } else { a });
     say!("\nverdict      {}, {done} of {increments} increments", report.status);
     if !report.explanation.reason.is_empty() {
         say!("             {}", report.explanation.reason);
     }
-    if report.increments.is_empty() {
-        return;
-    }
+    let Some((law, error)) = worst else { return };
     say!("error        {error:.1e} at most ({law}); backward error of the solves {:.1e}", totals.backward_error);
     let units = &report.units;
     let unit = units.name(Quantity::Force);
@@ -227,7 +223,11 @@ fn print_verdict(report: &RunReport, increments: usize) {
         totals.nnz_factors
     );
     if let Some(WorkingSet { first, last, all, grown }) = report.working_set {
-        let then = if grown == 0 { String::new() } else { format!(" at first, {last} after it grew {grown} times") };
+        let then = match grown {
+            0 => String::new(),
+            1 => format!(" at first, {last} after it grew once"),
+            _ => format!(" at first, {last} after it grew {grown} times"),
+        };
         say!("held         {first} of {all} contact nodes{then}");
     }
     let memory = totals.peak_rss_bytes.map_or(String::new(), |bytes| format!(", {:.0} MB", bytes as f64 * 1e-6));

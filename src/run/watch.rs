@@ -76,10 +76,12 @@ impl Observer for Watch<'_> {
         self.energies.push(step.record.strain_energy);
         self.validity.see(self.model, step);
         self.estimates.see(self.model, step);
-        self.forces.extend(ForceRecord::all(self.model, step));
-        self.reactions.push(BalanceRecord::new(self.model, step));
-        if self.keeps_last && step.record.status == Status::Converged {
-            self.last = Some(RecordedIncrement::new(step));
+        if step.record.status == Status::Converged {
+            self.forces.extend(ForceRecord::all(self.model, step));
+            self.reactions.push(BalanceRecord::new(self.model, step));
+            if self.keeps_last {
+                self.last = Some(RecordedIncrement::new(step));
+            }
         }
         self.observer.increment(step)
     }

@@ -178,7 +178,7 @@ fn a_folder_that_cannot_be_made_is_status_2() {
 #[test]
 fn a_full_disk_is_status_3() {
     for (file, left) in
-        [("increments.csv", None), (".contact_0002.csv.partial", Some(2)), (".run.json.partial", Some(4))]
+        [("increments.csv", None), (".contact_0002.csv.partial", Some(1)), (".run.json.partial", Some(4))]
     {
         let (folder, scene) = Folder::with_scene(&small());
         fs::create_dir(folder.join("out")).unwrap();
@@ -263,6 +263,12 @@ fn an_interrupted_run_keeps_its_increments() {
     let (last, before) = verdicts.split_last().unwrap();
     assert!(before.iter().all(|verdict| *verdict == "converged"), "{verdicts:?}");
     assert!(["converged", "interrupted"].contains(last));
+    // What was not reached has no forces and no contact table.
+    let converged = verdicts.iter().filter(|verdict| **verdict == "converged").count();
+    let forces = fs::read_to_string(folder.join("results/forces.csv")).unwrap();
+    assert_eq!(forces.lines().filter(|line| line.contains(",contact,")).count(), converged);
+    assert_eq!(report["forces"].as_array().unwrap().len(), converged);
+    assert!(!folder.names("results").contains(&format!("contact_{:04}.csv", converged + 1)));
 }
 
 /// A verdict that is not "converged" names the law, the node and what to try.

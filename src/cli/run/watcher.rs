@@ -59,11 +59,18 @@ impl Watcher<'_> {
 
     fn add(&mut self, step: &Step<'_>) -> io::Result<()> {
         let Some(folder) = &mut self.folder else { return Ok(()) };
-        folder.add_increment(step.record)?;
-        folder.add_forces(&ForceRecord::all(self.model, step), &BalanceRecord::new(self.model, step))?;
-        self.probe(step)?;
-        // What a failed increment reached is worth a look, too.
-        if self.is_wanted(step) || step.record.status != Status::Converged { self.write(step) } else { Ok(()) }
+        let converged = step.record.status == Status::Converged;
+        if converged {
+            folder.add_forces(&ForceRecord::all(self.model, step), &BalanceRecord::new(self.model, step))?;
+            self.probe(step)?;
+        }
+        // What a failed increment reached is worth a look, too; one that was interrupted has reached nothing.
+        let is_failure = !converged && step.record.status != Status::Interrupted;
+        if is_failure || converged && self.is_wanted(step) {
+            self.write(step)?;
+        }
+        // Last, so that of what is listed all is there, whatever ends the program.
+        self.folder.as_mut().map_or(Ok(()), |folder| folder.add_increment(step.record))
     }
 
     fn is_wanted(&self, step: &Step<'_>) -> bool {
@@ -96,10 +103,10 @@ impl Observer for Watcher<'_> {
     }
 
     fn increment(&mut self, step: &Step<'_>) -> Flow {
-        self.progress.increment(step.record);
         if self.failed_write.is_none() {
             self.failed_write = self.add(step).err();
         }
+        self.progress.increment(step.record);
         if self.failed_write.is_none() { Flow::Continue } else { Flow::Stop }
     }
 }
