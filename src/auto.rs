@@ -67,6 +67,17 @@ const MUCH: f64 = 3.0;
 /// fewer is none.
 const ORDERINGS: f64 = 10.0;
 
+/// What a run has done.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Done {
+    /// How many increments.
+    pub increments: usize,
+    /// With so many factorisations.
+    pub factorizations: usize,
+    /// Its wall time, s.
+    pub seconds: f64,
+}
+
 impl Choice {
     /// The one that was asked for.
     pub fn named(linear: LinearAlgebra) -> Self {
@@ -85,8 +96,9 @@ impl Choice {
         increments: usize,
         available: Option<u64>,
     ) -> Result<Self, LinearError> {
-        let stiffness = stiffness(problem, reach)?;
-        let estimates = Estimates::new(problem, reach, method, increments, stiffness);
+        let factorizations = factorizations(&Layout::new(problem), method, increments);
+        let estimates =
+            Estimates::new(problem, reach, method, [increments as f64, factorizations], stiffness(problem, reach)?);
         let Estimates { sparse, condensed } = estimates;
         let short_of = available.filter(|&available| condensed.bytes > available as f64);
         let condense = condensed.seconds < sparse.seconds && short_of.is_none();
@@ -94,7 +106,7 @@ impl Choice {
         Ok(Choice { linear, estimates: Some(estimates), short_of })
     }
 
-    /// What would have been much faster than this choice, which somebody made and which took `seconds`. Nothing, if
+    /// What would have been much faster than this choice, which somebody made, for what it has done. Nothing, if
     /// there is no such way, or if the run was so short that the question would make it longer.
     ///
     /// # Errors
@@ -104,19 +116,19 @@ impl Choice {
         problem: &ContactProblem,
         reach: &Reach,
         method: Method,
-        increments: usize,
-        seconds: f64,
+        done: &Done,
     ) -> Result<Option<Faster>, LinearError> {
         let unknowns = Layout::new(problem).unknowns();
         let long = ORDERINGS * cost::order(unknowns);
-        if self.estimates.is_some() || seconds < long {
+        if self.estimates.is_some() || done.seconds < long {
             return Ok(None);
         }
-        let estimates = |stiffness| Estimates::new(problem, reach, method, increments, stiffness);
+        let work = [done.increments, done.factorizations].map(|count| count as f64);
+        let estimates = |stiffness| Estimates::new(problem, reach, method, work, stiffness);
         // No factor has fewer entries than the matrix.
         let least = FactorInfo { entries: problem.stiffness().lower().values().len(), ..FactorInfo::default() };
         let other = |Estimates { sparse, condensed }| if self.linear.condenses() { sparse } else { condensed };
-        if MUCH * other(estimates(least)).seconds > seconds {
+        if MUCH * other(estimates(least)).seconds > done.seconds {
             return Ok(None);
         }
         let Estimates { sparse, condensed } = estimates(stiffness(problem, reach)?);
@@ -171,15 +183,22 @@ pub(crate) fn factorizations(layout: &Layout, method: Method, increments: usize)
 }
 
 impl Estimates {
-    fn new(problem: &ContactProblem, reach: &Reach, method: Method, increments: usize, stiffness: FactorInfo) -> Self {
+    fn new(
+        problem: &ContactProblem,
+        reach: &Reach,
+        method: Method,
+        [increments, factorizations]: [f64; 2],
+        stiffness: FactorInfo,
+    ) -> Self {
         let layout = Layout::new(problem);
         let held = match &reach.nodes {
             Some(nodes) => problem.contact_displacements_of(nodes.iter().copied()),
             None => problem.contact_displacements(),
         };
         let sizes = Sizes { unknowns: layout.unknowns(), contact_displacements: held.len(), stiffness };
-        let factorizations = factorizations(&layout, method, increments);
-        let work = Work { increments, factorizations, all_free: method.is_interior() };
+        // In a part of the contact nodes those that are open prevail.
+        let all_free = method.is_interior() || reach.nodes.is_some();
+        let work = Work { increments, factorizations, all_free };
         Estimates {
             sparse: cost::sparse(&sizes, &work, SparseLu::default() == SparseLu::Faer),
             condensed: cost::condensed(&sizes, &work),

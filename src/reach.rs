@@ -2,9 +2,9 @@
 //!
 //! `S` of a condensed body is dense on all contact displacements, so that a node which stays far from its obstacle costs as much as
 //! one that is pressed. With the displacements `ū(t)` of the body under its loads where no contact force acts, and
-//! `d_i = min_t g_i(t) - (C_n ū(t))_i` over the ends of increments, obstacles go as deep as `D = max_i -d_i` into the body; what
-//! bears them moves it about as far, so nodes with `d_i ≤ D` are within reach. That is an estimate and no bound: a lever moves more.
-//! It decides what is solved with at first, and nothing of the answer, see [`HistorySettings::working_set`].
+//! `d_i = min_t g_i(t) - (C_n ū(t))_i` over the ends of increments, the nodes with `d_i ≤ 0` would be in their obstacle. These are within
+//! reach, and as many again, the nearest ones: a round obstacle touches fewer than it would cut off, a lever brings more. So it is an
+//! estimate and no bound. It decides what is solved with at first, and nothing of the answer, see [`HistorySettings::working_set`].
 //!
 //! [`HistorySettings::working_set`]: crate::history::HistorySettings::working_set
 
@@ -36,7 +36,7 @@ pub struct Reach {
 impl Reach {
     /// What is known of the factors of `K` in an order of low fill.
     pub(crate) fn stiffness(&self) -> Option<FactorInfo> {
-        self.factor.as_ref().map(|factor| factor.info_of_interior())
+        self.factor.as_ref()?.info_of_interior()
     }
 }
 
@@ -72,7 +72,8 @@ fn within(
         return Ok((None, None));
     }
     let (m, increments) = (problem.contact_displacements().len(), times.len());
-    let work = Work { increments, factorizations: increments as f64, all_free: false };
+    // Most nodes out of reach are open, and so are many within it.
+    let work = Work { increments: increments as f64, factorizations: increments as f64, all_free: true };
     let of_contact = |nodes: usize| cost::border((m * nodes).div_ceil(all), &work);
     let most = (1.0 - WORTHWHILE) * of_contact(all);
     let spare =
@@ -138,6 +139,6 @@ fn least_distances(loading: &Loading, times: &[f64], moved: &[Vec<f64>]) -> Vec<
 fn within_reach(least: &[f64]) -> (usize, Vec<usize>) {
     let mut nearest: Vec<usize> = (0..least.len()).collect();
     nearest.sort_by(|&i, &k| least[i].total_cmp(&least[k]));
-    let deepest = nearest.first().map_or(0.0, |&i| (-least[i]).max(0.0));
-    (nearest.partition_point(|&i| least[i] <= deepest), nearest)
+    let inside = nearest.partition_point(|&i| least[i] <= 0.0);
+    (least.len().min(2 * inside), nearest)
 }

@@ -35,7 +35,7 @@ pub use discretise::discretise;
 pub use error::RunError;
 pub use recording::{RecordedIncrement, Recording};
 
-use crate::auto::{Choice, Faster, factorizations};
+use crate::auto::{Choice, Done, Faster, factorizations};
 use crate::contact::ContactStatus;
 use crate::formulation::Layout;
 use crate::history::{self, HistoryOutcome, IncrementRecord, LinearAlgebra, Observer, Solver, System};
@@ -210,13 +210,18 @@ impl<'a> Run<'a> {
             model_seconds: self.model_seconds,
             peak_rss_bytes: peak_rss_bytes(),
         };
+        let done = Done {
+            increments: outcome.records.len(),
+            factorizations: outcome.linear.factorizations,
+            seconds: measured.wall_seconds,
+        };
         Ok(RunReport::new(Facts {
             scene: self.scene,
             model: &self.model,
             solver: &self.solver,
             condensed,
             working_set: self.working_set().filter(|_| condensed),
-            faster: self.faster(&linear, measured.wall_seconds)?,
+            faster: self.faster(&linear, &done)?,
             linear,
             choice: &self.choice,
             outcome: &outcome,
@@ -267,11 +272,10 @@ impl<'a> Run<'a> {
     }
 
     /// What would have been much faster than the linear algebra that somebody named.
-    fn faster(&self, linear: &str, seconds: f64) -> Result<Option<Faster>, LinearError> {
+    fn faster(&self, linear: &str, done: &Done) -> Result<Option<Faster>, LinearError> {
         if linear != self.choice.linear.to_string() {
             return Ok(None);
         }
-        let (problem, increments) = (&self.model.problem, self.times.len());
-        self.choice.faster(problem, &self.reach, self.solver.method, increments, seconds)
+        self.choice.faster(&self.model.problem, &self.reach, self.solver.method, done)
     }
 }

@@ -32,14 +32,13 @@ mod seconds {
     pub const L_ENTRY: f64 = 35e-9;
     /// An entry of `L` in the substitutions of an increment.
     pub const L_SOLVE_ENTRY: f64 = 4e-9;
-    /// An entry of `S`: formed, copied into the matrix that is factored.
-    pub const S_ENTRY: f64 = 100e-9;
+    /// An entry of `S`: taken from the factors and formed.
+    pub const S_ENTRY: f64 = 75e-9;
     /// An entry of `S` with each factorisation: gathered, multiplied in the solve.
-    pub const S_FACTOR_ENTRY: f64 = 10e-9;
-    /// An entry of `S` in an increment: residuals, and the iterations that keep their factors. Runs with 2 and with 40
-    /// increments tell it from the former: 11 ns on three strips with 4 to 9 factorisations more, 10 ns the former
-    /// on plates with 35 to 118 more.
-    pub const S_INCREMENT_ENTRY: f64 = 11e-9;
+    pub const S_FACTOR_ENTRY: f64 = 8e-9;
+    /// An entry of `S` in an increment: residuals, and the iterations that keep their factors. Runs of strips of 1000 × 4 to
+    /// 2000 × 50 elements with 2 and with 40 increments tell it from the former.
+    pub const S_INCREMENT_ENTRY: f64 = 9e-9;
 }
 
 /// Bytes an entry of `S` takes at most: `S`, the block of `L` that it comes from, the same as a square while `S` is made, and later the
@@ -66,7 +65,7 @@ pub struct Sizes {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Work {
     /// Increments.
-    pub increments: usize,
+    pub increments: f64,
     /// Factorisations in all of them.
     pub factorizations: f64,
     /// Whether all contact displacements stay free, as in an interior point method.
@@ -100,7 +99,7 @@ pub fn border(m: usize, work: &Work) -> f64 {
     let entries = (m * m) as f64;
     let once = entries * seconds::S_ENTRY + 2.0 / 3.0 * (m as f64).powi(3) * seconds::OPERATION;
     let iteration = factorization(m, work) * seconds::OPERATION + entries * seconds::S_FACTOR_ENTRY;
-    once + work.factorizations * iteration + work.increments as f64 * entries * seconds::S_INCREMENT_ENTRY
+    once + work.factorizations * iteration + work.increments * entries * seconds::S_INCREMENT_ENTRY
 }
 
 /// Operations to factor what contact leaves free of `m` displacements.
@@ -121,7 +120,7 @@ pub fn sparse(sizes: &Sizes, work: &Work, faer: bool) -> Cost {
 pub fn condensed(sizes: &Sizes, work: &Work) -> Cost {
     let (m, entries) = (sizes.contact_displacements, sizes.stiffness.entries as f64);
     let once = entries * seconds::L_ENTRY + sizes.stiffness.flops * seconds::OPERATION;
-    let increments = work.increments as f64 * entries * seconds::L_SOLVE_ENTRY;
+    let increments = work.increments * entries * seconds::L_SOLVE_ENTRY;
     Cost {
         seconds: once + increments + border(m, work),
         flops: factorization(m, work),
@@ -141,8 +140,8 @@ mod tests {
     fn a_square_condenses_and_a_strip_does_not() {
         // 100 × 100 and 1000 × 4 elements.
         let (square, strip) = (sizes(20_400, 200, 1_300_000, 1.5e8), sizes(12_000, 2000, 190_000, 4e6));
-        for increments in [2, 40] {
-            let work = Work { increments, factorizations: 3.0 * increments as f64, all_free: false };
+        for increments in [2.0, 40.0] {
+            let work = Work { increments, factorizations: 3.0 * increments, all_free: false };
             assert!(condensed(&square, &work).seconds < 0.5 * sparse(&square, &work, false).seconds);
             assert!(sparse(&strip, &work, false).seconds < 0.5 * condensed(&strip, &work).seconds);
         }
@@ -151,8 +150,8 @@ mod tests {
     #[test]
     fn costs_grow_with_the_work() {
         let sizes = sizes(20_400, 200, 1_300_000, 1.5e8);
-        let work = Work { increments: 10, factorizations: 30.0, all_free: false };
-        let twice = Work { increments: 20, factorizations: 60.0, all_free: false };
+        let work = Work { increments: 10.0, factorizations: 30.0, all_free: false };
+        let twice = Work { increments: 20.0, factorizations: 60.0, all_free: false };
         assert!(sparse(&sizes, &twice, false).seconds > sparse(&sizes, &work, false).seconds);
         assert!(condensed(&sizes, &twice).seconds > condensed(&sizes, &work).seconds);
         // The whole of S is factored, eight times the operations.
