@@ -4,8 +4,10 @@
 pub mod growth;
 pub mod run;
 
+use std::fmt::Display;
 use std::path::Path;
 use std::process::Command;
+use std::str::FromStr;
 use std::sync::Arc;
 
 use stickslip::linear::blas::{Blas, KERNEL_VARIABLE};
@@ -81,14 +83,14 @@ pub enum Who {
 /// Runs `measure` for each size after `--` on the command line (or `all`) and each of the two, every
 /// one in a process of its own, so that memory and allocator settings are its own, too; hands the
 /// numbers to `report`. One BLAS thread.
-pub fn compare<const N: usize>(
-    all: &[usize],
-    measure: impl Fn(usize, Who) -> [f64; N],
-    mut report: impl FnMut(usize, [f64; N], [f64; N]),
+pub fn compare<Size: Copy + Display + FromStr, const N: usize>(
+    all: &[Size],
+    measure: impl Fn(Size, Who) -> [f64; N],
+    mut report: impl FnMut(Size, [f64; N], [f64; N]),
 ) {
     let name = |who| if who == Who::Ours { "ours" } else { "naive" };
     let args: Vec<String> = std::env::args().collect();
-    let sizes: Vec<usize> = args.iter().filter_map(|arg| arg.parse().ok()).collect();
+    let sizes: Vec<Size> = args.iter().filter_map(|arg| arg.parse().ok()).collect();
     for who in [Who::Ours, Who::Naive] {
         if args.iter().any(|arg| arg == name(who)) {
             linear::process::set_blas_threads(1);

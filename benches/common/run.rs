@@ -84,7 +84,7 @@ impl fmt::Display for Elements {
 
 impl Elements {
     /// The scene that is meshed, and the overrides that mesh it.
-    fn meshed(self) -> (&'static str, [String; 2]) {
+    pub fn meshed(self) -> (&'static str, [String; 2]) {
         let (scene, elements, size) = match self {
             Elements::Plane([n, across]) if n == across => ("block.toml", vec![n, n], vec![1.0, 1.0]),
             Elements::Plane(counts) => ("block.toml", counts.to_vec(), counts.map(|count| count as f64).to_vec()),
