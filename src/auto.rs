@@ -97,8 +97,13 @@ impl Choice {
         available: Option<u64>,
     ) -> Result<Self, LinearError> {
         let factorizations = factorizations(&Layout::new(problem), method, increments);
-        let estimates =
-            Estimates::new(problem, reach, method, [increments as f64, factorizations], stiffness(problem, reach)?);
+        let estimates = Estimates::new(
+            problem,
+            reach,
+            method,
+            [increments as f64, factorizations],
+            Cholesky::predict(problem.stiffness())?,
+        );
         let Estimates { sparse, condensed } = estimates;
         let short_of = available.filter(|&available| condensed.bytes > available as f64);
         let condense = condensed.seconds < sparse.seconds && short_of.is_none();
@@ -131,7 +136,7 @@ impl Choice {
         if MUCH * other(estimates(least)).seconds > done.seconds {
             return Ok(None);
         }
-        let Estimates { sparse, condensed } = estimates(stiffness(problem, reach)?);
+        let Estimates { sparse, condensed } = estimates(Cholesky::predict(problem.stiffness())?);
         let (here, other, solver) = match self.linear {
             LinearAlgebra::Condensed(_) => (condensed, sparse, LinearAlgebra::default()),
             LinearAlgebra::Whole(_) => (sparse, condensed, LinearAlgebra::condensed()),
@@ -161,11 +166,6 @@ impl Choice {
             self.linear, taken.seconds, other.seconds, taken.flops, other.flops
         ))
     }
-}
-
-/// What factors of `K` in an order of low fill take.
-fn stiffness(problem: &ContactProblem, reach: &Reach) -> Result<FactorInfo, LinearError> {
-    reach.stiffness().map_or_else(|| Cholesky::predict(problem.stiffness()), Ok)
 }
 
 /// How many factorisations BN or an interior point method needs for `increments` increments, as an estimate.

@@ -11,7 +11,7 @@
 use std::sync::Arc;
 
 use crate::linear::cost::{self, Work};
-use crate::linear::{Cholesky, FactorInfo, LinearError, SparseCholesky};
+use crate::linear::{Cholesky, LinearError, SparseCholesky};
 use crate::loading::Loading;
 use crate::problem::ContactProblem;
 
@@ -33,16 +33,10 @@ pub struct Reach {
     pub(crate) factor: Option<Arc<Cholesky>>,
 }
 
-impl Reach {
-    /// What is known of the factors of `K` in an order of low fill.
-    pub(crate) fn stiffness(&self) -> Option<FactorInfo> {
-        self.factor.as_ref()?.info_of_interior()
-    }
-}
-
 /// The contact nodes that condensed equations of `problem` under `loading` begin with, over increments that end at
 /// `times` (s). `None` stands for all: in a body that contact alone holds, where all are cheap, and where too many are within reach.
 /// Nodes out of reach stay, the nearest first, as long as what they cost is at most `affordable` times the work with the body.
+/// `condensing` says by which factorisation the body will be condensed; where that is not sure, the cheapest order answers.
 ///
 /// # Errors
 /// When memory is short for the factors of `K`, which loads ask for.
@@ -51,9 +45,9 @@ pub fn working_set(
     loading: &Loading,
     times: &[f64],
     affordable: f64,
-    cholesky: SparseCholesky,
+    condensing: Option<SparseCholesky>,
 ) -> Result<Reach, LinearError> {
-    let (nodes, factor) = within(problem, loading, times, affordable, cholesky)?;
+    let (nodes, factor) = within(problem, loading, times, affordable, condensing)?;
     // With fewer nodes other displacements come last.
     let factor = factor.filter(|_| nodes.is_none()).map(Arc::new);
     Ok(Reach { nodes, factor })
@@ -65,7 +59,7 @@ fn within(
     loading: &Loading,
     times: &[f64],
     affordable: f64,
-    cholesky: SparseCholesky,
+    condensing: Option<SparseCholesky>,
 ) -> Result<(Option<Vec<usize>>, Option<Cholesky>), LinearError> {
     let all = problem.contacts();
     if all == 0 || !problem.free_motions().is_empty() {
@@ -89,8 +83,9 @@ fn within(
     let mut made = None;
     if loading.largest_force() > 0.0 {
         let last = problem.contact_displacements();
-        let few = last.len().pow(2) <= ENTRIES_OF_FACTOR * problem.stiffness().lower().values().len();
-        let factor = match cholesky.factor(problem.stiffness(), if few { &last } else { &[] }) {
+        let few =
+            condensing.is_some() && last.len().pow(2) <= ENTRIES_OF_FACTOR * problem.stiffness().lower().values().len();
+        let factor = match condensing.unwrap_or_default().factor(problem.stiffness(), if few { &last } else { &[] }) {
             // Without contact forces it has no bounds.
             Err(LinearError::Singular { .. }) => return Ok((None, None)),
             factor => factor?,

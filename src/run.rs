@@ -39,7 +39,7 @@ use crate::auto::{Choice, Done, Faster, factorizations};
 use crate::contact::ContactStatus;
 use crate::formulation::Layout;
 use crate::history::{self, HistoryOutcome, IncrementRecord, LinearAlgebra, Observer, Solver, System};
-use crate::linear::{Direct, LinearError, SparseCholesky};
+use crate::linear::{Direct, LinearError};
 use crate::model::Model;
 use crate::problem::State;
 use crate::reach::{self, Reach};
@@ -105,12 +105,12 @@ impl<'a> Run<'a> {
     ) -> Result<Self, RunError> {
         history::check_times(&times).map_err(history::Error::from)?;
         let may_condense = solver.linear.is_none_or(LinearAlgebra::condenses) && !solver.method.is_of_paper();
-        let cholesky = match solver.linear {
-            Some(LinearAlgebra::Condensed(cholesky)) => cholesky,
-            _ => SparseCholesky::default(),
+        let condensing = match solver.linear {
+            Some(LinearAlgebra::Condensed(cholesky)) => Some(cholesky),
+            _ => None,
         };
-        let mut reach = if may_condense {
-            reach::working_set(&model.problem, &model.loading, &times, reach::AFFORDABLE, cholesky)?
+        let reach = if may_condense {
+            reach::working_set(&model.problem, &model.loading, &times, reach::AFFORDABLE, condensing)?
         } else {
             Reach::default()
         };
@@ -118,9 +118,6 @@ impl<'a> Run<'a> {
             Some(linear) => Choice::named(linear),
             None => Choice::cheapest(&model.problem, &reach, solver.method, times.len(), available_bytes())?,
         };
-        if !choice.linear.condenses() {
-            reach.factor = None;
-        }
         let model_seconds = start.elapsed().as_secs_f64();
         Ok(Run { scene, model, times, solver, choice, reach, uniqueness: false, model_seconds })
     }

@@ -34,9 +34,6 @@ pub struct Cholesky {
     info: FactorInfo,
 }
 
-/// With fewer than one in so many held back, an order is about as good as with none.
-const FEW: usize = 16;
-
 /// A right-hand side that was reduced to the border, see [`Cholesky::reduce`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reduced {
@@ -145,20 +142,6 @@ impl Cholesky {
     /// that supernodes store, the peak leaves out what the ordering takes.
     pub fn info(&self) -> FactorInfo {
         self.info
-    }
-
-    /// About what a factorisation with no unknown held back would tell: the dense block of those that come last is left out. `None`
-    /// where they are so many that the order of the others suffers.
-    pub(crate) fn info_of_interior(&self) -> Option<FactorInfo> {
-        if FEW * self.border > self.order() {
-            return None;
-        }
-        let block = self.border * (self.border + 1) / 2;
-        Some(FactorInfo {
-            entries: self.info.entries.saturating_sub(block),
-            flops: (self.info.flops - (self.border as f64).powi(3) / 3.0).max(0.0),
-            ..self.info
-        })
     }
 
     /// The smallest over the largest pivot of the interior.

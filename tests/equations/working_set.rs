@@ -34,7 +34,7 @@ fn solve(
 }
 
 fn within_reach(problem: &ContactProblem, loading: &Loading, times: &[f64], affordable: f64) -> Option<Vec<usize>> {
-    reach::working_set(problem, loading, times, affordable, SparseCholesky::default()).unwrap().nodes
+    reach::working_set(problem, loading, times, affordable, Some(SparseCholesky::default())).unwrap().nodes
 }
 
 /// Some of `n` nodes, one at least, each with this probability.

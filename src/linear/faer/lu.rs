@@ -237,7 +237,7 @@ impl Analysed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sparse::{Csc, SystemMatrix};
+    use crate::sparse::Csc;
 
     fn pattern(n: usize, entries: &[(usize, usize)]) -> Arc<Pattern> {
         Arc::new(Pattern::from_entries(n, n, |take| entries.iter().for_each(|&(i, j)| take(i, j))).unwrap())
@@ -293,7 +293,7 @@ mod tests {
                 [Box::new(FaerLu::default()) as Box<dyn LinearSolver>, Box::new(crate::linear::Umfpack::default())]
                     .map(crate::linear::Direct::new);
             for seed in 0..4 {
-                let a = SystemMatrix::from(bordered(m, seed));
+                let a = crate::sparse::SystemMatrix::from(bordered(m, seed));
                 if seed == 0 {
                     faer.analyze(&a).unwrap();
                     umfpack.analyze(&a).unwrap();
