@@ -60,6 +60,9 @@ pub struct Faster {
     pub here_seconds: f64,
 }
 
+/// Rates of an exact path for each contact node: 1.7 to 2.8 on the paper's block.
+const EVENT_RATES: f64 = 2.5;
+
 /// Estimates are good to a factor of two or so: less than this between two of them is not worth a word.
 const MUCH: f64 = 3.0;
 
@@ -173,6 +176,8 @@ pub(crate) fn factorizations(layout: &Layout, method: Method, increments: usize)
     match method {
         // Without contact the problem is linear: one matrix.
         _ if layout.contacts() == 0 => 1.0,
+        // One for each rate, whatever the increments.
+        Method::Events => EVENT_RATES * layout.contacts() as f64,
         method if method.is_interior() && layout.has_second_tangent() => {
             IP_FACTORIZATIONS_IN_A_PLANE * increments as f64
         }

@@ -83,7 +83,7 @@ struct SceneArgs {
     /// Put VALUE in place of what the scene says, e.g. 'mesh.elements=[50,50]' or 'contact[0].friction=0.3'
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
-    /// The algorithm, as solver.method; ip comes with its own default setting
+    /// The algorithm, as solver.method: bn, ip or events; the latter two come with the setting default
     #[arg(long)]
     method: Option<String>,
     /// The named set of constants, as solver.setting

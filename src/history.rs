@@ -8,6 +8,7 @@
 //! | from one time to the next, in parts if need be, and what is told of them | `path.rs`, `told.rs` |
 //! | the increments of one set-up of the equations, and what it leaves to the next | `stage.rs`, `position.rs` |
 //! | which contact nodes join condensed equations that do not hold all | `working_set.rs` |
+//! | the exact path in time, from event to event | `events.rs` |
 //! | how far loads have carried a body that contact alone holds | `carried.rs` |
 //! | the interior at the start of an increment, and at the end of a condensed one | `held.rs`, `whole.rs` |
 //!
@@ -36,6 +37,7 @@ mod algorithm;
 mod bn;
 mod carried;
 mod error;
+mod events;
 mod held;
 mod ip;
 mod method;
@@ -69,11 +71,13 @@ pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
 pub use working_set::WorkingSet;
 
 use crate::contact::{KktScales, Violation};
+use crate::events::{Event, Lost};
 use crate::formulation::Layout;
 use crate::linear::Statistics;
 use crate::loading::Loading;
 use crate::problem::error::{expect_each, expect_finite, expect_increasing};
 use crate::problem::{ContactProblem, ProblemError, State};
+use events::ExactHistory;
 use position::Position;
 use stage::Stages;
 
@@ -92,6 +96,10 @@ pub struct HistoryOutcome {
     pub scales: KktScales,
     /// Where the increment that failed violates the law most.
     pub violation: Option<Violation>,
+    /// The changes of status on the way, where the path was followed from one to the next.
+    pub events: Vec<Event>,
+    /// Where and how that path ended before its time.
+    pub lost: Option<Lost>,
     /// The equilibrium error that rounding the displacements makes in the last increment.
     pub rounding: f64,
     /// If a rigid motion is to blame, one that nothing stops or that the loads drive against all
@@ -148,6 +156,8 @@ pub fn run_with(
         reached: 0.0,
         scales: KktScales::default(),
         violation: None,
+        events: Vec::new(),
+        lost: None,
         rounding: 0.0,
         free_motion: None,
         layout: Layout::new(problem),
@@ -155,6 +165,10 @@ pub fn run_with(
         linear: Statistics::default(),
         setup_seconds: 0.0,
     };
+    if settings.method == Method::Events {
+        let history = ExactHistory { problem, loading, times, settings, observer, outcome };
+        return history.follow(system, start);
+    }
     if !algorithm.knows(&outcome.layout) {
         return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
     }

@@ -286,6 +286,16 @@ impl Loading {
         drift
     }
 
+    /// The times after 0 between which forces and gaps are linear, ascending.
+    pub(crate) fn corners(&self) -> Vec<f64> {
+        let mut times = self.corner_times();
+        times.extend(self.cases.iter().flat_map(|case| case.history.iter().map(|point| point[0])));
+        times.retain(|time| *time > 0.0);
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
     /// The times between which gaps are linear.
     fn corner_times(&self) -> Vec<f64> {
         let mut times = vec![0.0];

@@ -184,7 +184,7 @@ pub struct IterationRecord {
 
 impl IterationRecord {
     /// The start, before any iteration.
-    fn start(theta: f64) -> Self {
+    pub(crate) fn start(theta: f64) -> Self {
         IterationRecord {
             iteration: 0,
             theta,

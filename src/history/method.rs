@@ -24,6 +24,8 @@ pub enum Method {
     },
     /// The B-differentiable Newton method with the constants of the paper.
     PaperBn,
+    /// No increments but the exact path in time, from event to event; where nodes slide along lines, as in the plane.
+    Events,
     /// The predictor–corrector interior point method, without a number to guess.
     Ip {
         /// The linear system of a direction.
@@ -83,9 +85,13 @@ impl Method {
         Method::PaperIp { start, partition: Partition::Products, newton: NewtonSystem::Reduced }
     }
 
-    /// `bn` or `ip`, as scenes and reports call it.
+    /// `bn`, `ip` or `events`, as scenes and reports call it.
     pub fn name(self) -> &'static str {
-        if self.is_interior() { "ip" } else { "bn" }
+        match self {
+            Method::Events => "events",
+            _ if self.is_interior() => "ip",
+            _ => "bn",
+        }
     }
 
     /// `paper` or `default`, as scenes and reports call its constants.

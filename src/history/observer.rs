@@ -2,6 +2,7 @@
 
 use super::IncrementRecord;
 use crate::contact::ContactStatus;
+use crate::events::Event;
 use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
 use crate::problem::{Increment, State};
 
@@ -37,6 +38,9 @@ pub trait Observer {
     fn linear_system(&mut self, _index: usize, _system: &LinearSystem<'_>) -> Flow {
         Flow::Continue
     }
+
+    /// After a contact node has changed its status in increment `index`, where the exact path is followed.
+    fn event(&mut self, _index: usize, _event: &Event) {}
 
     /// After each part of an increment that had to be halved, but the one that ends it. The record is that of the increment
     /// so far: its `time` is the end of the part, its `parts` the number of the part from 1.

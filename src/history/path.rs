@@ -353,6 +353,7 @@ impl<'a> Path<'a> {
             Status::Converged
             | Status::Interrupted
             | Status::NoEquilibrium
+            | Status::NoContinuation
             | Status::EdgeFriction
             | Status::OutOfMemory
             | Status::Unsupported => false,

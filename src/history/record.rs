@@ -29,6 +29,8 @@ pub enum Status {
     Singular,
     /// No equilibrium exists: no admissible contact forces balance the loads on the rigid body.
     NoEquilibrium,
+    /// No rates obey the laws beyond this load: the quasi-static motion ends, and what follows is a jump.
+    NoContinuation,
     /// Nothing balances the loads but friction across an edge between two obstacles, which the equations leave out.
     EdgeFriction,
     /// The linear algebra gave numbers that are not finite.
@@ -53,6 +55,7 @@ impl fmt::Display for Status {
             Status::Stalled => "stalled",
             Status::Singular => "singular",
             Status::NoEquilibrium => "no-equilibrium",
+            Status::NoContinuation => "no-continuation",
             Status::EdgeFriction => "edge-friction",
             Status::NotFinite => "not-finite",
             Status::OutOfMemory => "out-of-memory",

@@ -118,7 +118,7 @@ impl Stages<'_> {
         let mut method = algorithm.start(small, loads);
         linear.analyze(method.matrix())?;
         let held = HeldBody::new(method.as_mut(), small, loads, &settings.scaling, &mut linear)?;
-        self.outcome.linear = statistics(&linear, body, self.position.worst_backward_error);
+        self.outcome.linear = statistics(*linear.statistics(), body, self.position.worst_backward_error);
         let held = match held {
             Ok(held) => held,
             Err(free_motion) => {
@@ -178,7 +178,7 @@ impl Stages<'_> {
                     (told.observer.increment(&step), state.clone())
                 });
                 outcome.records.push(record);
-                outcome.linear = statistics(&linear, body, path.at.worst_backward_error);
+                outcome.linear = statistics(*linear.statistics(), body, path.at.worst_backward_error);
                 if status != Status::Converged || index == times.len() {
                     outcome.rounding = rounding_level(problem, &attempt.state, &attempt.scales);
                 }

@@ -140,8 +140,8 @@ impl System {
 }
 
 /// What the linear algebra did, the factors of a condensed body and the backward error of the whole system included.
-pub(super) fn statistics(linear: &Direct, body: Option<FactorInfo>, backward_error: f64) -> Statistics {
-    let mut statistics = *linear.statistics();
+pub(super) fn statistics(linear: Statistics, body: Option<FactorInfo>, backward_error: f64) -> Statistics {
+    let mut statistics = linear;
     if let Some(body) = body {
         let last = statistics.factor;
         let flops = if statistics.factorizations == 0 { body.flops } else { last.flops };

@@ -45,6 +45,11 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
         return match outcome.status {
             Status::Singular => unheld(model, outcome),
             Status::Interrupted => "stopped on request".to_string(),
+            Status::Unsupported if solver.method == Method::Events => {
+                "the exact path is followed where nodes slide along lines, friction stays and contact rows do not depend on each \
+                 other; use the method bn"
+                    .to_string()
+            }
             Status::Unsupported => {
                 "this interior point method knows one tangent a node, but nodes slide in a plane; use the method bn"
                     .to_string()
@@ -64,6 +69,7 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
         Status::Singular => unheld(model, outcome),
         Status::NoEquilibrium => no_equilibrium(model, outcome),
         Status::EdgeFriction => edge_friction(model, outcome),
+        Status::NoContinuation => no_continuation(outcome),
         Status::Interrupted => "stopped on request".to_string(),
         Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
             "{violated}, which is what rounding the displacements of so slender a body makes; \
@@ -88,7 +94,7 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
     };
     let before = record.index.checked_sub(2).map_or(0.0, |k| outcome.records[k].time);
     let reached = match outcome.reached {
-        t if t > before => format!("; smaller parts of it converged until t = {t} s"),
+        t if t > before && outcome.lost.is_none() => format!("; smaller parts of it converged until t = {t} s"),
         _ => String::new(),
     };
     format!("increment {} (t = {} s): {why}{reached}", record.index, record.time)
@@ -100,7 +106,7 @@ fn advice(solver: &Solver, model: &Model) -> String {
         Method::Bn { r_factor, .. } if r_factor != 1.0 => {
             "r is not that of the problem: take solver.r_factor out of the scene"
         }
-        Method::Bn { .. } => {
+        Method::Bn { .. } | Method::Events => {
             "there may be no equilibrium beyond this load, or several: try solver.method = \"ip\", more increments \
              (time.increments) or less friction; `stickslip check` tells what holds the body"
         }
@@ -141,6 +147,18 @@ fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
     let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.told(&model.units()));
     format!(
         "no equilibrium exists: the loads drive {motion}, and no contact force within its friction resists; change the loads or add a support"
+    )
+}
+
+/// Why the exact path ends, and what may be done about it.
+fn no_continuation(outcome: &HistoryOutcome) -> String {
+    let proof = if outcome.lost.is_some_and(|lost| lost.certain) {
+        "no rates obey the laws, whatever the statuses of the nodes concerned"
+    } else {
+        "no rates that obey the laws were found"
+    };
+    format!(
+        "the quasi-static motion ends here: {proof}; what follows is a jump, if anything: use less friction, or the method bn, whose increments may jump"
     )
 }
 

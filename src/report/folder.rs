@@ -14,6 +14,7 @@ use super::resultant::ForceRecord;
 use super::run::RunReport;
 use super::vtu::Grid;
 use super::{file_names, increments, plot, pvd};
+use crate::events::Event;
 use crate::history::{IncrementRecord, Step};
 use crate::model::Model;
 use crate::units::UnitSystem;
@@ -27,6 +28,8 @@ pub struct ResultFolder {
     units: UnitSystem,
     increments: File,
     forces: File,
+    /// The table of events, from the first one on.
+    events: Option<File>,
     /// Boundaries with contact, and how the names of their files end.
     boundaries: Vec<(String, String)>,
     /// The probes, each with its table.
@@ -82,7 +85,7 @@ impl ResultFolder {
         });
         let probes = probes.collect::<io::Result<_>>()?;
         let (path, units) = (path.to_path_buf(), model.units());
-        Ok(ResultFolder { path, units, increments, forces, boundaries, probes, fields: Vec::new() })
+        Ok(ResultFolder { path, units, increments, forces, events: None, boundaries, probes, fields: Vec::new() })
     }
 
     /// Where the results are.
@@ -96,6 +99,20 @@ impl ResultFolder {
     /// When the disk refuses.
     pub fn add_increment(&mut self, record: &IncrementRecord) -> io::Result<()> {
         append(&mut self.increments, &increments::line(record, &self.units))
+    }
+
+    /// Appends a contact node that changes its status in increment `index` to `events.csv`.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_event(&mut self, model: &Model, index: usize, event: &Event) -> io::Result<()> {
+        let line = increments::event_line(model, index, event);
+        if let Some(events) = &mut self.events {
+            return append(events, &line);
+        }
+        let path = self.path.join("events.csv");
+        let events = self.events.insert(OpenOptions::new().create(true).write(true).truncate(true).open(path)?);
+        append(events, &(increments::events_header(model.mesh.dimension) + &line))
     }
 
     /// Appends the forces of an increment: those on the obstacles, and what else acts on the body.
@@ -233,7 +250,8 @@ fn is_ours(name: &str) -> bool {
     let numbered = |prefix: &str, suffix: &str| {
         name.strip_prefix(prefix).and_then(|rest| rest.strip_suffix(suffix)).is_some_and(is_number)
     };
-    let names = ["run.json", "increments.csv", "forces.csv", "fields.pvd", "forces.svg", "iterations.svg"];
+    let names =
+        ["run.json", "increments.csv", "forces.csv", "events.csv", "fields.pvd", "forces.svg", "iterations.svg"];
     names.contains(&name)
         || name.strip_prefix("contact_").and_then(line).unwrap_or(false)
         || numbered("fields_", ".vtu")

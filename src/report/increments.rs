@@ -4,7 +4,9 @@ use super::balance::{Acting, BalanceRecord};
 use super::csv::{self, number};
 use super::quantities::cell;
 use super::resultant::{ComponentSums, ForceRecord, OnObstacle, Resultant};
+use crate::events::Event;
 use crate::history::IncrementRecord;
+use crate::model::Model;
 use crate::units::UnitSystem;
 
 /// What the table of every version begins with: by that a run knows the folder of an earlier one.
@@ -41,6 +43,24 @@ pub(super) fn line(record: &IncrementRecord, units: &UnitSystem) -> String {
     fields.extend([r.parts.to_string(), r.rescued.to_string()]);
     fields.push(cell(units, "friction_work", r.friction_work));
     fields.push(cell(units, "strain_energy", r.strain_energy));
+    csv::line(&fields)
+}
+
+/// The header of the table of events in so many dimensions.
+pub(super) fn events_header(dimension: usize) -> String {
+    csv::table(
+        &[&["time", "index", "node"], &["x", "y", "z"][..dimension], &["from", "to"]].concat(),
+        std::iter::empty(),
+    )
+}
+
+/// The line of a contact node that changes its status in increment `index`.
+pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
+    let node = model.contacts.get(event.node).map_or(0, |contact| contact.node);
+    let position = &model.mesh.nodes[node][..model.mesh.dimension];
+    let mut fields = vec![number(event.time), index.to_string(), node.to_string()];
+    fields.extend(["x", "y", "z"].into_iter().zip(position).map(|(column, x)| cell(&model.units(), column, *x)));
+    fields.extend([event.from.to_string(), event.to.to_string()]);
     csv::line(&fields)
 }
 

@@ -15,7 +15,8 @@ use super::validity::{LargestDisplacement, Validity};
 use super::warnings::{Warning, WarningKind};
 use crate::auto::{Choice, Faster};
 use crate::contact::RangeLeft;
-use crate::history::{HistoryOutcome, IncrementRecord, Solver, Status, WorkingSet};
+use crate::events::Lost;
+use crate::history::{HistoryOutcome, IncrementRecord, Method, Solver, Status, WorkingSet};
 use crate::linear::blas::Blas;
 use crate::model::Model;
 use crate::scene::Scene;
@@ -88,6 +89,9 @@ pub struct RunReport {
     pub working_set: Option<WorkingSet>,
     /// One record per increment.
     pub increments: Vec<IncrementRecord>,
+    /// What became of the exact path, where that was followed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exact_path: Option<ExactPath>,
     /// Sums over the run.
     pub totals: Totals,
     /// The components of all contact forces at the end of the last converged increment, added up.
@@ -105,6 +109,23 @@ pub struct RunReport {
     /// The critical friction at the end of the last converged increment, where it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical_friction: Option<CriticalFriction>,
+}
+
+/// What became of an exact path in time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct ExactPath {
+    /// How often a contact node changed its status.
+    pub events: usize,
+    /// Where the quasi-static motion ended, if it did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lost: Option<Lost>,
+}
+
+impl ExactPath {
+    fn of(method: Method, outcome: &HistoryOutcome) -> Option<Self> {
+        (method == Method::Events).then_some(ExactPath { events: outcome.events.len(), lost: outcome.lost })
+    }
 }
 
 /// A body of several.
@@ -244,6 +265,7 @@ impl RunReport {
             left_out: LeftOut::all(model, facts.condensed, facts.working_set),
             working_set: outcome.working_set,
             increments: outcome.records.clone(),
+            exact_path: ExactPath::of(solver.method, outcome),
             totals: Totals {
                 iterations: outcome.records.iter().map(|record| record.iterations).sum(),
                 factorizations: outcome.linear.factorizations,

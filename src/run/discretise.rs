@@ -2,6 +2,7 @@
 
 use super::RunError;
 use crate::formulation::Layout;
+use crate::history::Method;
 use crate::model::Model;
 use crate::report::{ProbeTable, available_bytes};
 use crate::scene::Scene;
@@ -9,11 +10,24 @@ use crate::scene::Scene;
 /// Discretises `scene`.
 ///
 /// # Errors
-/// When the scene contradicts its mesh, as a probe outside of the body does, when its method knows one tangent a node but nodes slide in a plane, and when
-/// the matrices would not fit into the memory that is free.
+/// When the scene contradicts its mesh, as a probe outside of the body does, when its method does not know such a problem, and when the
+/// matrices would not fit into the memory that is free.
 pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
     has_room(scene.description.mesh.nodes(), available_bytes())?;
     let model = Model::new(scene)?;
+    if scene.solver.method == Method::Events {
+        let layout = Layout::new(&model.problem);
+        let help = "use the method \"bn\"";
+        if (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i)) {
+            let message =
+                "the exact path is followed where nodes slide along lines, but nodes of this scene slide in a plane";
+            return Err(scene.error_at("solver.method", message, help).into());
+        }
+        if model.loading.friction().is_some() {
+            let message = "the exact path is followed where friction stays, but that of this scene changes in time";
+            return Err(scene.error_at("solver.method", message, help).into());
+        }
+    }
     if let Some(key) = scene.one_tangent_key
         && Layout::new(&model.problem).has_second_tangent()
     {

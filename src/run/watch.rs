@@ -1,6 +1,7 @@
 //! What a report needs of the increments, gathered while they go by.
 
 use super::recording::RecordedIncrement;
+use crate::events::Event;
 use crate::history::{IncrementRecord, Observer, Status, Step};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
@@ -63,6 +64,10 @@ impl Observer for Watch<'_> {
 
     fn iteration(&mut self, index: usize, record: &IterationRecord) -> Flow {
         self.observer.iteration(index, record)
+    }
+
+    fn event(&mut self, index: usize, event: &Event) {
+        self.observer.event(index, event);
     }
 
     fn part(&mut self, part: &Step<'_>) {

@@ -11,6 +11,7 @@ pub(super) enum MethodName {
     #[default]
     Bn,
     Ip,
+    Events,
 }
 
 /// The name of a set of constants and conventions.

@@ -13,6 +13,7 @@ mod condensed;
 mod coulomb3d;
 mod dense;
 mod error_measure;
+mod events;
 mod faer_agrees;
 mod fewer_tangents;
 mod halving;

@@ -27,11 +27,13 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("jobs", &["linear"]),
     ("nonlinear", &["formulation", "linear", "sparse", "units"]),
     ("condense", &["linear", "loading", "problem", "sparse"]),
+    ("events", &["contact", "formulation", "linear", "loading", "problem", "sets", "units", "vector"]),
     (
         "history",
         &[
             "condense",
             "contact",
+            "events",
             "formulation",
             "linear",
             "loading",
@@ -90,6 +92,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "contact",
             "description",
             "estimate",
+            "events",
             "fault",
             "fem",
             "formulation",
@@ -109,6 +112,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
         &[
             "auto",
             "contact",
+            "events",
             "formulation",
             "history",
             "linear",

@@ -191,6 +191,12 @@ end = 1.0
 increments = 2
 "#;
 
+/// A block that only its friction holds, pressed and then pushed beyond that.
+fn lost_path() -> String {
+    let on_the_plane = edit(&without(&small(), "[[support]]", "[[contact]]"), "gap = 1e-5", "gap = 0.0");
+    edit(&on_the_plane, "[[0, 0], [1, 1], [2, 0]]", "[[0, 0], [1, 0], [2, 1]]")
+}
+
 /// Reports of many kinds: plane and in space, failed, with warnings, with everything that has to be asked for.
 fn reports() -> Vec<Value> {
     let cube = edit(include_str!("../../data/scenes/cube.toml"), "[10, 10, 10]", "[2, 2, 2]");
@@ -223,6 +229,7 @@ fn reports() -> Vec<Value> {
         json_of(&two_bodies(), &[]),
         json_of(include_str!("../../data/scenes/two_blocks.toml"), &["--set", "contact.slave=\"automatic\""]),
         json_of(LEVER, &[]),
+        json_of(&lost_path(), &["--method", "events"]),
     ]
 }
 

@@ -2,6 +2,7 @@
 
 use std::io;
 
+use stickslip::events::Event;
 use stickslip::history::{Observer, Status, Step};
 use stickslip::linear;
 use stickslip::model::Model;
@@ -93,6 +94,12 @@ impl Observer for Watcher<'_> {
         self.progress.iteration(record.iteration, record.theta);
         let stop = interrupt::requested() || self.failed_write.is_some();
         if stop { Flow::Stop } else { Flow::Continue }
+    }
+
+    fn event(&mut self, index: usize, event: &Event) {
+        if let (Some(folder), None) = (&mut self.folder, &self.failed_write) {
+            self.failed_write = folder.add_event(self.model, index, event).err();
+        }
     }
 
     fn part(&mut self, part: &Step<'_>) {

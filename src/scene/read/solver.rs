@@ -16,7 +16,7 @@ pub(super) fn one_tangent_key(method: Method) -> Option<&'static str> {
     match method {
         Method::PaperIp { .. } => Some("solver.setting"),
         Method::Ip { newton: NewtonSystem::Extended } => Some("solver.newton"),
-        Method::Bn { .. } | Method::PaperBn | Method::Ip { newton: NewtonSystem::Reduced } => None,
+        Method::Bn { .. } | Method::PaperBn | Method::Events | Method::Ip { newton: NewtonSystem::Reduced } => None,
     }
 }
 
@@ -68,13 +68,18 @@ fn method(solver: &document::Solver) -> Result<Method, Fault> {
         }
         (MethodName::Bn, Setting::Paper) => "the method bn in the setting paper",
         (MethodName::Bn, Setting::Default) => "the method bn",
+        (MethodName::Events, Setting::Paper) => {
+            let help = "the exact path has no constants of the paper: leave solver.setting out";
+            return Err(Fault::new("solver.setting", "the method events has no setting paper", help));
+        }
+        (MethodName::Events, Setting::Default) => "the method events",
     };
     let in_solver = |fault: Fault| fault.under("solver");
     if (method, setting) != (MethodName::Ip, Setting::Paper) {
         foreign("start", start.as_ref(), whose).map_err(in_solver)?;
         foreign("partition", partition.as_ref(), whose).map_err(in_solver)?;
     }
-    if method == MethodName::Bn {
+    if method != MethodName::Ip {
         foreign("newton", newton.as_ref(), whose).map_err(in_solver)?;
     }
     if (method, setting) != (MethodName::Bn, Setting::Default) {
@@ -88,6 +93,7 @@ fn method(solver: &document::Solver) -> Result<Method, Fault> {
             newton,
         },
         (MethodName::Ip, Setting::Default) => Method::Ip { newton },
+        (MethodName::Events, _) => Method::Events,
         (MethodName::Bn, Setting::Paper) => Method::PaperBn,
         (MethodName::Bn, Setting::Default) => Method::Bn { r_factor: checked_factor(r_factor)?, rescue: true },
     })

@@ -1,0 +1,123 @@
+//! What a contact node does, and what it may do next.
+
+use std::fmt;
+
+use serde::Serialize;
+
+/// What a contact node does while the loads go on at one rate. Its rates then obey one linear row for each of its forces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+pub enum NodeStatus {
+    /// Apart from the obstacle: `p_n' = p_t' = 0`.
+    #[serde(rename = "open")]
+    Open,
+    /// In contact without slip: `w_n' = g'`, `w_t'` is that of the obstacle.
+    #[serde(rename = "stick")]
+    Stick,
+    /// Sliding along its tangent: `w_n' = g'`, `p_t' = μ p_n'`. Without friction every closed node slides.
+    #[serde(rename = "slip+")]
+    Forward,
+    /// Sliding against its tangent: `w_n' = g'`, `p_t' = -μ p_n'`.
+    #[serde(rename = "slip-")]
+    Backward,
+}
+
+impl NodeStatus {
+    /// Slip along the tangent, or against it where `way` is below 0.
+    pub(super) fn slip(way: f64) -> Self {
+        if way < 0.0 { NodeStatus::Backward } else { NodeStatus::Forward }
+    }
+
+    /// Whether the node touches its obstacle.
+    pub fn is_closed(self) -> bool {
+        self != NodeStatus::Open
+    }
+
+    /// Whether its tangential displacement is given.
+    pub(super) fn is_held(self) -> bool {
+        self == NodeStatus::Stick
+    }
+
+    /// The sign of its friction in `p_t = sign μ p_n`; 0 where that is not so.
+    pub fn sign(self) -> f64 {
+        match self {
+            NodeStatus::Open | NodeStatus::Stick => 0.0,
+            NodeStatus::Forward => 1.0,
+            NodeStatus::Backward => -1.0,
+        }
+    }
+}
+
+impl fmt::Display for NodeStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            NodeStatus::Open => "open",
+            NodeStatus::Stick => "stick",
+            NodeStatus::Forward => "slip+",
+            NodeStatus::Backward => "slip-",
+        })
+    }
+}
+
+/// What a node may do when the rates change: a set of complementary rates that its place among the laws leaves open.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum May {
+    /// What it does: it is off the borders of all laws.
+    Stay,
+    /// Stick or slip in the direction of this sign: its friction is on the border of the cone.
+    Turn(f64),
+    /// All: it touches without pressure.
+    Anything,
+}
+
+/// Contact displacements and forces of all contact nodes, or their rates, in the units of the walk; n_c each.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Contact {
+    pub w_n: Vec<f64>,
+    pub w_t: Vec<f64>,
+    pub p_n: Vec<f64>,
+    pub p_t: Vec<f64>,
+}
+
+impl Contact {
+    pub(super) fn zero(contacts: usize) -> Self {
+        let zeros = || vec![0.0; contacts];
+        Contact { w_n: zeros(), w_t: zeros(), p_n: zeros(), p_t: zeros() }
+    }
+
+    /// The largest force.
+    pub(super) fn largest_force(&self) -> f64 {
+        largest(&self.p_n).max(largest(&self.p_t))
+    }
+
+    /// The largest displacement.
+    pub(super) fn largest_displacement(&self) -> f64 {
+        largest(&self.w_n).max(largest(&self.w_t))
+    }
+}
+
+/// What is given at a time, or the rates of it, in the units of the walk.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Given {
+    /// External forces, n_u.
+    pub force: Vec<f64>,
+    /// Gaps, n_c.
+    pub gap: Vec<f64>,
+    /// Tangential displacements: of the obstacle in a load, of the sticking nodes in equations; n_c.
+    pub slide: Vec<f64>,
+}
+
+impl Given {
+    /// `self + share other`.
+    pub(super) fn plus(&self, share: f64, other: &Given) -> Given {
+        let plus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + share * b).collect();
+        Given {
+            force: plus(&self.force, &other.force),
+            gap: plus(&self.gap, &other.gap),
+            slide: plus(&self.slide, &other.slide),
+        }
+    }
+}
+
+pub(super) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |m, v| m.max(v.abs()))
+}

@@ -1,0 +1,327 @@
+//! The rate problem: which statuses go on, where the laws leave several open.
+//!
+//! Where a node is on the border of a law, its rates obey complementarity: a grazing node has `w_n' ≤ g'`, `p_n' ≥ 0` and Coulomb's
+//! law for both rates; a node on the border of its cone has `sign w_t' ≥ 0`, `sign p_t' ≤ μ p_n'`. Statuses that are guessed and put
+//! right where the rates that follow break a law, all at once as Newton's method would, settle it as a rule in one or two solves.
+//! Where they come again, nodes are changed one by one; then Lemke's method takes all of them together; and where that ends on a
+//! ray and the nodes are few, all their statuses are tried, so that what is said of a lost continuation is so.
+
+use super::lemke::lemke;
+use super::node::{Contact, Given, May, NodeStatus, largest};
+use super::tangent::Tangent;
+use crate::linear::LinearError;
+
+/// A rate that breaks a law by less than this share of the largest is rounding.
+pub(super) const ROUNDING: f64 = 1e-12;
+
+/// The same where nothing better is found: a solution of a rate problem that is nearly singular.
+const ACCEPTED: f64 = 1e-9;
+
+/// Solves with all nodes changed at once; then so many for each node, one by one.
+const TOGETHER: usize = 12;
+const EACH: usize = 4;
+
+/// Nodes of which all statuses are tried: 4^5 = 1024 solves.
+const FEW: usize = 5;
+
+/// The rate problem at one place of the path.
+pub(super) struct RateProblem<'a> {
+    pub given: &'a Given,
+    pub mu: &'a [f64],
+    /// Whether each node has friction.
+    pub rough: &'a [bool],
+    pub may: &'a [May],
+}
+
+/// A law that a node's rates break, and the status that would mend it.
+struct Breach {
+    node: usize,
+    to: NodeStatus,
+    /// Relative to the largest rate of its kind.
+    size: f64,
+}
+
+/// What the search for rates came to.
+pub(super) enum Found {
+    /// Statuses whose rates obey all laws.
+    Rates,
+    /// There are none: all statuses of the nodes concerned were tried.
+    None,
+    /// None was found, nor is it certain that there is none.
+    Nothing,
+}
+
+/// What it took, over a history.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Rates solved for.
+    pub solves: usize,
+    /// Places where nodes were changed one by one.
+    pub one_by_one: usize,
+    /// Places that Lemke's method settled.
+    pub lemke: usize,
+    /// Places where all statuses were tried.
+    pub enumerated: usize,
+}
+
+impl RateProblem<'_> {
+    /// Finds `statuses` and their rates, from a guess.
+    pub(super) fn solve(
+        &self,
+        tangent: &mut dyn Tangent,
+        statuses: &mut Vec<NodeStatus>,
+        rate: &mut Contact,
+        effort: &mut Effort,
+    ) -> Result<Found, LinearError> {
+        let mut best: Option<(f64, Vec<NodeStatus>)> = None;
+        if self.by_correction(tangent, statuses, rate, &mut best, effort)? {
+            return Ok(Found::Rates);
+        }
+        let concerned: Vec<usize> = (0..self.may.len()).filter(|&i| self.may[i] != May::Stay).collect();
+        if let Some(found) = self.by_lemke(tangent, statuses, &concerned, rate, effort)? {
+            let size = self.try_out(tangent, &found, rate, effort)?;
+            keep(&mut best, size, &found);
+            if size.is_some_and(|size| size <= ROUNDING) {
+                effort.lemke += 1;
+                *statuses = found;
+                return Ok(Found::Rates);
+            }
+        }
+        let few = concerned.len() <= FEW;
+        if few {
+            effort.enumerated += 1;
+            if self.by_enumeration(tangent, statuses, &concerned, rate, &mut best, effort)? {
+                return Ok(Found::Rates);
+            }
+        }
+        match best {
+            Some((size, found)) if size <= ACCEPTED => {
+                self.try_out(tangent, &found, rate, effort)?;
+                *statuses = found;
+                Ok(Found::Rates)
+            }
+            _ if few => Ok(Found::None),
+            _ => Ok(Found::Nothing),
+        }
+    }
+
+    /// Corrects statuses where their rates break a law: all at once, and one by one where that goes in circles.
+    fn by_correction(
+        &self,
+        tangent: &mut dyn Tangent,
+        statuses: &mut [NodeStatus],
+        rate: &mut Contact,
+        best: &mut Option<(f64, Vec<NodeStatus>)>,
+        effort: &mut Effort,
+    ) -> Result<bool, LinearError> {
+        let concerned = self.may.iter().filter(|may| **may != May::Stay).count();
+        let mut seen: Vec<Vec<NodeStatus>> = Vec::new();
+        let mut tried = vec![[0_usize; 4]; statuses.len()];
+        let mut alone = false;
+        for turn in 0..TOGETHER + EACH * concerned {
+            effort.solves += 1;
+            if !(tangent.take(statuses)? && tangent.solve(self.given, rate)?) {
+                return Ok(false);
+            }
+            let breaches = self.breaches(statuses, rate);
+            let size = breaches.iter().fold(0.0_f64, |m, breach| m.max(breach.size));
+            keep(best, Some(size), statuses);
+            if breaches.is_empty() {
+                return Ok(true);
+            }
+            if !alone && (turn >= TOGETHER || seen.iter().any(|before| before == statuses)) {
+                alone = true;
+                effort.one_by_one += 1;
+            }
+            if !alone {
+                seen.push(statuses.to_vec());
+                for breach in &breaches {
+                    statuses[breach.node] = breach.to;
+                }
+                continue;
+            }
+            let worst = breaches.iter().max_by(|a, b| a.size.total_cmp(&b.size));
+            let Some(Breach { node, to, .. }) = worst else { return Ok(true) };
+            // A grazing node may go in circles past the status that is right, so each has its turn.
+            let next = if self.may[*node] == May::Anything && self.rough[*node] {
+                tried[*node][place(statuses[*node])] += 1;
+                let others = ALL.into_iter().filter(|status| *status != statuses[*node]);
+                others.min_by_key(|status| (tried[*node][place(*status)], *status != *to)).unwrap_or(*to)
+            } else {
+                *to
+            };
+            statuses[*node] = next;
+        }
+        Ok(false)
+    }
+
+    /// The largest breach of the rates of these statuses; `None` if they have none.
+    fn try_out(
+        &self,
+        tangent: &mut dyn Tangent,
+        statuses: &[NodeStatus],
+        rate: &mut Contact,
+        effort: &mut Effort,
+    ) -> Result<Option<f64>, LinearError> {
+        effort.solves += 1;
+        if !(tangent.take(statuses)? && tangent.solve(self.given, rate)?) {
+            return Ok(None);
+        }
+        Ok(Some(self.breaches(statuses, rate).iter().fold(0.0_f64, |m, breach| m.max(breach.size))))
+    }
+
+    /// The laws that rates break by more than rounding.
+    fn breaches(&self, statuses: &[NodeStatus], rate: &Contact) -> Vec<Breach> {
+        let force = rate.largest_force().max(largest(&self.given.force));
+        let length = rate.largest_displacement().max(largest(&self.given.gap)).max(largest(&self.given.slide));
+        let mut breaches = Vec::new();
+        for (i, (&status, &may)) in statuses.iter().zip(self.may).enumerate() {
+            let slip = rate.w_t[i] - self.given.slide[i];
+            let beyond = |sign: f64| sign * rate.p_t[i] - self.mu[i] * rate.p_n[i];
+            let along = |sign: f64| if self.rough[i] { NodeStatus::slip(sign) } else { NodeStatus::Forward };
+            let (value, scale, to) = match (may, status) {
+                (May::Anything, NodeStatus::Open) => (rate.w_n[i] - self.given.gap[i], length, along(slip)),
+                (May::Anything, _) if rate.p_n[i] < -ROUNDING * force => (-rate.p_n[i], force, NodeStatus::Open),
+                (May::Stay, _) | (_, NodeStatus::Open) => continue,
+                _ if !self.rough[i] => continue,
+                (May::Anything, NodeStatus::Stick) => {
+                    let sign = if rate.p_t[i] < 0.0 { -1.0 } else { 1.0 };
+                    (beyond(sign), force, NodeStatus::slip(sign))
+                }
+                (May::Turn(sign), NodeStatus::Stick) => (beyond(sign), force, NodeStatus::slip(sign)),
+                (_, NodeStatus::Forward | NodeStatus::Backward) => (-status.sign() * slip, length, NodeStatus::Stick),
+            };
+            if value > ROUNDING * scale {
+                breaches.push(Breach { node: i, to, size: value / scale });
+            }
+        }
+        breaches
+    }
+
+    /// The statuses that Lemke's method finds for the nodes `concerned`. With `v ≥ 0` for how fast a grazing node leaves its obstacle
+    /// and slips either way, and a node on its cone slips on, and with the reserves of pressure and friction against them.
+    fn by_lemke(
+        &self,
+        tangent: &mut dyn Tangent,
+        statuses: &[NodeStatus],
+        concerned: &[usize],
+        rate: &mut Contact,
+        effort: &mut Effort,
+    ) -> Result<Option<Vec<NodeStatus>>, LinearError> {
+        let mut held = statuses.to_vec();
+        for &i in concerned {
+            held[i] = if self.rough[i] { NodeStatus::Stick } else { NodeStatus::Forward };
+        }
+        effort.solves += 1;
+        if !(tangent.take(&held)? && tangent.solve(self.given, rate)?) {
+            return Ok(None);
+        }
+        let reserves = |rate: &Contact| -> Vec<f64> {
+            let of_node = |&i: &usize| {
+                let (pressure, friction) = (rate.p_n[i], rate.p_t[i]);
+                let left = |sign: f64| self.mu[i] * pressure - sign * friction;
+                match self.may[i] {
+                    May::Turn(sign) => vec![left(sign)],
+                    _ if self.rough[i] => vec![pressure, left(1.0), left(-1.0)],
+                    _ => vec![pressure],
+                }
+            };
+            concerned.iter().flat_map(of_node).collect()
+        };
+        let q = reserves(rate);
+        let n = q.len();
+        let mut m = vec![0.0; n * n];
+        let zeros = |values: &[f64]| vec![0.0; values.len()];
+        let mut unit =
+            Given { force: zeros(&self.given.force), gap: zeros(&self.given.gap), slide: zeros(&self.given.slide) };
+        let mut column = 0;
+        for &i in concerned {
+            let ways: &[f64] = match self.may[i] {
+                May::Turn(sign) => &[sign],
+                _ if self.rough[i] => &[0.0, 1.0, -1.0],
+                _ => &[0.0],
+            };
+            for way in ways {
+                (unit.gap[i], unit.slide[i]) = if *way == 0.0 { (-1.0, 0.0) } else { (0.0, *way) };
+                effort.solves += 1;
+                tangent.solve(&unit, rate)?;
+                reserves(rate).into_iter().enumerate().for_each(|(row, value)| m[row * n + column] = value);
+                column += 1;
+            }
+            (unit.gap[i], unit.slide[i]) = (0.0, 0.0);
+        }
+        let Some(basic) = lemke(&m, &q) else { return Ok(None) };
+        let mut basic = basic.into_iter();
+        let mut found = statuses.to_vec();
+        for &i in concerned {
+            let mut moves = || basic.next().unwrap_or(false);
+            found[i] = match self.may[i] {
+                May::Turn(sign) if moves() => NodeStatus::slip(sign),
+                May::Turn(_) => NodeStatus::Stick,
+                _ if self.rough[i] => {
+                    let (leaves, forward, backward) = (moves(), moves(), moves());
+                    match (leaves, forward, backward) {
+                        (true, ..) | (_, true, true) => NodeStatus::Open,
+                        (_, true, false) => NodeStatus::Forward,
+                        (_, false, true) => NodeStatus::Backward,
+                        _ => NodeStatus::Stick,
+                    }
+                }
+                _ if moves() => NodeStatus::Open,
+                _ => NodeStatus::Forward,
+            };
+        }
+        Ok(Some(found))
+    }
+
+    /// Tries all statuses of the nodes `concerned`.
+    fn by_enumeration(
+        &self,
+        tangent: &mut dyn Tangent,
+        statuses: &mut [NodeStatus],
+        concerned: &[usize],
+        rate: &mut Contact,
+        best: &mut Option<(f64, Vec<NodeStatus>)>,
+        effort: &mut Effort,
+    ) -> Result<bool, LinearError> {
+        let choices: Vec<Vec<NodeStatus>> = concerned.iter().map(|&i| self.choices(i)).collect();
+        let all = choices.iter().map(Vec::len).product::<usize>();
+        let before = statuses.to_vec();
+        for mut number in 0..all {
+            for (&i, choices) in concerned.iter().zip(&choices) {
+                statuses[i] = choices[number % choices.len()];
+                number /= choices.len();
+            }
+            let size = self.try_out(tangent, statuses, rate, effort)?;
+            keep(best, size, statuses);
+            if size.is_some_and(|size| size <= ROUNDING) {
+                return Ok(true);
+            }
+        }
+        statuses.copy_from_slice(&before);
+        Ok(false)
+    }
+
+    /// The statuses that node `i` may take.
+    fn choices(&self, i: usize) -> Vec<NodeStatus> {
+        match self.may[i] {
+            May::Turn(sign) => vec![NodeStatus::Stick, NodeStatus::slip(sign)],
+            _ if self.rough[i] => ALL.to_vec(),
+            _ => vec![NodeStatus::Forward, NodeStatus::Open],
+        }
+    }
+}
+
+const ALL: [NodeStatus; 4] = [NodeStatus::Stick, NodeStatus::Forward, NodeStatus::Backward, NodeStatus::Open];
+
+fn place(status: NodeStatus) -> usize {
+    ALL.iter().position(|other| *other == status).unwrap_or(0)
+}
+
+/// Keeps statuses if they are the best so far.
+fn keep(best: &mut Option<(f64, Vec<NodeStatus>)>, size: Option<f64>, statuses: &[NodeStatus]) {
+    let Some(size) = size else { return };
+    if best.as_ref().is_none_or(|(least, _)| size < *least) {
+        *best = Some((size, statuses.to_vec()));
+    }
+}

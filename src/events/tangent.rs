@@ -1,0 +1,31 @@
+//! The linear equations that contact nodes obey while none changes its status.
+
+use super::node::{Contact, Given, NodeStatus};
+use crate::linear::{LinearError, Statistics};
+
+/// With the status of each contact node given, the contact law is linear in displacements and forces, and in their rates:
+///
+/// ```text
+/// K u + C_nᵀ p_n + C_tᵀ p_t = f
+/// open:   p_n = 0,    p_t = 0
+/// closed: w_n = g,    stick: w_t = slide,    slip: p_t = ± μ p_n
+/// ```
+pub(super) trait Tangent {
+    /// Takes these statuses, one for each contact node; tells whether the equations are regular with them.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on.
+    fn take(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError>;
+
+    /// Solves the equations of the statuses taken last; tells whether the solution fulfils them. `answer` is where it goes.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on.
+    fn solve(&mut self, given: &Given, answer: &mut Contact) -> Result<bool, LinearError>;
+
+    /// What the linear algebra has done.
+    fn statistics(&self) -> Statistics;
+
+    /// All displacements of the last solution.
+    fn displacements(&self) -> Vec<f64>;
+}

@@ -1,0 +1,382 @@
+//! The way from event to event.
+
+use super::dictionary::Dictionary;
+use super::node::{Contact, Given, May, NodeStatus, largest};
+use super::rate::{Effort, Found, ROUNDING, RateProblem};
+use super::sparse::SparseTangent;
+use super::tangent::Tangent;
+use super::{Equations, Event, Lost, PathError, Step, Stop};
+use crate::formulation::Layout;
+use crate::linear::Statistics;
+use crate::loading::Loading;
+use crate::problem::{ContactProblem, State};
+use crate::units::Scaling;
+
+/// A distance, pressure or reserve of friction below this share of the largest is none.
+const NONE: f64 = 1e-13;
+
+/// Steps of no length in a row, after which statuses go in circles.
+const STANDSTILL: usize = 50;
+
+/// A stretch in which all that is given changes at one rate: `at` its start, and by how much until its end.
+struct Stretch {
+    times: [f64; 2],
+    at: Given,
+    change: Given,
+}
+
+/// A history on its way.
+pub struct Walk<'a> {
+    problem: &'a ContactProblem,
+    loading: &'a Loading,
+    scaling: Scaling,
+    mu: &'a [f64],
+    rough: Vec<bool>,
+    tangents: Vec<Option<usize>>,
+    tangent: Box<dyn Tangent + 'a>,
+    /// The times at which rates of what is given change, the nearest last.
+    corners: Vec<f64>,
+    stretch: Stretch,
+    /// How much of the stretch has passed.
+    share: f64,
+    statuses: Vec<NodeStatus>,
+    /// Where each node last stuck, past its obstacle.
+    stuck: Vec<f64>,
+    at: Contact,
+    rate: Contact,
+    /// Whether `rate` holds on; if not, which nodes have just come to the border of a law.
+    decided: bool,
+    hit: Vec<bool>,
+    /// The largest forces and displacements so far.
+    largest: [f64; 2],
+    standstill: usize,
+    effort: Effort,
+}
+
+impl<'a> Walk<'a> {
+    /// The unloaded body at the start of `loading`, with the `equations` to solve; `scaling` are the units inside.
+    ///
+    /// # Errors
+    /// [`PathError`] tells what it does not know: nodes that slide in a plane, friction that changes, rows that depend on
+    /// each other.
+    pub fn new(
+        problem: &'a ContactProblem,
+        loading: &'a Loading,
+        scaling: Scaling,
+        equations: Equations<'a>,
+    ) -> Result<Self, PathError> {
+        loading.check(problem)?;
+        let layout = Layout::new(problem);
+        let contacts = problem.contacts();
+        if (0..contacts).any(|i| layout.slides_in_a_plane(i)) {
+            return Err(PathError::SlidesInAPlane);
+        }
+        if loading.friction().is_some() {
+            return Err(PathError::FrictionChanges);
+        }
+        let tangents: Vec<Option<usize>> =
+            (0..contacts).map(|i| layout.tangential(i).iter().position(Option::is_some)).collect();
+        let rough: Vec<bool> = tangents.iter().map(Option::is_some).collect();
+        let tangent: Box<dyn Tangent + 'a> = match equations {
+            Equations::Sparse(linear) => Box::new(SparseTangent::new(problem, tangents.clone(), scaling, linear)?),
+            Equations::Dense => Box::new(Dictionary::new(problem, &tangents, scaling).ok_or(PathError::DependentRows)?),
+        };
+        let mut corners = loading.corners();
+        corners.reverse();
+        let none = || Contact::zero(contacts);
+        let mut walk = Walk {
+            problem,
+            loading,
+            scaling,
+            mu: problem.mu(),
+            rough,
+            tangents,
+            tangent,
+            corners,
+            stretch: Stretch { times: [0.0; 2], at: Given::default(), change: Given::default() },
+            share: 0.0,
+            statuses: vec![NodeStatus::Open; contacts],
+            stuck: vec![0.0; contacts],
+            at: none(),
+            rate: none(),
+            decided: false,
+            hit: vec![false; contacts],
+            largest: [0.0; 2],
+            standstill: 0,
+            effort: Effort::default(),
+        };
+        walk.begin();
+        Ok(walk)
+    }
+
+    /// What is there at t = 0 comes first, in proportion and in no time.
+    fn begin(&mut self) {
+        let there = self.given(0.0);
+        let apart = there.gap.iter().map(|gap| gap.max(0.0)).collect();
+        let at = Given { force: vec![0.0; there.force.len()], gap: apart, slide: there.slide.clone() };
+        let change = there.plus(-1.0, &at);
+        // Nodes that touch start closed: where contact alone holds the body, anything else would be singular.
+        for (i, status) in self.statuses.iter_mut().enumerate() {
+            if at.gap[i] <= 0.0 {
+                *status = if self.rough[i] { NodeStatus::Stick } else { NodeStatus::Forward };
+            }
+        }
+        let nothing = largest(&change.force) == 0.0 && largest(&change.gap) == 0.0;
+        self.stretch = Stretch { times: [0.0; 2], at, change };
+        self.stuck.copy_from_slice(&self.stretch.at.slide.iter().map(|slide| -slide).collect::<Vec<_>>());
+        if nothing {
+            self.next_stretch();
+        }
+    }
+
+    /// What is given at a time, in the units of the walk.
+    fn given(&self, time: f64) -> Given {
+        let Walk { problem, loading, scaling, .. } = self;
+        let (mut force, mut gap) = (vec![0.0; problem.displacements()], vec![0.0; problem.contacts()]);
+        loading.force(time, &mut force);
+        loading.gap_at(time, &mut gap);
+        for f in &mut force {
+            *f /= scaling.force;
+        }
+        for g in &mut gap {
+            *g /= scaling.length;
+        }
+        let drifts = [0, 1].map(|k| loading.drift_at(time, k));
+        let slide = |(i, tangent): (usize, &Option<usize>)| tangent.map_or(0.0, |k| drifts[k][i] / scaling.length);
+        let slide = self.tangents.iter().enumerate().map(slide).collect();
+        Given { force, gap, slide }
+    }
+
+    /// Begins the stretch from where the last one ends to the next corner, or for ever where there is none.
+    fn next_stretch(&mut self) {
+        let start = self.stretch.times[1];
+        while self.corners.last().is_some_and(|corner| *corner <= start) {
+            self.corners.pop();
+        }
+        // Beyond the last corner nothing changes.
+        let end = self.corners.pop().unwrap_or(f64::INFINITY);
+        let at = self.given(start);
+        let change = self.given(if end.is_finite() { end } else { start }).plus(-1.0, &at);
+        self.stretch = Stretch { times: [start, end], at, change };
+        (self.share, self.decided) = (0.0, false);
+    }
+
+    /// The time reached, s.
+    pub fn time(&self) -> f64 {
+        self.time_at(self.share)
+    }
+
+    fn time_at(&self, share: f64) -> f64 {
+        let [start, end] = self.stretch.times;
+        if end.is_infinite() || share == 0.0 {
+            start
+        } else if share == 1.0 {
+            end
+        } else {
+            start + share * (end - start)
+        }
+    }
+
+    /// What each contact node does since the last event.
+    pub fn statuses(&self) -> &[NodeStatus] {
+        &self.statuses
+    }
+
+    /// What the rates have taken so far.
+    pub fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    /// What the linear algebra has done so far.
+    pub fn statistics(&self) -> Statistics {
+        self.tangent.statistics()
+    }
+
+    /// Where the nodes are along both tangents, past their obstacles, n_c each, m; 0 along one that they do not have.
+    pub fn places(&self) -> [Vec<f64>; 2] {
+        let slide = self.stretch.at.plus(self.share, &self.stretch.change).slide;
+        let place = |(w, slide): (&f64, &f64)| (w - slide) * self.scaling.length;
+        self.along_both(&self.at.w_t.iter().zip(&slide).map(place).collect::<Vec<_>>())
+    }
+
+    /// Values along the tangents that the nodes have, as values along both.
+    fn along_both(&self, values: &[f64]) -> [Vec<f64>; 2] {
+        [0, 1].map(|k| {
+            let of = |(value, tangent): (&f64, &Option<usize>)| if *tangent == Some(k) { *value } else { 0.0 };
+            values.iter().zip(&self.tangents).map(of).collect()
+        })
+    }
+
+    /// The state reached, SI.
+    pub fn state(&self) -> State {
+        let Walk { scaling, at, .. } = self;
+        let [p_t, p_o] = self.along_both(&at.p_t.iter().map(|p| p * scaling.force).collect::<Vec<_>>());
+        State {
+            u: self.tangent.displacements().iter().map(|u| u * scaling.length).collect(),
+            u_rest: Vec::new(),
+            p_t,
+            p_o,
+            p_n: at.p_n.iter().map(|p| p * scaling.force).collect(),
+        }
+    }
+
+    /// Goes on to the next event, corner of the loads, or to `until` (s), whichever comes first.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on.
+    pub fn step(&mut self, until: f64) -> Result<Step, PathError> {
+        let mut events = Vec::new();
+        if !self.decided {
+            let before = self.statuses.clone();
+            if let Some(lost) = self.decide()? {
+                return Ok(Step { events, friction_work: 0.0, stop: Stop::Lost(lost) });
+            }
+            let time = self.time();
+            let changed = before.into_iter().zip(&self.statuses).enumerate().filter(|(_, (from, to))| from != *to);
+            events.extend(changed.map(|(node, (from, to))| Event { time, node, from, to: *to }));
+        }
+        let (reach, hit) = self.reach();
+        let [start, end] = self.stretch.times;
+        let wanted = if end.is_infinite() {
+            0.0
+        } else if until >= end {
+            1.0
+        } else {
+            ((until - start) / (end - start)).max(self.share)
+        };
+        let target = if self.decided && end.is_infinite() { self.share } else { (self.share + reach).min(wanted) };
+        let happens = !end.is_infinite() && self.share + reach <= wanted;
+        let friction_work = self.go(target)?;
+        self.hit = vec![false; self.statuses.len()];
+        if happens && target < 1.0 {
+            self.standstill = if reach <= NONE { self.standstill + 1 } else { 0 };
+            self.hit = hit;
+            self.decided = false;
+            if self.standstill > STANDSTILL {
+                let lost = Lost { time: self.time(), certain: false };
+                return Ok(Step { events, friction_work, stop: Stop::Lost(lost) });
+            }
+            return Ok(Step { events, friction_work, stop: Stop::Event });
+        }
+        if end.is_infinite() || until < end {
+            return Ok(Step { events, friction_work, stop: Stop::Until });
+        }
+        let arrived = until == end && start < end;
+        if happens {
+            self.hit = hit;
+        }
+        let hit = std::mem::take(&mut self.hit);
+        self.next_stretch();
+        self.hit = hit;
+        Ok(Step { events, friction_work, stop: if arrived { Stop::Until } else { Stop::Corner } })
+    }
+
+    /// Finds the statuses with which the path goes on, and their rates.
+    fn decide(&mut self) -> Result<Option<Lost>, PathError> {
+        let may: Vec<May> = (0..self.statuses.len()).map(|i| self.may(i)).collect();
+        let mut statuses: Vec<NodeStatus> = (0..self.statuses.len()).map(|i| self.guess(i, may[i])).collect();
+        let problem = RateProblem { given: &self.stretch.change, mu: self.mu, rough: &self.rough, may: &may };
+        match problem.solve(self.tangent.as_mut(), &mut statuses, &mut self.rate, &mut self.effort)? {
+            Found::Rates => {}
+            Found::None => return Ok(Some(Lost { time: self.time(), certain: true })),
+            Found::Nothing => return Ok(Some(Lost { time: self.time(), certain: false })),
+        }
+        let given = self.stretch.at.plus(self.share, &self.stretch.change);
+        for (i, status) in statuses.iter().enumerate() {
+            if status.is_held() && !self.statuses[i].is_held() {
+                self.stuck[i] = self.at.w_t[i] - given.slide[i];
+            }
+        }
+        (self.statuses, self.decided) = (statuses, true);
+        Ok(None)
+    }
+
+    /// The distance of a node from its obstacle.
+    fn distance(&self, i: usize) -> f64 {
+        self.stretch.at.gap[i] + self.share * self.stretch.change.gap[i] - self.at.w_n[i]
+    }
+
+    /// How far the friction of a node is from the border of its cone in the direction of `sign`.
+    fn reserve(&self, i: usize, sign: f64) -> f64 {
+        self.mu[i] * self.at.p_n[i] - sign * self.at.p_t[i]
+    }
+
+    /// What the place of node `i` among the laws lets it do.
+    fn may(&self, i: usize) -> May {
+        let [force, length] = self.largest;
+        match self.statuses[i] {
+            NodeStatus::Open if self.hit[i] || self.distance(i) <= NONE * length => May::Anything,
+            NodeStatus::Open => May::Stay,
+            _ if self.at.p_n[i] <= NONE * force => May::Anything,
+            status if status.sign() != 0.0 && self.rough[i] => May::Turn(status.sign()),
+            NodeStatus::Stick => {
+                let sign = if self.at.p_t[i] < 0.0 { -1.0 } else { 1.0 };
+                if self.hit[i] || self.reserve(i, sign) <= NONE * force { May::Turn(sign) } else { May::Stay }
+            }
+            _ => May::Stay,
+        }
+    }
+
+    /// The status of node `i` with which to begin: that into which its last rates lead.
+    fn guess(&self, i: usize, may: May) -> NodeStatus {
+        let status = self.statuses[i];
+        let slip = self.rate.w_t[i] - self.stretch.change.slide[i];
+        match (may, status) {
+            _ if !self.hit[i] => status,
+            (May::Anything, NodeStatus::Open) if self.rough[i] => NodeStatus::slip(slip),
+            (May::Anything, NodeStatus::Open) => NodeStatus::Forward,
+            (May::Anything, _) => NodeStatus::Open,
+            (May::Turn(sign), NodeStatus::Stick) => NodeStatus::slip(sign),
+            _ => status,
+        }
+    }
+
+    /// How much of the stretch passes until a node comes to the border of a law, and which nodes do then.
+    fn reach(&self) -> (f64, Vec<bool>) {
+        let Walk { rate, stretch, .. } = self;
+        let force = rate.largest_force().max(largest(&stretch.change.force));
+        let length = rate.largest_displacement().max(largest(&stretch.change.gap));
+        let until = |left: f64, pace: f64, scale: f64| {
+            if pace > ROUNDING * scale { left.max(0.0) / pace } else { f64::INFINITY }
+        };
+        let of_node = |i: usize| match self.statuses[i] {
+            NodeStatus::Open => until(self.distance(i), rate.w_n[i] - stretch.change.gap[i], length),
+            status => {
+                let leaves = until(self.at.p_n[i], -rate.p_n[i], force);
+                if status != NodeStatus::Stick {
+                    return leaves;
+                }
+                let slips =
+                    |sign: f64| until(self.reserve(i, sign), sign * rate.p_t[i] - self.mu[i] * rate.p_n[i], force);
+                leaves.min(slips(1.0)).min(slips(-1.0))
+            }
+        };
+        let shares: Vec<f64> = (0..self.statuses.len()).map(of_node).collect();
+        let least = shares.iter().fold(f64::INFINITY, |m, share| m.min(*share));
+        (least, shares.iter().map(|share| *share <= least + NONE).collect())
+    }
+
+    /// Goes on to `share` of the stretch; the work that friction dissipates on the way, J.
+    fn go(&mut self, share: f64) -> Result<f64, PathError> {
+        let slide_before = self.stretch.at.plus(self.share, &self.stretch.change).slide;
+        let before = self.at.clone();
+        self.share = share;
+        // Not by the rates but anew, so that rounding does not add up over the history.
+        let mut given = self.stretch.at.plus(share, &self.stretch.change);
+        let slide = given.slide.clone();
+        given.slide.iter_mut().zip(&self.stuck).for_each(|(slide, stuck)| *slide += stuck);
+        self.tangent.solve(&given, &mut self.at)?;
+        self.largest = [
+            self.largest[0].max(self.at.largest_force()).max(largest(&given.force)),
+            self.largest[1]
+                .max(self.at.largest_displacement())
+                .max(largest(&given.gap.iter().map(|g| g.min(0.0)).collect::<Vec<_>>())),
+        ];
+        let of_node = |i: usize| {
+            let slip = self.at.w_t[i] - before.w_t[i] - (slide[i] - slide_before[i]);
+            0.5 * (before.p_t[i] + self.at.p_t[i]) * slip
+        };
+        let slipping = (0..self.statuses.len()).filter(|&i| self.statuses[i].sign() != 0.0);
+        Ok(slipping.map(of_node).sum::<f64>() * self.scaling.force * self.scaling.length)
+    }
+}

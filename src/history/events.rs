@@ -1,0 +1,250 @@
+//! A history along its exact path in time: its increments are where the path is looked at, not what makes it.
+
+use std::time::Instant;
+
+use super::observer::{Observer, Step};
+use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
+use super::settings::HistorySettings;
+use super::system::{System, statistics};
+use super::{Error, HistoryOutcome};
+use crate::condense::Condensed;
+use crate::contact::{KktErrors, KktScales, Violation, judge, rounding_level, statuses_of};
+use crate::events::{Equations, PathError, Stop, Walk};
+use crate::linear::{Direct, LinearError, Statistics};
+use crate::loading::Loading;
+use crate::nonlinear::{Flow, IterationRecord};
+use crate::problem::{ContactProblem, Increment, State};
+
+/// A history of which each step from event to event is judged, and each end of an increment on the whole body.
+pub(super) struct ExactHistory<'a> {
+    pub problem: &'a ContactProblem,
+    pub loading: &'a Loading,
+    /// The ends of all increments, s.
+    pub times: &'a [f64],
+    pub settings: &'a HistorySettings,
+    pub observer: &'a mut dyn Observer,
+    pub outcome: HistoryOutcome,
+}
+
+/// Where a step began, for the law of friction.
+struct Begun {
+    /// Displacements past the obstacles along both tangents, n_c, m.
+    places: [Vec<f64>; 2],
+    time: f64,
+}
+
+/// What is known of an increment so far.
+struct Underway {
+    index: usize,
+    clock: Instant,
+    before: Statistics,
+    kkt: KktErrors,
+    ends: Vec<f64>,
+    friction_work: f64,
+    rates: usize,
+}
+
+impl ExactHistory<'_> {
+    /// Follows the path to its end, or to where it is lost.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(super) fn follow(mut self, system: System, start: Instant) -> Result<HistoryOutcome, Error> {
+        let (problem, loading, settings) = (self.problem, self.loading, self.settings);
+        let condensed = match system {
+            System::Condensed(ref condensation) => Some(Condensed::new(problem, loading, condensation.clone())),
+            System::Whole(_) => None,
+        };
+        let condensed = match condensed.transpose() {
+            Ok(condensed) => condensed,
+            Err(LinearError::Singular { .. }) => {
+                self.outcome.status = Status::Singular;
+                return Ok(self.outcome);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        let mut linear = match system {
+            System::Whole(linear) => linear,
+            System::Condensed(_) => Direct::default(),
+        };
+        let walk = match &condensed {
+            Some(condensed) => Walk::new(&condensed.problem, &condensed.loading, settings.scaling, Equations::Dense),
+            None => Walk::new(problem, loading, settings.scaling, Equations::Sparse(&mut linear)),
+        };
+        let walk = match walk {
+            Ok(walk) => walk,
+            Err(PathError::SlidesInAPlane | PathError::FrictionChanges | PathError::DependentRows) => {
+                self.outcome.status = Status::Unsupported;
+                return Ok(self.outcome);
+            }
+            Err(PathError::Problem(error)) => return Err(error.into()),
+            Err(PathError::Linear(error)) => return Err(error.into()),
+        };
+        self.outcome.setup_seconds = start.elapsed().as_secs_f64();
+        self.observer.ready();
+        match self.walk(walk, condensed.as_ref()) {
+            Err(PathError::Linear(LinearError::OutOfMemory { .. })) => self.outcome.status = Status::OutOfMemory,
+            Err(PathError::Linear(error)) => return Err(error.into()),
+            Err(PathError::Problem(error)) => return Err(error.into()),
+            // What a walk does not know it says when it is made.
+            Err(_) => self.outcome.status = Status::Unsupported,
+            Ok(()) => {}
+        }
+        Ok(self.outcome)
+    }
+
+    fn walk(&mut self, mut walk: Walk<'_>, condensed: Option<&Condensed>) -> Result<(), PathError> {
+        let (small, loads) = condensed.map_or((self.problem, self.loading), |c| (&c.problem, &c.loading));
+        let body = condensed.map(Condensed::info);
+        let mut scales = [KktScales::default(); 2];
+        for (k, &time) in self.times.iter().enumerate() {
+            let mut underway = Underway {
+                index: k + 1,
+                clock: Instant::now(),
+                before: walk.statistics(),
+                kkt: KktErrors::default(),
+                ends: Vec::new(),
+                friction_work: 0.0,
+                rates: walk.effort().solves,
+            };
+            let (begun, lost) = loop {
+                let begun = Begun { places: walk.places(), time: walk.time() };
+                let step = walk.step(time)?;
+                for event in &step.events {
+                    self.observer.event(underway.index, event);
+                }
+                self.outcome.events.extend(step.events);
+                underway.friction_work += step.friction_work;
+                let lost = match step.stop {
+                    Stop::Lost(lost) => Some(lost),
+                    _ => None,
+                };
+                if lost.is_none() {
+                    let (state, now) = (walk.state(), walk.time());
+                    let data = Driven::new(small, loads, now, &begun);
+                    scales[0] = scales[0].with_load(small, &data.increment()).with_state(&state);
+                    let imbalance = small.imbalance(&data.force, &state);
+                    let tolerance = self.settings.tolerance;
+                    let kkt = judge(small, &data.increment(), &state, &imbalance, &scales[0], tolerance);
+                    underway.kkt = underway.kkt.max(&kkt);
+                    if step.stop != Stop::Until && now > begun.time {
+                        underway.ends.push(now);
+                    }
+                }
+                let error = Some(underway.kkt.worst().1);
+                let told = IterationRecord {
+                    iteration: walk.effort().solves - underway.rates,
+                    error,
+                    ..IterationRecord::start(f64::NAN)
+                };
+                let stopped = self.observer.iteration(underway.index, &told) == Flow::Stop;
+                if lost.is_some() || step.stop == Stop::Until {
+                    break (begun, lost);
+                }
+                if stopped {
+                    self.outcome.status = Status::Interrupted;
+                    return Ok(());
+                }
+            };
+            let reached = lost.map_or(time, |lost| lost.time);
+            let small_state = walk.state();
+            let state = match condensed {
+                Some(condensed) => condensed.state(reached, &small_state)?,
+                None => small_state,
+            };
+            let data = Driven::new(self.problem, self.loading, reached, &begun);
+            underway.ends.push(reached);
+            scales[1] = scales[1].with_load(self.problem, &data.increment()).with_state(&state);
+            self.outcome.lost = lost;
+            let status = lost.map(|_| Status::NoContinuation);
+            let flow = self.end(&underway, &data, state, scales[1], status, &walk);
+            self.outcome.linear = statistics(walk.statistics(), body, 0.0);
+            if self.outcome.status != Status::Converged {
+                return Ok(());
+            }
+            if flow == Flow::Stop && k + 1 < self.times.len() {
+                self.outcome.status = Status::Interrupted;
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// Judges the end of an increment on the whole body, and tells of it.
+    fn end(
+        &mut self,
+        underway: &Underway,
+        data: &Driven,
+        state: State,
+        scales: KktScales,
+        status: Option<Status>,
+        walk: &Walk<'_>,
+    ) -> Flow {
+        let (problem, tolerance) = (self.problem, self.settings.tolerance);
+        let increment = data.increment();
+        let imbalance = problem.imbalance(&data.force, &state);
+        let kkt = underway.kkt.max(&judge(problem, &increment, &state, &imbalance, &scales, tolerance));
+        let judged = if kkt.worst().1 <= tolerance { Status::Converged } else { Status::Inaccurate };
+        let status = status.unwrap_or(judged);
+        let statuses = statuses_of(problem, &increment, &state, &scales);
+        let (after, all) = (walk.statistics(), underway.clock.elapsed().as_secs_f64());
+        let record = IncrementRecord {
+            index: underway.index,
+            time: data.time,
+            status,
+            parts: underway.ends.len(),
+            part_ends: if underway.ends.len() > 1 { underway.ends.clone() } else { Vec::new() },
+            iterations: walk.effort().solves - underway.rates,
+            kkt,
+            backward_error: after.worst_backward_error,
+            contact: ContactCounts::of(&statuses),
+            friction_work: underway.friction_work,
+            strain_energy: problem.energy_in_equilibrium(&data.force, &state),
+            seconds: Seconds::between(&underway.before, &after, 0.0, all),
+            ..IncrementRecord::undeformed(0)
+        };
+        let flow = self.observer.increment(&Step {
+            record: &record,
+            increment: &increment,
+            state: &state,
+            statuses: &statuses,
+        });
+        self.outcome.status = status;
+        self.outcome.reached = data.time;
+        self.outcome.rounding = rounding_level(problem, &state, &scales);
+        if status == Status::Converged {
+            (self.outcome.state, self.outcome.scales) = (state, scales);
+        } else {
+            self.outcome.violation = Some(Violation::worst(problem, &increment, &state, &scales));
+        }
+        self.outcome.records.push(record);
+        flow
+    }
+}
+
+/// What drove a step, with the arrays that an [`Increment`] borrows.
+struct Driven {
+    time: f64,
+    force: Vec<f64>,
+    gap: Vec<f64>,
+    mu: Vec<f64>,
+    w_last: [Vec<f64>; 2],
+}
+
+impl Driven {
+    /// That of a step that has `begun` and ends at `time`.
+    fn new(problem: &ContactProblem, loading: &Loading, time: f64, begun: &Begun) -> Self {
+        let mut force = vec![0.0; problem.displacements()];
+        loading.force(time, &mut force);
+        let w_last = [0, 1].map(|k| {
+            let drift = loading.drift_at(time, k);
+            begun.places[k].iter().zip(drift).map(|(place, drift)| place + drift).collect()
+        });
+        Driven { time, force, gap: loading.gaps_at(time), mu: problem.mu().to_vec(), w_last }
+    }
+
+    fn increment(&self) -> Increment<'_> {
+        let Driven { force, gap, mu, w_last: [w_t_last, w_o_last], .. } = self;
+        Increment { force, gap, mu, w_t_last, w_o_last }
+    }
+}
