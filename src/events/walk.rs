@@ -278,8 +278,12 @@ impl<'a> Walk<'a> {
         let problem = RateProblem { given: &self.stretch.change, mu: self.mu, rough: &self.rough, may: &may };
         match problem.solve(self.tangent.as_mut(), &mut statuses, &mut self.rate, &mut self.effort)? {
             Found::Rates => {}
-            Found::None => return Ok(Some(Lost { time: self.time(), certain: true })),
-            Found::Nothing => return Ok(Some(Lost { time: self.time(), certain: false })),
+            found => {
+                // Back to the state that was reached.
+                self.tangent.take(&self.statuses)?;
+                self.go(self.share)?;
+                return Ok(Some(Lost { time: self.time(), certain: matches!(found, Found::None) }));
+            }
         }
         let given = self.stretch.at.plus(self.share, &self.stretch.change);
         for (i, status) in statuses.iter().enumerate() {
