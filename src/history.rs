@@ -52,6 +52,7 @@ mod settings;
 mod solver;
 mod stage;
 mod system;
+mod tangent;
 mod task;
 mod told;
 mod walked;

@@ -1,6 +1,7 @@
 //! The B-differentiable formulation: `H_N` (19) and its linearisation (21) on `z = (u, p_t, p_o, p_n)`.
 
 mod free;
+mod tangent;
 
 use super::mixed::{MixedMatrix, TangentialRow};
 use super::natural::Pressure;

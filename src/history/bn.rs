@@ -1,6 +1,7 @@
-//! BN along a history: every increment starts from the last solution.
+//! BN along a history: every increment starts from the last solution, in the default setting on the tangent there.
 
 use super::settings::{FirstGuess, HistorySettings};
+use super::tangent;
 use super::task::{IncrementSolver, Observe, Task};
 use crate::formulation::{Assembled, Bdiff};
 use crate::linear::{Direct, LinearError};
@@ -24,7 +25,7 @@ pub(super) struct BnMethod<'a> {
     z: Vec<f64>,
     /// What rounding leaves off `z`.
     rest: Vec<f64>,
-    /// From where to where the last increment went, where directions of slip turn.
+    /// From where to where the last increment went, if it is measured and has been solved.
     last: Option<[Vec<f64>; 2]>,
 }
 
@@ -133,9 +134,17 @@ impl IncrementSolver for BnMethod<'_> {
             task.response.add_forces_to(z);
         }
         let start = z.clone();
-        let turns = *measured && (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i));
-        if let (Some(stretch), Some(last), true) = (task.stretch, last.as_ref(), turns) {
-            go_on_as_before(formulation, last, &from, stretch, z);
+        let turns = (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i));
+        let tangent = match last {
+            Some([_, after]) if *after == from && task.landed.is_none() && !solved => {
+                tangent::ahead(formulation, bn, linear, &from)?
+            }
+            _ => None,
+        };
+        match (tangent, task.stretch, last.as_ref()) {
+            (Some(ahead), ..) => *z = ahead,
+            (None, Some(stretch), Some(last)) if turns => go_on_as_before(formulation, last, &from, stretch, z),
+            _ => {}
         }
         let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpacked_with(z, rest, &scaling));
         let end = match measured {
@@ -152,7 +161,7 @@ impl IncrementSolver for BnMethod<'_> {
                 *z = settled;
             }
         }
-        if outcome.stop == Stop::Met && turns {
+        if outcome.stop == Stop::Met && *measured {
             *last = Some([from, z.clone()]);
         }
         Ok(outcome)

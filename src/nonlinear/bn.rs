@@ -151,6 +151,27 @@ impl Bn {
         }
     }
 
+    /// The change of `z` that takes a residual `h` away, by the factors of the last linearisation, if `linear` has them still. It is no
+    /// iteration.
+    ///
+    /// # Errors
+    /// As [`Bn::solve`].
+    pub fn substitute(
+        &mut self,
+        formulation: &Bdiff,
+        linear: &mut Direct,
+        h: &[f64],
+    ) -> Result<Option<&[f64]>, LinearError> {
+        if self.factored != Some(linear.generation()) {
+            return Ok(None);
+        }
+        self.rhs.iter_mut().zip(h).for_each(|(b, h)| *b = -h);
+        match linear.solve(formulation.jacobian(), &self.rhs, &mut self.dz) {
+            Ok(_) => Ok(Some(&self.dz)),
+            Err(error) => Stop::at(error).map(|_| None),
+        }
+    }
+
     /// (12) along the present direction: the step and how many times it was shortened.
     fn step_size(&self, formulation: &Bdiff, z: &[f64], theta: f64) -> (f64, usize) {
         self.armijo.step(theta, formulation.merit_along(z, &self.dz, &self.h))

@@ -26,6 +26,7 @@ mod matrices;
 mod neutral;
 mod own_method;
 mod robust;
+mod tangent_start;
 mod uniqueness;
 mod uniqueness_of_rows;
 mod units;

@@ -1,0 +1,63 @@
+//! An increment of BN in the default setting starts on the tangent of the history: fewer iterations, the same answers.
+#![allow(clippy::unwrap_used)]
+
+use crate::common::{Keep, block, difference, run, scene};
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Solver, Status};
+use stickslip::model::Model;
+use stickslip::scene::Scene;
+
+/// The history of a scene by `method`.
+fn history(scene: &Scene, method: Method, linear: LinearAlgebra) -> (HistoryOutcome, Keep) {
+    let mut scene = scene.clone();
+    scene.solver = Solver { method, linear: Some(linear), ..scene.solver };
+    let (model, mut keep) = (Model::new(&scene).unwrap(), Keep::default());
+    let outcome = run(&scene, &model, &mut keep);
+    assert_eq!(outcome.status, Status::Converged, "{method}, {linear}");
+    (outcome, keep)
+}
+
+fn iterations(outcome: &HistoryOutcome) -> usize {
+    outcome.records.iter().map(|record| record.iterations).sum()
+}
+
+/// BN, whole and condensed, takes at most so many iterations to the states of the interior point method.
+fn agrees_within(scene: &Scene, most: usize) -> HistoryOutcome {
+    let (_, expected) = history(scene, Method::IP, LinearAlgebra::condensed());
+    let [(whole, whole_states), (condensed, states)] =
+        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| history(scene, Method::BN, linear));
+    for (outcome, keep) in [(&whole, &whole_states), (&condensed, &states)] {
+        let apart = difference(&expected.states, &keep.states);
+        assert!(apart < 1e-8, "{apart:e}");
+        assert!(iterations(outcome) <= most, "{}", iterations(outcome));
+    }
+    assert_eq!(iterations(&whole), iterations(&condensed));
+    condensed
+}
+
+/// From the last state the same history takes 129 iterations.
+#[test]
+fn increments_without_a_change_of_status_take_no_iteration() {
+    let scene = block(&["mesh.elements=[20,20]", "time.increments=100", "solver.setting='default'"]);
+    let outcome = agrees_within(&scene, 32);
+    let free = outcome.records.iter().filter(|record| record.iterations == 0).count();
+    assert!(free >= 80, "{free}");
+    // The factors of an increment serve the start of the next.
+    assert!(outcome.linear.factorizations <= iterations(&outcome) + 1, "{}", outcome.linear.factorizations);
+}
+
+/// Directions of slip turn; from the last state, or going on as before, 36.
+#[test]
+fn slip_that_turns_goes_on_turning() {
+    agrees_within(&scene("cube.toml", &["mesh.elements=[6,6,6]"]), 32);
+}
+
+/// Where friction changes, the last matrix is not that of the new data, and no tangent is taken.
+#[test]
+fn other_friction_has_no_tangent() {
+    let rising = "contact[0].friction_history=[[0,0.5],[1,1],[2,0.25]]";
+    let overrides = ["mesh.elements=[8,8]", "time.increments=20", "solver.setting='default'"];
+    let steady = agrees_within(&block(&overrides), usize::MAX);
+    let changing = agrees_within(&block(&[&overrides[..], &[rising]].concat()), usize::MAX);
+    assert!(steady.records.iter().any(|record| record.iterations == 0));
+    assert!(changing.records.iter().all(|record| record.iterations > 0 || record.contact.open == 8));
+}
