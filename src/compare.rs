@@ -132,7 +132,7 @@ pub struct Trial {
     pub iterates: Vec<Iterate>,
 }
 
-/// A mesh and its reference, the default BN with many increments.
+/// A mesh and its reference: the exact path in time, or where that is not known, or is lost, the default BN with many increments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshResult {
     /// Which it is.
@@ -141,7 +141,7 @@ pub struct MeshResult {
     pub displacements: usize,
     /// n_c.
     pub contacts: usize,
-    /// The increments of the reference.
+    /// The increments of the reference; 0 where that is the exact path.
     pub increments: usize,
     /// The verdict of the reference.
     pub status: Status,

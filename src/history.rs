@@ -9,6 +9,7 @@
 //! | the increments of one set-up of the equations, and what it leaves to the next | `stage.rs`, `position.rs` |
 //! | which contact nodes join condensed equations that do not hold all | `working_set.rs` |
 //! | the exact path in time, from event to event | `events.rs` |
+//! | what the increments leave: the work of friction and the tangential forces | `increment_error.rs` |
 //! | how far loads have carried a body that contact alone holds | `carried.rs` |
 //! | the interior at the start of an increment, and at the end of a condensed one | `held.rs`, `whole.rs` |
 //!
@@ -39,6 +40,7 @@ mod carried;
 mod error;
 mod events;
 mod held;
+mod increment_error;
 mod ip;
 mod method;
 mod newton_end;
@@ -62,6 +64,7 @@ mod working_set;
 use std::time::Instant;
 
 pub use error::Error;
+pub use increment_error::{IncrementError, IncrementErrors};
 pub use method::{Method, Start};
 pub use observer::{Observer, Step};
 pub use record::{ContactCounts, IncrementRecord, Seconds, Status};
@@ -110,6 +113,8 @@ pub struct HistoryOutcome {
     pub layout: Layout,
     /// The contact nodes that the equations held, if those were not all at first.
     pub working_set: Option<WorkingSet>,
+    /// What the increments leave, where there is friction and the method estimates that.
+    pub increment_error: Option<IncrementError>,
     /// What the linear algebra did.
     pub linear: Statistics,
     /// Seconds for patterns and symbolic analysis, before the first increment.
@@ -163,6 +168,7 @@ pub fn run_with(
         free_motion: None,
         layout: Layout::new(problem),
         working_set: None,
+        increment_error: None,
         linear: Statistics::default(),
         setup_seconds: 0.0,
     };

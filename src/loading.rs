@@ -11,6 +11,7 @@ pub use friction::FrictionHistory;
 
 use crate::problem::error::{expect_finite, expect_history, expect_length};
 use crate::problem::{ContactProblem, ProblemError};
+use crate::timeline::kinks;
 
 const PER_NODE: &str = "one for each node in front of the obstacle";
 
@@ -291,6 +292,17 @@ impl Loading {
         let mut times = self.corner_times();
         times.extend(self.cases.iter().flat_map(|case| case.history.iter().map(|point| point[0])));
         times.retain(|time| *time > 0.0);
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
+    /// The times (s) at which a load, the motion of an obstacle or friction changes its rate, ascending.
+    pub fn kinks(&self) -> Vec<f64> {
+        let loads = self.cases.iter().map(|case| &case.history);
+        let motions = self.motions.iter().map(|motion| &motion.history);
+        let friction = self.friction.iter().flat_map(|friction| friction.cases.iter().map(|(_, history)| history));
+        let mut times: Vec<f64> = loads.chain(motions).chain(friction).flat_map(|history| kinks(history)).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
         times

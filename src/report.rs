@@ -3,6 +3,7 @@
 mod balance;
 mod chart;
 mod colours;
+mod companion;
 mod contact_line;
 mod contact_surface;
 mod csv;
@@ -14,6 +15,7 @@ mod fields;
 mod file_names;
 mod folder;
 mod history_chart;
+mod increment_warnings;
 mod increments;
 mod map;
 mod pairs;
@@ -38,6 +40,7 @@ mod warnings;
 
 pub use balance::{Acting, BalanceRecord};
 pub use chart::{Axis, Chart, Curve, Panel, Scale, told_apart};
+pub use companion::{ChosenIncrements, CompanionEstimate};
 pub use contact_line::{ContactLine, ContactPoint};
 pub use contact_surface::{ContactSurface, SurfaceNode};
 pub use csv::{number as csv_number, table as csv_table};

@@ -23,8 +23,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod companion;
 mod discretise;
 mod error;
+mod increments;
 mod recording;
 mod watch;
 
@@ -33,19 +35,23 @@ use std::time::Instant;
 
 pub use discretise::discretise;
 pub use error::RunError;
+pub use increments::increments_for;
 pub use recording::{RecordedIncrement, Recording};
 
 use crate::auto::{Choice, Done, Faster, factorizations};
 use crate::contact::ContactStatus;
 use crate::formulation::Layout;
-use crate::history::{self, HistoryOutcome, IncrementRecord, LinearAlgebra, Observer, Solver, System};
+use crate::history::{self, HistoryOutcome, IncrementRecord, LinearAlgebra, Observer, Solver, Status, System};
 use crate::linear::{Direct, LinearError};
 use crate::model::Model;
 use crate::problem::State;
 use crate::reach::{self, Reach};
-use crate::report::{Facts, Measured, RunReport, available_bytes, cpu_seconds, peak_rss_bytes};
+use crate::report::{
+    CompanionEstimate, Estimates, Facts, Measured, RunReport, available_bytes, cpu_seconds, peak_rss_bytes,
+};
 use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
+use companion::{Companion, Keep};
 use watch::Watch;
 
 /// So many factorisations are worth a better order.
@@ -63,6 +69,7 @@ pub struct Run<'a> {
     /// What condensed equations begin with.
     reach: Reach,
     uniqueness: bool,
+    companion: bool,
     /// Wall time of mesh, assembly and choice, s.
     model_seconds: f64,
 }
@@ -119,7 +126,7 @@ impl<'a> Run<'a> {
             None => Choice::cheapest(&model.problem, &reach, solver.method, times.len(), available_bytes())?,
         };
         let model_seconds = start.elapsed().as_secs_f64();
-        Ok(Run { scene, model, times, solver, choice, reach, uniqueness: false, model_seconds })
+        Ok(Run { scene, model, times, solver, choice, reach, uniqueness: false, companion: false, model_seconds })
     }
 
     /// The same run, whose report also tells the critical friction at the end.
@@ -132,6 +139,13 @@ impl<'a> Run<'a> {
             return Err(RunError::SlidesInAPlane);
         }
         Ok(Run { uniqueness: true, ..self })
+    }
+
+    /// The same run, whose report also tells what its increments leave in the tangential forces, by a second run with a quarter of
+    /// the increments, or with twice as many where there are few. Without friction nothing is left.
+    #[must_use]
+    pub fn with_companion(self) -> Self {
+        Run { companion: true, ..self }
     }
 
     /// What is solved.
@@ -191,11 +205,19 @@ impl<'a> Run<'a> {
     pub fn solve_with(&self, system: System, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
         let start = Instant::now();
         let (linear, condensed) = (system.name(), system.condenses());
-        let mut watch = Watch::new(&self.model, self.uniqueness, observer);
-        let mut outcome = self.history_with(system, &mut watch)?;
+        let companion = self.companion();
+        let numbers = companion.as_ref().map_or(&[][..], |companion| &companion.ends[0]);
+        let mut keep = Keep { observer, quiet: false, numbers, states: Vec::new() };
+        let mut watch = Watch::new(&self.model, self.uniqueness, &mut keep);
+        let mut outcome = self.history_with(system, &self.times, &mut watch)?;
         let Watch { validity, estimates, energies, forces, reactions, last, .. } = watch;
         for (record, strain_energy) in outcome.records.iter_mut().zip(energies) {
             record.strain_energy = strain_energy;
+        }
+        let mut all_estimates = Estimates { increments: outcome.increment_error, ..estimates.estimates(&self.model) };
+        if let (Some(companion), Status::Converged) = (companion.as_ref(), outcome.status) {
+            let Keep { observer, states, .. } = keep;
+            all_estimates.companion = Some(self.compared(companion, &states, observer)?);
         }
         let critical_friction = match last {
             Some(last) => self.critical_friction(&last, &outcome)?,
@@ -224,7 +246,7 @@ impl<'a> Run<'a> {
             outcome: &outcome,
             validity: &validity,
             largest_pressure: estimates.largest_pressure(&self.model),
-            estimates: estimates.estimates(&self.model),
+            estimates: all_estimates,
             forces,
             reactions,
             critical_friction,
@@ -237,7 +259,7 @@ impl<'a> Run<'a> {
     /// # Errors
     /// As [`Run::solve`].
     pub fn history(&self, observer: &mut dyn Observer) -> Result<HistoryOutcome, RunError> {
-        self.history_with(self.system(), observer)
+        self.history_with(self.system(), &self.times, observer)
     }
 
     /// The chosen linear system, in an order for as many factorisations as are to be expected.
@@ -251,11 +273,36 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn history_with(&self, system: System, observer: &mut dyn Observer) -> Result<HistoryOutcome, RunError> {
+    /// The increments of a second run to compare with, if that was asked for and there is friction.
+    fn companion(&self) -> Option<Companion> {
+        let layout = Layout::new(&self.model.problem);
+        let has_friction = (0..layout.contacts()).any(|i| layout.has_friction(i));
+        (self.companion && has_friction).then(|| Companion::of(&self.times, &self.model.loading.kinks()))
+    }
+
+    /// Solves the `companion` of a run with these `states` at the ends of its stretches, and compares.
+    fn compared(
+        &self,
+        companion: &Companion,
+        states: &[State],
+        observer: &mut dyn Observer,
+    ) -> Result<CompanionEstimate, RunError> {
+        let mut keep = Keep { observer, quiet: true, numbers: &companion.ends[1], states: Vec::new() };
+        let status = self.history_with(self.system(), &companion.times, &mut keep)?.status;
+        let both = [states, &keep.states[..]];
+        Ok(CompanionEstimate::new(&self.model, companion.times.len(), status, both, companion.share))
+    }
+
+    fn history_with(
+        &self,
+        system: System,
+        times: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Result<HistoryOutcome, RunError> {
         let Model { problem, loading, .. } = &*self.model;
         let mut settings = self.solver.settings(problem, loading)?;
         settings.working_set.clone_from(&self.reach.nodes);
-        Ok(history::run(problem, loading, &self.times, &settings, system, observer)?)
+        Ok(history::run(problem, loading, times, &settings, system, observer)?)
     }
 
     fn critical_friction(

@@ -2,6 +2,9 @@
 
 use crate::fault::{Fault, not_huge};
 
+/// Relative to the steepest rate: far above its rounding, far below what matters.
+const ROUNDING: f64 = 1e-9;
+
 /// Checks the points of a history at `key`; `value` says what stands behind the time in each.
 ///
 /// # Errors
@@ -49,6 +52,19 @@ pub fn equal_increments(end: f64, count: usize) -> Vec<f64> {
     (1..=count).map(|k| if k == count { end } else { end * k as f64 / count as f64 }).collect()
 }
 
+/// The times at which a rate of `history` changes; before the first point and after the last they are 0.
+pub fn kinks<const N: usize>(history: &[[f64; N]]) -> Vec<f64> {
+    let rates: Vec<Vec<f64>> = (1..N)
+        .map(|c| {
+            let inner = history.windows(2).map(|pair| (pair[1][c] - pair[0][c]) / (pair[1][0] - pair[0][0]));
+            [0.0].into_iter().chain(inner).chain([0.0]).collect()
+        })
+        .collect();
+    let steepest = rates.iter().flatten().fold(0.0_f64, |m, rate| m.max(rate.abs()));
+    let bends = |k: usize| rates.iter().any(|rates| (rates[k + 1] - rates[k]).abs() > ROUNDING * steepest);
+    (0..history.len()).filter(|&k| bends(k)).map(|k| history[k][0]).collect()
+}
+
 /// The part of `points` from 0 to `end` (s). What is never reached must not count as the largest of anything.
 pub fn within<const N: usize>(end: f64, points: &[[f64; N]]) -> Vec<[f64; N]> {
     let mut times: Vec<f64> = points.iter().map(|point| point[0].clamp(0.0, end)).collect();
@@ -81,6 +97,13 @@ mod tests {
         assert_eq!(within(2.0, &[[3.0, 7.0], [4.0, 9.0]]), [[2.0, 7.0]]);
         assert_eq!(within(2.0, &[[-3.0, 9.0], [-2.0, 7.0]]), [[0.0, 7.0]]);
         assert_eq!(within(2.0, &[[0.0, 0.0, 1.0], [4.0, 2.0, -1.0]]), [[0.0, 0.0, 1.0], [2.0, 1.0, 0.0]]);
+    }
+
+    #[test]
+    fn kinks_are_where_rates_change() {
+        assert_eq!(kinks(&[[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 0.0]]), [0.0, 2.0, 3.0]);
+        assert_eq!(kinks(&[[0.3, 1.0], [0.9, 1.0]]), [0.0; 0]);
+        assert_eq!(kinks(&[[0.0, 0.0, 0.0], [1.0, 0.0, 1.0], [3.0, 0.0, 3.0]]), [0.0, 3.0]);
     }
 
     #[test]

@@ -31,7 +31,7 @@ pub(super) struct CompareArgs {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
     /// The algorithms
-    #[arg(long, value_delimiter = ',', value_parser = ["bn", "ip"], default_value = "bn,ip")]
+    #[arg(long, value_delimiter = ',', value_parser = ["bn", "ip", "events"], default_value = "bn,ip")]
     methods: Vec<String>,
     /// Their settings
     #[arg(long, value_delimiter = ',', value_parser = ["default", "paper"], default_value = "default")]
@@ -50,7 +50,7 @@ pub(super) struct CompareArgs {
     /// Increments of the whole history; a quarter, half and all of the scene's unless given
     #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     increments: Vec<u32>,
-    /// Increments of the reference, in those of the finest history
+    /// Increments of the reference, in those of the finest history; without meaning where the exact path is the reference
     #[arg(long, value_name = "TIMES", default_value_t = 8, value_parser = clap::value_parser!(u32).range(2..))]
     reference: u32,
     /// How many histories are computed at a time, each on one thread; as many as there are threads unless given
@@ -70,6 +70,7 @@ fn method(name: &str, setting: &str) -> Method {
     match (name, setting) {
         ("ip", "paper") => Method::paper_ip(Start::Safe),
         ("ip", _) => Method::IP,
+        ("events", _) => Method::Events,
         (_, "paper") => Method::PaperBn,
         _ => Method::BN,
     }
@@ -138,6 +139,8 @@ fn plan(args: &CompareArgs, threads: usize, solvers: &[LinearAlgebra], scene: &S
     for &linear in solvers {
         for name in &args.methods {
             paths.extend(args.settings.iter().map(|setting| SolverPath { method: method(name, setting), linear }));
+            // The exact path has one setting.
+            paths.dedup();
         }
     }
     let jobs = args.jobs.map_or(threads, usize::from);

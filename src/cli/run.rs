@@ -1,5 +1,6 @@
 //! `stickslip run`.
 
+mod increments;
 mod watcher;
 
 use std::io;
@@ -9,11 +10,12 @@ use std::process::ExitCode;
 use clap::Args;
 use stickslip::estimate::PeakOf;
 use stickslip::formulation::{Layout, NewtonSystem};
-use stickslip::history::{Method, Status, WorkingSet};
+use stickslip::history::{IncrementError, Method, Status, WorkingSet};
 use stickslip::linear::blas::Blas;
 use stickslip::model::Model;
 use stickslip::report::{
-    Acting, BalanceRecord, ComponentSums, LeftOut, ProbeTable, ResultFolder, Resultant, RunReport, Unknowns, Warning,
+    Acting, BalanceRecord, CompanionEstimate, ComponentSums, LeftOut, ProbeTable, ResultFolder, Resultant, RunReport,
+    Unknowns, Warning,
 };
 use stickslip::run::Run;
 use stickslip::scene::Scene;
@@ -21,6 +23,7 @@ use stickslip::units::Quantity;
 
 use super::progress::Progress;
 use super::{Failure, SceneArgs, interrupt, threads, uniqueness};
+use increments::{IncrementArgs, explain};
 use watcher::Watcher;
 
 #[derive(Args)]
@@ -36,6 +39,11 @@ pub(super) struct RunArgs {
     /// Tell up to how much friction the rates at the end are unique along the statuses there
     #[arg(long)]
     uniqueness: bool,
+    /// Run a second time with a quarter of the increments, to tell what the increments leave in the tangential forces
+    #[arg(long)]
+    companion: bool,
+    #[command(flatten)]
+    increments: IncrementArgs,
 }
 
 /// On `count` threads. `kernel_before`: the kernel of the BLAS before the program started itself again.
@@ -46,9 +54,16 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         say!("{}", scene.title);
         say!("set-up       mesh, stiffness, contact");
     }
+    let (scene, chosen) = args.increments.of(scene, count)?;
+    if let (Some(chosen), false) = (&chosen, args.json) {
+        say!("increments   {}", explain(chosen));
+    }
     let mut run = Run::prepared(&scene, |model| threads::share_with_the_blas(model, count))?;
     if args.uniqueness {
         run = run.with_uniqueness()?;
+    }
+    if args.companion {
+        run = run.with_companion();
     }
     let folder = args.out.as_deref().map(|path| open_folder(path, &scene, run.model())).transpose()?;
     if !args.json {
@@ -70,6 +85,7 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
     watcher.progress.finish();
     let Watcher { folder, failed_write, .. } = watcher;
     let mut report = report?;
+    report.chosen_increments = chosen;
     if let Some(blas) = &mut report.blas {
         blas.kernel_before = kernel_before;
     }
@@ -214,6 +230,28 @@ fn print_verdict(report: &RunReport, increments: usize) {
     }
     if let Some(error) = report.estimates.discretisation {
         say!("mesh         its error is about {:.1} % in the energy norm", 100.0 * error);
+    }
+    if let Some(IncrementError { friction_work, friction_work_corrected, work_error, force_error, .. }) =
+        report.estimates.increments.filter(|found| found.friction_work > 0.0)
+    {
+        let [work, corrected] = [friction_work, friction_work_corrected].map(|x| units.of_si(Quantity::Energy, x));
+        let unit = units.name(Quantity::Energy);
+        say!(
+            "friction     did a work of {work:.3e} {unit}, {:.1} % of it due to the increments: corrected {corrected:.3e} {unit}",
+            100.0 * work_error
+        );
+        if let Some(error) = force_error.filter(|error| *error > 0.0) {
+            say!("increments   they leave about {:.1} % in the tangential forces", 100.0 * error);
+        }
+    }
+    if let Some(CompanionEstimate { increments, status, error, .. }) = report.estimates.companion {
+        match error {
+            Some(error) => say!(
+                "increments   they leave about {:.1} % in the tangential forces, by a run with {increments}",
+                100.0 * error
+            ),
+            None => say!("increments   what they leave cannot be told: a run with {increments} ended {status}"),
+        }
     }
     say!(
         "work         {} iterations, {} factorisations, {} symbolic analysis, {} entries in L and U",

@@ -5,6 +5,7 @@ use std::time::Instant;
 use super::errors::{End, TimeErrors};
 use super::mesh::MeshChoice;
 use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
+use crate::formulation::Layout;
 use crate::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver, Status, Step};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
@@ -13,9 +14,20 @@ use crate::run::{Run, RunError};
 use crate::scene::{Override, Scene};
 use crate::units::UnitSystem;
 
-/// What the reference is computed with. With many increments the condensed path is the cheapest.
-fn reference_path() -> SolverPath {
-    SolverPath { method: Method::BN, linear: LinearAlgebra::condensed() }
+/// What the reference is computed with. With many increments, or events, the condensed path is the cheapest.
+fn reference_path(method: Method) -> SolverPath {
+    SolverPath { method, linear: LinearAlgebra::condensed() }
+}
+
+/// Whether increments come to the exact path, the more there are: it is known where nodes slide along lines and friction stays, and
+/// what acts at the beginning it takes in proportion, where the first increment, however short, takes it at once.
+fn has_exact_path(model: &Model) -> bool {
+    let Model { problem, loading, .. } = model;
+    let layout = Layout::new(problem);
+    let straight = !(0..layout.contacts()).any(|i| layout.slides_in_a_plane(i));
+    let apart = loading.gaps_at(0.0).iter().all(|gap| *gap >= 0.0);
+    let unloaded = loading.cases().iter().all(|case| case.factor(0.0) == 0.0);
+    straight && apart && unloaded && loading.friction().is_none()
 }
 
 /// A scene on one mesh.
@@ -50,7 +62,17 @@ impl Study {
         let built = [wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu];
         let end = scene.time.all().last().copied();
         let mut last = LastIncrement { model: &model, end, watch: EstimateWatch::new(&model) };
-        let reference = solve(&scene, &model, built, reference_path(), reference, Some(&mut last))?;
+        let mut exact = None;
+        if has_exact_path(&model) {
+            let path = solve(&scene, &model, built, reference_path(Method::Events), 1, Some(&mut last))?;
+            exact = (path.outcome.status == Status::Converged).then_some(Solved { increments: 0, ..path });
+        }
+        let reference = if let Some(exact) = exact {
+            exact
+        } else {
+            last.watch = EstimateWatch::new(&model);
+            solve(&scene, &model, built, reference_path(Method::BN), reference, Some(&mut last))?
+        };
         let estimates = last.watch.estimates(&model);
         Ok(Study { scene, model, mesh, built, reference, estimates })
     }

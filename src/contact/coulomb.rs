@@ -64,6 +64,13 @@ pub enum NormalCase {
     Closed,
 }
 
+impl From<bool> for NormalCase {
+    /// Closed, or not.
+    fn from(closed: bool) -> Self {
+        if closed { NormalCase::Closed } else { NormalCase::Open }
+    }
+}
+
 /// The tangential cases of (21), where the pressure is `p_n`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TangentialCase {

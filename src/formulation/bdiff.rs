@@ -1,5 +1,6 @@
 //! The B-differentiable formulation: `H_N` (19) and its linearisation (21) on `z = (u, p_t, p_o, p_n)`.
 
+mod changes;
 mod free;
 mod tangent;
 

@@ -1,5 +1,6 @@
 //! BN along a history: every increment starts from the last solution, in the default setting on the tangent there.
 
+use super::increment_error::{IncrementErrors, Rate};
 use super::settings::{FirstGuess, HistorySettings};
 use super::tangent;
 use super::task::{IncrementSolver, Observe, Task};
@@ -27,6 +28,10 @@ pub(super) struct BnMethod<'a> {
     rest: Vec<f64>,
     /// From where to where the last increment went, if it is measured and has been solved.
     last: Option<[Vec<f64>; 2]>,
+    /// What the increments leave, where there is friction.
+    errors: Option<IncrementErrors>,
+    /// The rate at which the last increment set out.
+    rate: Option<Rate>,
 }
 
 impl<'a> BnMethod<'a> {
@@ -61,6 +66,7 @@ impl<'a> BnMethod<'a> {
         let p_n = start_forces(problem, idle, start);
         let z = formulation.layout().packed(&State { p_n, ..State::zero(problem) }, &history.scaling);
         BnMethod {
+            errors: IncrementErrors::new(problem, &formulation, &loading.gaps_at(0.0)),
             bn: Bn::new(armijo, max_iterations, formulation.unknowns()),
             problem,
             formulation,
@@ -70,6 +76,7 @@ impl<'a> BnMethod<'a> {
             rest: vec![0.0; z.len()],
             z,
             last: None,
+            rate: None,
         }
     }
 
@@ -81,6 +88,14 @@ impl<'a> BnMethod<'a> {
     /// The solution that an increment starts from. Before the first there is none, only a guess.
     pub(super) fn last_solution(&self, task: &Task<'_>) -> State {
         if task.first { State::zero(self.problem) } else { self.state() }
+    }
+
+    /// Estimates what the increment leaves that ends at the present solution.
+    pub(super) fn follow(&mut self, linear: &mut Direct) -> Result<(), LinearError> {
+        let BnMethod { problem, formulation, bn, z, errors, rate, .. } = self;
+        errors
+            .as_mut()
+            .map_or(Ok(()), |errors| errors.follow(rate.take().as_ref(), problem.weight(), formulation, bn, linear, z))
     }
 
     /// Whether the held body does by itself what the increment asks for.
@@ -126,6 +141,10 @@ impl IncrementSolver for BnMethod<'_> {
             self.close_landed(task);
         }
         let from = self.z.clone();
+        self.rate = match &self.errors {
+            Some(errors) => errors.rate(task.increment, &mut self.formulation, &mut self.bn, linear)?,
+            None => None,
+        };
         let BnMethod { problem, formulation, bn, measured, start, z, rest, last, .. } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         formulation.begin(task.increment);
@@ -164,6 +183,9 @@ impl IncrementSolver for BnMethod<'_> {
         if outcome.stop == Stop::Met && *measured {
             *last = Some([from, z.clone()]);
         }
+        if outcome.stop == Stop::Met {
+            self.follow(linear)?;
+        }
         Ok(outcome)
     }
 
@@ -180,6 +202,10 @@ impl IncrementSolver for BnMethod<'_> {
 
     fn unknowns(&mut self) -> &mut Vec<f64> {
         &mut self.z
+    }
+
+    fn increment_errors(&mut self) -> Option<&mut IncrementErrors> {
+        self.errors.as_mut()
     }
 }
 

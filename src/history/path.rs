@@ -13,6 +13,7 @@ pub(super) use bundle::Judged;
 
 use super::carried::Carried;
 use super::held::HeldBody;
+use super::increment_error::{IncrementError, IncrementErrors};
 use super::position::{Position, Underway};
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
@@ -65,6 +66,7 @@ pub(super) enum Walk {
 struct Start {
     unknowns: Vec<f64>,
     carried: Carried,
+    errors: Option<IncrementErrors>,
 }
 
 /// What is known of a part before it is solved, beside its data.
@@ -91,6 +93,10 @@ impl<'a> Path<'a> {
     ) -> Self {
         if let (Some(state), Some(condensed)) = (&at.state, condensed) {
             method.go_on_from(&condensed.condensed_state(state));
+            let begun = (method.increment_errors(), at.errors.take(), at.reached);
+            if let (Some(errors), Some((before, nodes)), Some(time)) = begun {
+                errors.go_on_from(&before, &nodes, condensed, loading, time, [&at.w_n, &at.w_t, &at.w_o]);
+            }
         }
         let n_c = problem.contacts();
         Path {
@@ -130,15 +136,24 @@ impl<'a> Path<'a> {
         see(&data, &self.at.carried.whole(state))
     }
 
+    /// What the increments so far leave.
+    pub(super) fn increment_error(&mut self) -> Option<IncrementError> {
+        self.method.increment_errors().map(|errors| errors.found())
+    }
+
     /// From where the next part starts.
     fn start(&mut self) -> Start {
-        Start { unknowns: self.method.unknowns().clone(), carried: self.at.carried.clone() }
+        let errors = self.method.increment_errors().cloned();
+        Start { unknowns: self.method.unknowns().clone(), carried: self.at.carried.clone(), errors }
     }
 
     /// Back to where a part started.
     fn go_back(&mut self, start: Start) {
         self.method.unknowns().copy_from_slice(&start.unknowns);
         self.at.carried = start.carried;
+        if let (Some(errors), Some(before)) = (self.method.increment_errors(), start.errors) {
+            *errors = before;
+        }
     }
 
     /// Goes on to `time`, in parts if need be, after what has been `tried` at it as a whole.
@@ -180,6 +195,7 @@ impl<'a> Path<'a> {
                 (solved, ends) = (Some(walked.solved), walked.ends);
             } else if let Some(Lack { nodes, solved }) = self.lack(&attempt) {
                 self.at.estimate = solved.then_some(attempt.state);
+                self.at.errors = begun.errors.zip(self.condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec));
                 let solved = Some(so_far);
                 self.at.underway = Some(Underway { start, to_come, solved, kkt, ends, friction_work });
                 return Ok(Walk::Lacks(nodes));

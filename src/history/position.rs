@@ -1,6 +1,7 @@
 //! How far a history has come.
 
 use super::carried::Carried;
+use super::increment_error::IncrementErrors;
 use crate::contact::{KktErrors, KktScales};
 use crate::nonlinear::Outcome;
 use crate::problem::{ContactProblem, State};
@@ -26,6 +27,8 @@ pub(super) struct Position {
     pub w_o: Vec<f64>,
     /// The increment that the last stage could not end.
     pub underway: Option<Underway>,
+    /// What the increments left until the last stage ended, and the contact nodes that it had.
+    pub errors: Option<(IncrementErrors, Vec<usize>)>,
     /// Where the next part begins its iterations, if not at the state reached: near its end.
     pub estimate: Option<State>,
 }
@@ -62,6 +65,7 @@ impl Position {
             w_t: zeros(),
             w_o: zeros(),
             underway: None,
+            errors: None,
             estimate: None,
         }
     }

@@ -2,6 +2,7 @@
 //! method, from the last solution.
 
 use super::bn::BnMethod;
+use super::increment_error::IncrementErrors;
 use super::predictor_corrector::PredictorCorrectorMethod;
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
@@ -52,6 +53,7 @@ impl IncrementSolver for Rescued<'_> {
         if rescued.stop == Stop::Met {
             rescued.rescued = true;
             bn.go_on_from(&rescue.state());
+            bn.follow(linear)?;
         } else if rescued.stop != Stop::Interrupted {
             // How the first attempt ended tells more.
             rescued.stop.clone_from(&attempt.stop);
@@ -69,5 +71,9 @@ impl IncrementSolver for Rescued<'_> {
 
     fn unknowns(&mut self) -> &mut Vec<f64> {
         self.bn.unknowns()
+    }
+
+    fn increment_errors(&mut self) -> Option<&mut IncrementErrors> {
+        self.bn.increment_errors()
     }
 }

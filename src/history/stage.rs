@@ -193,6 +193,7 @@ impl Stages<'_> {
                     return Ok(None);
                 }
                 outcome.state = state;
+                outcome.increment_error = path.increment_error();
                 outcome.scales = attempt.scales;
                 if flow == Flow::Stop && index < times.len() {
                     outcome.status = Status::Interrupted;

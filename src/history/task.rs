@@ -1,5 +1,6 @@
 //! What a history asks of a method, and what it gives: the seam at which a method of one's own goes in.
 
+use super::increment_error::IncrementErrors;
 use crate::contact::{KktScales, judge};
 use crate::formulation::Layout;
 use crate::linear::{Direct, LinearError};
@@ -95,6 +96,11 @@ pub trait IncrementSolver {
 
     /// Its unknowns, to be kept and put back if an increment fails.
     fn unknowns(&mut self) -> &mut Vec<f64>;
+
+    /// What its increments leave, to be kept and put back with its unknowns; `None` of a method that does not estimate that.
+    fn increment_errors(&mut self) -> Option<&mut IncrementErrors> {
+        None
+    }
 }
 
 /// What makes an [`IncrementSolver`]: one of the methods that [`super::HistorySettings`] name, or a method of one's own.

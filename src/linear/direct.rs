@@ -158,6 +158,18 @@ impl Direct {
         }
     }
 
+    /// Solves `a x = b` with the last factors as they are, for an estimate: neither refined nor measured.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve`].
+    pub fn solve_roughly(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        let start = Instant::now();
+        self.solver.solve(b, x)?;
+        self.statistics.solves += 1;
+        self.statistics.solve_seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
     /// Solves `a x = b` with the last factors, refined.
     ///
     /// # Errors

@@ -182,6 +182,27 @@ impl Bn {
         &self.rest
     }
 
+    /// Whether the factors of `linear` are those of the last linearisation.
+    pub fn has_factors(&self, linear: &Direct) -> bool {
+        self.factored == Some(linear.generation())
+    }
+
+    /// Factors the last linearisation, for it and for the iteration that comes next; whether that can be solved with.
+    ///
+    /// # Errors
+    /// As [`Bn::solve`].
+    pub fn factor(&mut self, formulation: &Bdiff, linear: &mut Direct) -> Result<bool, LinearError> {
+        self.factored = None;
+        if formulation.loose_motion().is_some() {
+            return Ok(false);
+        }
+        match linear.factorize(formulation.jacobian()) {
+            Ok(_) => self.factored = Some(linear.generation()),
+            Err(error) => drop(Stop::at(error)?),
+        }
+        Ok(self.factored.is_some())
+    }
+
     /// Sets another limit of iterations.
     pub fn limit(&mut self, max_iterations: usize) {
         self.max_iterations = max_iterations;

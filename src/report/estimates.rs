@@ -2,17 +2,18 @@
 
 use serde::Serialize;
 
+use super::companion::CompanionEstimate;
 use super::peak::{LargestPressure, Peak};
 use super::warnings::{Warning, WarningKind};
 use crate::contact::ContactStatus;
 use crate::estimate::{ContactEstimate, ContactGraph, ElementEstimate, HertzContact, PeakOf, peak_error};
 use crate::fem::Element;
-use crate::history::{Status, Step};
+use crate::history::{IncrementError, Status, Step};
 use crate::model::Model;
 use crate::problem::State;
 use crate::units::{Quantity, UnitSystem};
 
-/// Estimates of what the mesh leaves open.
+/// Estimates of what mesh and increments leave open.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Estimates {
@@ -25,6 +26,12 @@ pub struct Estimates {
     pub discretisation: Option<f64>,
     /// The error of the stresses then, as a share; none where Poisson's ratio is below 0.45, for there it is about that of the mesh.
     pub stresses: Option<f64>,
+    /// What the increments leave, where there is friction; of BN only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub increments: Option<IncrementError>,
+    /// What the increments leave in the tangential forces, by a second run with others, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub companion: Option<CompanionEstimate>,
 }
 
 /// Watches the converged increments of a history: each contact surface counts when its force is largest.
@@ -123,7 +130,7 @@ impl EstimateWatch {
         self.peak.as_ref().map(|peak| peak.told(model, &self.graph))
     }
 
-    /// What was found.
+    /// What was found of the mesh.
     pub fn estimates(&self, model: &Model) -> Estimates {
         let elements = self.strained.as_ref().map(|Strained { time, u, p_n, .. }| {
             let pressed: Vec<usize> = self.graph.isolated(p_n).map(|i| model.contacts[i].node).collect();
@@ -141,6 +148,8 @@ impl EstimateWatch {
                 .and_then(|elements| elements.discretisation.as_ref())
                 .map(|error| error.whole),
             stresses: elements.and_then(|elements| elements.discretisation?.stresses),
+            increments: None,
+            companion: None,
         }
     }
 }
@@ -154,6 +163,14 @@ impl Estimates {
     /// The error of its peak pressure, as a share.
     pub fn peak_error(&self) -> Option<f64> {
         self.heaviest()?.peak_error
+    }
+
+    /// The error that increments leave in the tangential forces, as a share: the larger of what the run and its companion tell, for each
+    /// sees nodes that the other does not.
+    pub fn force_error(&self) -> Option<f64> {
+        let by_transport = self.increments.and_then(|increments| increments.force_error);
+        let by_companion = self.companion.and_then(|companion| companion.error);
+        by_transport.into_iter().chain(by_companion).reduce(f64::max)
     }
 
     /// The warnings that follow.

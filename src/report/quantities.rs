@@ -60,7 +60,7 @@ const KEYS: &Table = &[
     ),
     (&["force", "sum_p_n", "sum_p_t", "sum_p_o"], Force),
     (&["moment"], Moment),
-    (&["friction_work", "strain_energy"], Energy),
+    (&["friction_work", "friction_work_corrected", "strain_energy"], Energy),
     (&["pressure", "peak_pressure", "patch_pressure"], Stress),
 ];
 

@@ -3,8 +3,10 @@
 use serde::Serialize;
 
 use super::balance::{BalanceRecord, unbalanced};
+use super::companion::ChosenIncrements;
 use super::estimates::Estimates;
 use super::explain::Explanation;
+use super::increment_warnings;
 use super::pairs::PairRecord;
 use super::peak::LargestPressure;
 use super::quantities;
@@ -87,6 +89,9 @@ pub struct RunReport {
     /// The contact nodes that condensed equations held, if those were not all at first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub working_set: Option<WorkingSet>,
+    /// How many increments a first run asked for, where nobody said it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chosen_increments: Option<ChosenIncrements>,
     /// One record per increment.
     pub increments: Vec<IncrementRecord>,
     /// What became of the exact path, where that was followed.
@@ -237,6 +242,10 @@ impl RunReport {
         warnings.retain(|warning| warning.kind != WarningKind::Locking || facts.estimates.locking.is_none());
         warnings.extend(validity.warnings(model));
         warnings.extend(facts.estimates.warnings(model));
+        let increments = facts.estimates.increments.iter();
+        warnings.extend(
+            increments.flat_map(|found| increment_warnings::warnings(found, outcome.records.len(), &model.units())),
+        );
         warnings.extend(unbalanced(&facts.reactions, &outcome.records, solver.tolerance));
         let blas = Blas::loaded();
         warnings.extend(blas.as_ref().and_then(Warning::of_blas));
@@ -264,6 +273,7 @@ impl RunReport {
             unknowns: Unknowns::new(&outcome.layout, solver.method),
             left_out: LeftOut::all(model, facts.condensed, facts.working_set),
             working_set: outcome.working_set,
+            chosen_increments: None,
             increments: outcome.records.clone(),
             exact_path: ExactPath::of(solver.method, outcome),
             totals: Totals {

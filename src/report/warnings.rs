@@ -60,6 +60,10 @@ pub enum WarningKind {
     UnevenElements,
     /// A zone that sticks, known to one element.
     StickZoneCoarse,
+    /// Increments that change the work of friction much.
+    IncrementsWork,
+    /// Increments that change the tangential forces much, or too few of them to tell.
+    IncrementsForce,
     /// Forces that are so small beside the stiffness and the displacements that rounding counts.
     Unbalanced,
     /// A BLAS that is several times slower than the processor could run one. Costs time and no accuracy.
@@ -87,6 +91,8 @@ impl WarningKind {
             | WarningKind::SingularEdge
             | WarningKind::UnevenElements
             | WarningKind::StickZoneCoarse
+            | WarningKind::IncrementsWork
+            | WarningKind::IncrementsForce
             | WarningKind::Unbalanced => true,
         }
     }

@@ -1,6 +1,7 @@
-//! What the estimates of a run say beside what is true: contact zones of few nodes against Hertz, elements that lock against fine ones.
+//! What the estimates of a run say beside what is true: contact zones of few nodes against Hertz, elements that lock against fine ones, increments against many.
 
 mod hertz;
+mod increments;
 mod locking;
 
 use std::fmt;
@@ -12,8 +13,10 @@ use stickslip::mesh::CellKind;
 use stickslip::model::{Model, ModelError};
 use stickslip::report::RunReport;
 use stickslip::run::{Run, RunError};
+use stickslip::scene::{OverrideSyntax, SceneError};
 
 pub use hertz::{lines, spheres};
+pub use increments::increments;
 pub use locking::{cantilevers, pressed};
 
 /// Why a state was not computed.
@@ -28,6 +31,12 @@ pub enum EstimateError {
     /// It was not solved.
     #[error("a state of the suite ended with the verdict {0}")]
     Verdict(String),
+    /// A scene of the suite cannot be.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Nor what is changed in it.
+    #[error(transparent)]
+    Override(#[from] OverrideSyntax),
     /// A mesh of the suite cannot be.
     #[error(transparent)]
     Mesh(#[from] Fault),
@@ -44,6 +53,10 @@ pub enum Subject {
     Pressed,
     /// The stiffness of a beam that is bent.
     Cantilever,
+    /// The work of friction.
+    Work,
+    /// The tangential forces.
+    Friction,
 }
 
 impl fmt::Display for Subject {
@@ -53,6 +66,8 @@ impl fmt::Display for Subject {
             Subject::Sphere => "sphere",
             Subject::Pressed => "pressed",
             Subject::Cantilever => "cantilever",
+            Subject::Work => "work of friction",
+            Subject::Friction => "tangential forces",
         })
     }
 }
@@ -66,9 +81,10 @@ pub struct Row {
     pub kind: CellKind,
     /// Poisson's ratio.
     pub poisson: f64,
-    /// Nodes across the contact, or elements across the body.
+    /// Nodes across the contact, elements across the body, or increments.
     pub across: usize,
-    /// The true error, as a share: of the peak pressure for the force that was found, or by how much the body is too stiff.
+    /// The true error, as a share: of the peak pressure for the force that was found, by how much the body is too stiff, of the work, or the
+    /// largest of the tangential forces by the largest of these.
     pub error: f64,
     /// What the run says of it.
     pub estimate: f64,

@@ -157,19 +157,21 @@ fn warnings(text: &str) -> Vec<Warning> {
     Run::of(&model, scene.time.all(), scene.solver).unwrap().solve(&mut ()).unwrap().warnings
 }
 
-/// The kinds of the warnings that are not of the mesh.
+/// The kinds of the warnings that are not of the mesh, nor of the increments.
 fn kinds(text: &str) -> Vec<WarningKind> {
-    let of_the_mesh = [
+    let of_others = [
         WarningKind::ContactUnresolved,
         WarningKind::ContactCoarse,
         WarningKind::SingularEdge,
         WarningKind::StickZoneCoarse,
         WarningKind::Locking,
         WarningKind::CoarseMesh,
+        WarningKind::IncrementsWork,
+        WarningKind::IncrementsForce,
         WarningKind::SlowBlas,
     ];
     let kinds = warnings(text).into_iter().map(|warning| warning.kind);
-    kinds.filter(|kind| !of_the_mesh.contains(kind)).collect()
+    kinds.filter(|kind| !of_others.contains(kind)).collect()
 }
 
 /// A roller leans against the nodes beside it, under which it has been or will be; that it does when it touches is nothing. A plane

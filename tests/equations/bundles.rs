@@ -85,7 +85,10 @@ fn together_they_are_what_each_is_alone() {
             assert_eq!(counts(&a.records), counts(&b.records), "{name}");
             let apart = difference(&alone.states, &together.states);
             assert!(apart < 1e-11, "{name}, {method}: {apart:e}");
-            assert_eq!(a.scales, b.scales, "{name}");
+            // One that is taken back starts without the factors of those after it, and ends with other rounding.
+            for (a, b) in [(a.scales.force, b.scales.force), (a.scales.length, b.scales.length)] {
+                assert!((a - b).abs() <= 1e-11 * a, "{name}: {a} {b}");
+            }
             assert!(b.records.iter().all(|record| record.kkt.worst().1 <= 1e-10), "{name}");
             // Alone, nothing is solved before the increment is told; together, up to sixteen are.
             assert!(alone.ahead.iter().enumerate().all(|(k, ahead)| *ahead == k + 1), "{name}");

@@ -34,13 +34,13 @@ fn agrees_within(scene: &Scene, most: usize) -> HistoryOutcome {
     condensed
 }
 
-/// From the last state the same history takes 129 iterations.
+/// From the last state the same history takes 129 iterations; on the tangent 28, in 22 of its 100 increments.
 #[test]
 fn increments_without_a_change_of_status_take_no_iteration() {
     let scene = block(&["mesh.elements=[20,20]", "time.increments=100", "solver.setting='default'"]);
     let outcome = agrees_within(&scene, 32);
     let free = outcome.records.iter().filter(|record| record.iterations == 0).count();
-    assert!(free >= 80, "{free}");
+    assert!(free >= 78, "{free}");
     // The factors of an increment serve the start of the next.
     assert!(outcome.linear.factorizations <= iterations(&outcome) + 1, "{}", outcome.linear.factorizations);
 }

@@ -48,6 +48,7 @@ pub const LIBRARY: &[Places] = &[
             "contact/range.rs",
             "estimate/",
             "events.rs",
+            "history/increment_error.rs",
             "history/record.rs",
             "history/working_set.rs",
             "linear/blas.rs",

@@ -208,6 +208,8 @@ fn reports() -> Vec<Value> {
     vec![
         json_of(&small(), &["--uniqueness"]),
         json_of(&small(), &["--solver", "auto"]),
+        json_of(&small(), &["--companion"]),
+        json_of(&small(), &["--setting", "default", "--increments", "auto", "--to", "0.1"]),
         json_of(&small(), &["--set", "contact.friction=0.0", "--uniqueness"]),
         json_of(&small(), &slow),
         json_of(&edit(&small(), "young = 210e9", "young = 210e5"), &["--setting", "default"]),

@@ -3,12 +3,12 @@
 use stickslip::contact::{Obstacle, Rotation};
 use stickslip::description::Load;
 use stickslip::scene::{Scene, Time};
+use stickslip::timeline::kinks;
 use stickslip::units::UnitSystem;
 
 /// More points than this are shortened.
 const SHOWN: usize = 8;
-/// Relative to the length of an increment and to the steepest rate: far above the rounding of either, far below what
-/// matters.
+/// Relative to the length of an increment: far above its rounding, far below what matters.
 const ROUNDING: f64 = 1e-9;
 
 /// `1 at 0 s, 2 at 1 s`; long lists are shortened.
@@ -62,19 +62,6 @@ fn missed<const N: usize>(history: &[[f64; N]], time: &Time) -> Vec<f64> {
         (increments - increments.round()).abs() > ROUNDING
     };
     kinks(history).into_iter().filter(|&t| t > 0.0 && t < time.end && inside(t)).collect()
-}
-
-/// The times at which a rate of `history` changes; before the first point and after the last they are 0.
-fn kinks<const N: usize>(history: &[[f64; N]]) -> Vec<f64> {
-    let rates: Vec<Vec<f64>> = (1..N)
-        .map(|c| {
-            let inner = history.windows(2).map(|pair| (pair[1][c] - pair[0][c]) / (pair[1][0] - pair[0][0]));
-            [0.0].into_iter().chain(inner).chain([0.0]).collect()
-        })
-        .collect();
-    let steepest = rates.iter().flatten().fold(0.0_f64, |m, rate| m.max(rate.abs()));
-    let bends = |k: usize| rates.iter().any(|rates| (rates[k + 1] - rates[k]).abs() > ROUNDING * steepest);
-    (0..history.len()).filter(|&k| bends(k)).map(|k| history[k][0]).collect()
 }
 
 #[cfg(test)]

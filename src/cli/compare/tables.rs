@@ -14,10 +14,14 @@ pub(super) fn tables(comparison: &Comparison, meshes: &[MeshResult]) -> String {
     let mut text = String::new();
     for result in meshes {
         let MeshResult { mesh, displacements, contacts, increments, status, seconds, .. } = result;
+        let reference = match increments {
+            0 => "the exact path".to_string(),
+            increments => format!("{increments} increments"),
+        };
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{mesh}: {displacements} displacements, {contacts} contact nodes; reference: {increments} increments, \
+            "{mesh}: {displacements} displacements, {contacts} contact nodes; reference: {reference}, \
              {status}, {seconds:.2} s\n{}",
             runs_table(comparison, mesh)
         );

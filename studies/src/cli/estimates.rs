@@ -6,13 +6,13 @@ use clap::Args;
 use miette::IntoDiagnostic;
 use stickslip::mesh::CellKind;
 use stickslip::report::{Table, csv_table};
-use stickslip_studies::estimates::{Row, Subject, Task, cantilevers, lines, pressed, spheres};
+use stickslip_studies::estimates::{Row, Subject, Task, cantilevers, increments, lines, pressed, spheres};
 
 use super::{Answer, jobs};
 
 #[derive(Args)]
 pub(super) struct EstimatesArgs {
-    /// Only the states whose name contains this, such as line, sphere, pressed or cantilever
+    /// Only the states whose name contains this, such as line, sphere, pressed, cantilever or increments
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
     /// States computed at the same time; as many as there are processors
@@ -41,6 +41,7 @@ fn all() -> Vec<Task> {
         cantilevers(&SPACE, &some, &[2, 4], 8),
         pressed(&second[..1], &RATIOS, &[1, 2, 4, 8], 128),
         pressed(&second[1..], &RATIOS, &[1, 2, 4], 16),
+        increments(&[4, 8, 16, 32, 64], 512),
     ]
     .into_iter()
     .flatten()
@@ -52,7 +53,7 @@ pub(super) fn estimates(args: &EstimatesArgs) -> miette::Result<Answer> {
     tasks.retain(|task| args.only.as_ref().is_none_or(|text| task.name.contains(text)));
     if tasks.is_empty() {
         return Err(miette::miette!(
-            "there are no such states: name lines, spheres, blocks that are pressed or cantilevers"
+            "there are no such states: name lines, spheres, blocks that are pressed, cantilevers or increments"
         ));
     }
     let rows = jobs::run(&tasks, jobs::count(args.jobs), |task| task.name.clone(), Task::rows).into_diagnostic()?;
@@ -91,9 +92,11 @@ fn words(rows: &[Row]) -> Vec<String> {
         lines.push(format!("{subject}, {}", kind.name()));
         let told = match subject {
             Subject::Line | Subject::Sphere => peaks(&of),
+            Subject::Work => verdicts(&of, 0.2, 0.01),
+            Subject::Friction => verdicts(&of, 0.05, 0.01),
             // Cells of second order have no such estimate.
             _ if kind.is_quadratic() => stiffnesses(&of),
-            Subject::Pressed | Subject::Cantilever => [stiffnesses(&of), verdicts(&of)].concat(),
+            Subject::Pressed | Subject::Cantilever => [stiffnesses(&of), verdicts(&of, 0.05, 0.02)].concat(),
         };
         lines.extend(told);
     }
@@ -150,18 +153,20 @@ fn stiffnesses(rows: &[&Row]) -> Vec<String> {
     vec![format!("too stiff by [estimate], %\n{table}")]
 }
 
-/// The rule that warns from 5 % on, and how near estimates are to errors between 2 and 300 %.
-fn verdicts(rows: &[&Row]) -> Vec<String> {
-    let count = |wanted: [bool; 2]| rows.iter().filter(|row| [row.error > 0.05, row.estimate > 0.05] == wanted).count();
+/// The rule that warns from `limit` on, and how near estimates are to errors between `least` and 300 %.
+fn verdicts(rows: &[&Row], limit: f64, least: f64) -> Vec<String> {
+    let told = |row: &Row| [row.error, row.estimate].map(|share| share > limit);
+    let count = |wanted: [bool; 2]| rows.iter().filter(|row| told(row) == wanted).count();
     let mut factors: Vec<f64> =
-        rows.iter().filter(|row| (0.02..3.0).contains(&row.error)).map(|row| row.estimate / row.error).collect();
+        rows.iter().filter(|row| (least..3.0).contains(&row.error)).map(|row| row.estimate / row.error).collect();
     factors.sort_by(f64::total_cmp);
     let within = |most: f64| {
         let near = factors.iter().filter(|factor| (1.0 / most..=most).contains(*factor)).count();
         format!("{near} of {}", factors.len())
     };
     vec![format!(
-        "more than 5 %: {} hits, {} missed, {} false, {} quiet; within 2 in {}, within 3 in {}",
+        "more than {:.0} %: {} hits, {} missed, {} false, {} quiet; within 2 in {}, within 3 in {}",
+        100.0 * limit,
         count([true, true]),
         count([true, false]),
         count([false, true]),

@@ -1,0 +1,116 @@
+//! What increments leave, by the run itself, beside what finer ones find. doc/estimates.md has the figures, which `--nocapture` prints.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+use stickslip::history::IncrementError;
+use stickslip::report::{RunReport, WarningKind};
+use stickslip::run::Run;
+use stickslip::scene::Scene;
+
+const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
+const BLOCK: &str = include_str!("../../data/scenes/block.toml");
+const LINE: &str = include_str!("../../data/scenes/hertz_line.toml");
+
+fn solved(scene: &str, increments: usize, set: &[&str]) -> RunReport {
+    let increments = format!("time.increments={increments}");
+    let set: Vec<_> = set.iter().chain([&increments.as_str()]).map(|set| set.parse().unwrap()).collect();
+    let scene = Scene::parse("scene.toml", scene, &set).unwrap();
+    let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
+    assert_eq!(report.status.to_string(), "converged");
+    report
+}
+
+fn left(report: &RunReport) -> IncrementError {
+    report.estimates.increments.unwrap()
+}
+
+fn warned(report: &RunReport) -> [bool; 2] {
+    [WarningKind::IncrementsWork, WarningKind::IncrementsForce]
+        .map(|kind| report.warnings.iter().any(|warning| warning.kind == kind))
+}
+
+/// A plane that is pressed in from where it touches: forces and slip grow in proportion, so that every increment has the exact forces, and the
+/// work of `n` of them is `1 + 1/n` of the true one.
+#[test]
+fn proportional_loads_leave_an_error_of_the_work_alone() {
+    let start = LINE.find("kind = \"cylinder\"").unwrap();
+    let end = LINE.find("approach").unwrap();
+    let plane = format!("{}kind = \"plane\"\n{}", &LINE[..start], &LINE[end..]);
+    let coarse = ["contact[0].friction=0.2", "mesh.contact_elements=24", "mesh.outer_elements=24", "mesh.layers=14"];
+    let works = [1, 4, 16].map(|n| {
+        let report = solved(&plane, n, &coarse);
+        let found = left(&report);
+        assert_eq!((found.force_error, found.sticking_begins), (Some(0.0), 0));
+        assert!((found.work_error - 1.0 / (n + 1) as f64).abs() < 1e-9, "{n}: {found:?}");
+        assert_eq!(warned(&report), [false; 2]);
+        found.friction_work_corrected
+    });
+    assert!(works.iter().all(|work| (work / works[0] - 1.0).abs() < 1e-9), "{works:?}");
+}
+
+/// All nodes of the block slip with little friction: backward Euler has the exact forces.
+#[test]
+fn slip_alone_leaves_no_error_of_the_forces() {
+    for n in [2, 6, 20] {
+        let found = left(&solved(BLOCK, n, &["contact.friction=0.1", "mesh.elements=[20,20]"]));
+        assert_eq!(found.force_error, Some(0.0), "{n}: {found:?}");
+    }
+}
+
+/// A cylinder with friction (Spence): nodes come into contact one after the other, and stick. One increment has far too small a stick zone.
+#[test]
+fn a_cylinder_is_warned_of_with_few_increments() {
+    let coarse = ["contact[0].friction=0.3", "mesh.contact_elements=32", "mesh.outer_elements=24", "mesh.layers=16"];
+    let of = |n| solved(LINE, n, &coarse);
+    let [one, four, many] = [1, 4, 64].map(of);
+    assert_eq!(warned(&one), [true; 2]);
+    assert!(warned(&four)[0]);
+    assert_eq!(warned(&many), [false; 2]);
+    for report in [&one, &four, &many] {
+        println!("cylinder, {:2} increments: {:?}", report.increments.len(), left(report));
+    }
+    // The stick zone on the screen: of nodes in contact.
+    let share = |report: &RunReport| {
+        let counts = report.increments.last().unwrap().contact;
+        counts.stick as f64 / (counts.stick + counts.slip) as f64
+    };
+    assert!(share(&one) < 0.35 && share(&many) > 0.6, "{} {}", share(&one), share(&many));
+}
+
+/// Under a rounded punch the work is several times too large with few increments: the estimate sees it, and what it makes of it is nearer.
+/// The truth is that of a run with many.
+#[test]
+fn the_work_under_a_punch_is_corrected() {
+    let truth = left(&solved(PUNCH, 512, &[])).friction_work_corrected;
+    for n in [8, 16, 32, 64] {
+        let found = left(&solved(PUNCH, n, &[]));
+        let error = (found.friction_work - truth) / found.friction_work;
+        let effectivity = found.work_error / error;
+        println!("punch, {n:2} increments: {error:.3} of the work, estimate {:.3}", found.work_error);
+        assert!((1.0 / 1.5..1.5).contains(&effectivity), "{n}: {effectivity}");
+        assert!((found.friction_work_corrected - truth).abs() < 0.2 * (found.friction_work - truth), "{n}: {found:?}");
+    }
+}
+
+/// The same on the contact displacements alone, where increments go together and nodes join as they are needed.
+#[test]
+fn the_condensed_body_has_the_same_estimate() {
+    let whole = left(&solved(PUNCH, 32, &[]));
+    let condensed = left(&solved(PUNCH, 32, &["solver.linear=\"condensed\""]));
+    assert_eq!(whole.sticking_begins, condensed.sticking_begins);
+    assert_eq!(whole.fewest, condensed.fewest);
+    for (a, b) in [
+        (whole.friction_work_corrected, condensed.friction_work_corrected),
+        (whole.force_error.unwrap(), condensed.force_error.unwrap()),
+    ] {
+        assert!((a / b - 1.0).abs() < 1e-6, "{whole:?} {condensed:?}");
+    }
+}
+
+/// No friction, nothing to say; nor by the interior point method.
+#[test]
+fn nothing_is_told_without_friction_or_factors() {
+    let small = ["mesh.elements=[6,6]"];
+    assert!(solved(BLOCK, 4, &[small[0], "contact.friction=0.0"]).estimates.increments.is_none());
+    let ip = ["solver.method=\"ip\"", "solver.setting=\"default\""];
+    assert!(solved(BLOCK, 4, &[small[0], ip[0], ip[1]]).estimates.increments.is_none());
+}
