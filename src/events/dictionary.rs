@@ -26,9 +26,10 @@ use crate::vector::dot;
 /// A pivot smaller than this share of what a stiffness or compliance is there is rounding.
 const SINGULAR: f64 = 1e-12;
 
-/// The share of the largest force that a solution may leave out of balance before it is refined, and the share beyond which
-/// the dictionary is made anew.
-const REFINED: f64 = 1e-14;
+/// Roundings of the largest elastic force of a single node that a solution may leave out of balance before it is refined.
+const ROUNDINGS: f64 = 4.0;
+
+/// The share of the largest force with which it may be out of balance before the dictionary is made anew.
 const RENEWED: f64 = 1e-12;
 
 /// The share with which a solution is no solution: that of a system that is singular but for rounding.
@@ -289,7 +290,8 @@ impl Tangent for Dictionary {
                     .collect();
                 let scale = largest(&load).max(largest(&forces));
                 left = if scale > 0.0 { largest(&rest) / scale } else { 0.0 };
-                if left <= REFINED || refinement == 2 {
+                let rounding = ROUNDINGS * f64::EPSILON * self.stiffest * largest(&w);
+                if left * scale <= rounding || refinement == 2 {
                     break;
                 }
                 // With δF + rest = Ŝ δw: what is given stays, and the rest follows.

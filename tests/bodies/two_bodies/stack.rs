@@ -19,9 +19,9 @@ fn a_finer_block_on_a_coarser_one() {
     let outcome = solved(&model, solver(Method::BN, CONDENSED), &mut keep);
     let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
     let expected = [2, 1, 1, 1, 1, 2, 1, 1, 1, 4, 2, 1, 1, 1, 1, 1, 2, 1, 3, 3];
-    // Where the load turns round another start takes two iterations more.
-    assert!(iterations.iter().zip(expected).all(|(found, expected)| found.abs_diff(expected) <= 2), "{iterations:?}");
-    assert!(iterations.iter().sum::<usize>().abs_diff(expected.iter().sum()) <= 1, "{iterations:?}");
+    // Those are from the last state. From the tangent there it takes fewer, but where the load turns round up to two more.
+    assert!(iterations.iter().zip(expected).all(|(found, expected)| *found <= expected + 2), "{iterations:?}");
+    assert!(iterations.iter().sum::<usize>() <= expected.iter().sum(), "{iterations:?}");
     let p_n = [
         805_151.722_0,
         1_304_763.772_0,
