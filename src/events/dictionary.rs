@@ -26,8 +26,11 @@ use crate::vector::dot;
 /// A pivot smaller than this share of what a stiffness or compliance is there is rounding.
 const SINGULAR: f64 = 1e-12;
 
-/// Roundings of the largest elastic force of a single node that a solution may leave out of balance before it is refined.
+/// Roundings of the largest elastic force of a single coordinate that a solution may leave out of balance before it is refined.
 const ROUNDINGS: f64 = 4.0;
+
+/// Where the rounding of elastic forces is a larger share of the forces, the system is singular but for rounding.
+const LOST: f64 = 1e-3;
 
 /// The share of the largest force with which it may be out of balance before the dictionary is made anew.
 const RENEWED: f64 = 1e-12;
@@ -276,7 +279,7 @@ impl Tangent for Dictionary {
                 x[t] = given.slide[i];
             }
         }
-        let mut left = 0.0;
+        let (mut left, mut rounding) = (0.0, 0.0);
         let (mut w, mut forces) = (vec![0.0; n], vec![0.0; n]);
         for attempt in 0..2 {
             let y = self.product(&x);
@@ -290,8 +293,9 @@ impl Tangent for Dictionary {
                     .collect();
                 let scale = largest(&load).max(largest(&forces));
                 left = if scale > 0.0 { largest(&rest) / scale } else { 0.0 };
-                let rounding = ROUNDINGS * f64::EPSILON * self.stiffest * largest(&w);
-                if left * scale <= rounding || refinement == 2 {
+                // In slender bodies elastic forces are small differences of large ones.
+                rounding = if scale > 0.0 { f64::EPSILON * self.stiffest * largest(&w) / scale } else { 0.0 };
+                if left <= ROUNDINGS * rounding || refinement == 2 {
                     break;
                 }
                 // With δF + rest = Ŝ δw: what is given stays, and the rest follows.
@@ -310,7 +314,7 @@ impl Tangent for Dictionary {
                 self.measured(&mut force_change, -1.0);
                 forces.iter_mut().zip(&force_change).for_each(|(force, change)| *force += change);
             }
-            if left <= RENEWED || attempt == 1 || !self.renew(&self.statuses.clone()) {
+            if left <= RENEWED.max(n as f64 * rounding) || attempt == 1 || !self.renew(&self.statuses.clone()) {
                 break;
             }
         }
@@ -328,7 +332,8 @@ impl Tangent for Dictionary {
             };
         }
         self.w = w;
-        Ok(left <= UNSOLVED && !self.table.is_empty() || n == 0)
+        let solved = left <= UNSOLVED.max(n as f64 * rounding) && n as f64 * rounding <= LOST;
+        Ok(solved && !self.table.is_empty() || n == 0)
     }
 
     fn statistics(&self) -> Statistics {
