@@ -6,7 +6,7 @@
 //!
 //! 1. the statuses that go on, and the rates that follow, are decided by the rate problem, `rate.rs`;
 //! 2. the step goes to the nearest of: a gap that closes, a pressure that ends, friction that comes to the border of its cone;
-//! 3. the state there is solved anew with the statuses that led to it, so that rounding does not add up.
+//! 3. the state there is solved anew with the statuses that go on, so that rounding does not add up.
 //!
 //! Between two events every node sticks, slips one way or is open, so that each state is that of a backward Euler increment from
 //! the one before, and the error measure of increments judges it. Where no rates obey the laws the quasi-static motion ends.
@@ -16,6 +16,7 @@
 //! | the walk | `walk.rs` |
 //! | the rate problem; Lemke's method for what its corrections do not settle | `rate.rs`, `lemke.rs` |
 //! | the linear equations of given statuses: sparse, one factorisation a set; dense, by changes of rank one | `tangent.rs`, `sparse.rs`, `dictionary.rs` |
+//! | solutions in twice the precision, for slender bodies | `refined.rs` |
 //! | displacements in which each contact row is one | `coordinates.rs` |
 //!
 //! ```
@@ -51,6 +52,7 @@ mod dictionary;
 mod lemke;
 mod node;
 mod rate;
+mod refined;
 mod sparse;
 mod tangent;
 mod walk;

@@ -51,7 +51,6 @@ pub(super) struct Dictionary {
     /// `D`, column after column; empty before the first statuses are taken, and where they are singular.
     table: Vec<f64>,
     statuses: Vec<NodeStatus>,
-    w: Vec<f64>,
     /// To make `D` anew counts as a factorisation.
     statistics: Statistics,
 }
@@ -74,7 +73,6 @@ impl Dictionary {
             stiffness,
             table: Vec::new(),
             statuses: Vec::new(),
-            w: vec![0.0; n],
             statistics: Statistics::default(),
         })
     }
@@ -279,7 +277,9 @@ impl Tangent for Dictionary {
                 x[t] = given.slide[i];
             }
         }
-        let (mut left, mut rounding) = (0.0, 0.0);
+        // Displacements that are given bring such forces, unless the body goes along as a whole.
+        let moved = (0..n).filter(|&k| is_given[k]).fold(0.0_f64, |m, k| m.max(x[k].abs()));
+        let (mut left, mut scale, mut rounding) = (0.0, 0.0, 0.0);
         let (mut w, mut forces) = (vec![0.0; n], vec![0.0; n]);
         for attempt in 0..2 {
             let y = self.product(&x);
@@ -291,10 +291,10 @@ impl Tangent for Dictionary {
                 let mut rest: Vec<f64> = (self.stiffness.chunks_exact(n.max(1)).zip(&forces))
                     .map(|(column, force)| force - dot(column, &w))
                     .collect();
-                let scale = largest(&load).max(largest(&forces));
-                left = if scale > 0.0 { largest(&rest) / scale } else { 0.0 };
                 // In slender bodies elastic forces are small differences of large ones.
-                rounding = if scale > 0.0 { f64::EPSILON * self.stiffest * largest(&w) / scale } else { 0.0 };
+                rounding = f64::EPSILON * self.stiffest * largest(&w);
+                scale = largest(&load).max(largest(&forces));
+                left = largest(&rest);
                 if left <= ROUNDINGS * rounding || refinement == 2 {
                     break;
                 }
@@ -314,7 +314,8 @@ impl Tangent for Dictionary {
                 self.measured(&mut force_change, -1.0);
                 forces.iter_mut().zip(&force_change).for_each(|(force, change)| *force += change);
             }
-            if left <= RENEWED.max(n as f64 * rounding) || attempt == 1 || !self.renew(&self.statuses.clone()) {
+            if left <= (RENEWED * scale).max(n as f64 * rounding) || attempt == 1 || !self.renew(&self.statuses.clone())
+            {
                 break;
             }
         }
@@ -331,16 +332,14 @@ impl Tangent for Dictionary {
                 (Some(_), sign) => sign * self.mu[i] * answer.p_n[i],
             };
         }
-        self.w = w;
-        let solved = left <= UNSOLVED.max(n as f64 * rounding) && n as f64 * rounding <= LOST;
+        answer.u = self.coordinates.displacements(&w);
+        answer.u_rest.clear();
+        let singular = n as f64 * rounding > LOST * scale.max(self.stiffest * moved);
+        let solved = left <= (UNSOLVED * scale).max(n as f64 * rounding) && !singular;
         Ok(solved && !self.table.is_empty() || n == 0)
     }
 
     fn statistics(&self) -> Statistics {
         self.statistics
-    }
-
-    fn displacements(&self) -> Vec<f64> {
-        self.coordinates.displacements(&self.w)
     }
 }

@@ -69,24 +69,35 @@ pub(super) enum May {
     Anything,
 }
 
-/// Contact displacements and forces of all contact nodes, or their rates, in the units of the walk; n_c each.
+/// Contact displacements and forces of all contact nodes, n_c each, and all displacements, n_u, or their rates, in the units of the
+/// walk.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Contact {
     pub w_n: Vec<f64>,
     pub w_t: Vec<f64>,
     pub p_n: Vec<f64>,
     pub p_t: Vec<f64>,
+    pub u: Vec<f64>,
+    /// What rounding takes off `u`; empty where it does not matter.
+    pub u_rest: Vec<f64>,
+    /// Elastic forces of this size are rounding.
+    pub rounding: f64,
 }
 
 impl Contact {
     pub(super) fn zero(contacts: usize) -> Self {
         let zeros = || vec![0.0; contacts];
-        Contact { w_n: zeros(), w_t: zeros(), p_n: zeros(), p_t: zeros() }
+        Contact { w_n: zeros(), w_t: zeros(), p_n: zeros(), p_t: zeros(), ..Contact::default() }
     }
 
     /// The largest force.
     pub(super) fn largest_force(&self) -> f64 {
         largest(&self.p_n).max(largest(&self.p_t))
+    }
+
+    /// What forces are compared with under what is `given`.
+    pub(super) fn force_scale(&self, given: &Given) -> f64 {
+        self.largest_force().max(largest(&given.force)).max(self.rounding)
     }
 
     /// The largest displacement.

@@ -172,7 +172,7 @@ impl RateProblem<'_> {
 
     /// The laws that rates break by more than rounding.
     fn breaches(&self, statuses: &[NodeStatus], rate: &Contact) -> Vec<Breach> {
-        let force = rate.largest_force().max(largest(&self.given.force));
+        let force = rate.force_scale(self.given);
         let length = rate.largest_displacement().max(largest(&self.given.gap)).max(largest(&self.given.slide));
         let mut breaches = Vec::new();
         for (i, (&status, &may)) in statuses.iter().zip(self.may).enumerate() {

@@ -96,6 +96,8 @@ impl Tangent for SparseTangent<'_> {
             Err(LinearError::NotFinite) => return Ok(false),
             Err(error) => return Err(error),
         };
+        answer.u = self.z[..self.problem.displacements()].to_vec();
+        answer.u_rest.clear();
         let maps = self.problem.tangential_maps();
         for i in 0..layout.contacts() {
             answer.w_n[i] = self.problem.c_n().dot(i, &self.z);
@@ -109,9 +111,5 @@ impl Tangent for SparseTangent<'_> {
 
     fn statistics(&self) -> Statistics {
         *self.linear.statistics()
-    }
-
-    fn displacements(&self) -> Vec<f64> {
-        self.z[..self.problem.displacements()].to_vec()
     }
 }

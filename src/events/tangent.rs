@@ -25,7 +25,4 @@ pub(super) trait Tangent {
 
     /// What the linear algebra has done.
     fn statistics(&self) -> Statistics;
-
-    /// All displacements of the last solution.
-    fn displacements(&self) -> Vec<f64>;
 }

@@ -3,11 +3,12 @@
 use super::dictionary::Dictionary;
 use super::node::{Contact, Given, May, NodeStatus, largest};
 use super::rate::{Effort, Found, ROUNDING, RateProblem};
+use super::refined::Refined;
 use super::sparse::SparseTangent;
 use super::tangent::Tangent;
 use super::{Equations, Event, Lost, PathError, Step, Stop};
 use crate::formulation::Layout;
-use crate::linear::Statistics;
+use crate::linear::{LinearError, Statistics};
 use crate::loading::Loading;
 use crate::problem::{ContactProblem, State};
 use crate::units::Scaling;
@@ -33,7 +34,7 @@ pub struct Walk<'a> {
     mu: &'a [f64],
     rough: Vec<bool>,
     tangents: Vec<Option<usize>>,
-    tangent: Box<dyn Tangent + 'a>,
+    equations: Refined<'a>,
     /// The times at which rates of what is given change, the nearest last.
     corners: Vec<f64>,
     stretch: Stretch,
@@ -77,7 +78,7 @@ impl<'a> Walk<'a> {
         let tangents: Vec<Option<usize>> =
             (0..contacts).map(|i| layout.tangential(i).iter().position(Option::is_some)).collect();
         let rough: Vec<bool> = tangents.iter().map(Option::is_some).collect();
-        let tangent: Box<dyn Tangent + 'a> = match equations {
+        let equations: Box<dyn Tangent + 'a> = match equations {
             Equations::Sparse(linear) => Box::new(SparseTangent::new(problem, tangents.clone(), scaling, linear)?),
             Equations::Dense => Box::new(Dictionary::new(problem, &tangents, scaling).ok_or(PathError::DependentRows)?),
         };
@@ -90,14 +91,14 @@ impl<'a> Walk<'a> {
             scaling,
             mu: problem.mu(),
             rough,
+            equations: Refined::new(problem, tangents.clone(), scaling, equations),
             tangents,
-            tangent,
             corners,
             stretch: Stretch { times: [0.0; 2], at: Given::default(), change: Given::default() },
             share: 0.0,
             statuses: vec![NodeStatus::Open; contacts],
             stuck: vec![0.0; contacts],
-            at: none(),
+            at: Contact { u: vec![0.0; problem.displacements()], ..none() },
             rate: none(),
             decided: false,
             hit: vec![false; contacts],
@@ -189,35 +190,31 @@ impl<'a> Walk<'a> {
 
     /// What the linear algebra has done so far.
     pub fn statistics(&self) -> Statistics {
-        self.tangent.statistics()
+        self.equations.statistics()
     }
 
     /// Where the nodes are along both tangents, past their obstacles, n_c each, m; 0 along one that they do not have.
     pub fn places(&self) -> [Vec<f64>; 2] {
         let slide = self.stretch.at.plus(self.share, &self.stretch.change).slide;
         let place = |(w, slide): (&f64, &f64)| (w - slide) * self.scaling.length;
-        self.along_both(&self.at.w_t.iter().zip(&slide).map(place).collect::<Vec<_>>())
-    }
-
-    /// Values along the tangents that the nodes have, as values along both.
-    fn along_both(&self, values: &[f64]) -> [Vec<f64>; 2] {
-        [0, 1].map(|k| {
-            let of = |(value, tangent): (&f64, &Option<usize>)| if *tangent == Some(k) { *value } else { 0.0 };
-            values.iter().zip(&self.tangents).map(of).collect()
-        })
+        self.equations.along_both(&self.at.w_t.iter().zip(&slide).map(place).collect::<Vec<_>>())
     }
 
     /// The state reached, SI.
     pub fn state(&self) -> State {
-        let Walk { scaling, at, .. } = self;
-        let [p_t, p_o] = self.along_both(&at.p_t.iter().map(|p| p * scaling.force).collect::<Vec<_>>());
-        State {
-            u: self.tangent.displacements().iter().map(|u| u * scaling.length).collect(),
-            u_rest: Vec::new(),
-            p_t,
-            p_o,
-            p_n: at.p_n.iter().map(|p| p * scaling.force).collect(),
-        }
+        self.equations.state(&self.at)
+    }
+
+    /// What forces (N, n_u) change while no node changes its status, SI.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on.
+    pub(crate) fn response(&mut self, forces: &[f64]) -> Result<State, LinearError> {
+        let zeros = || vec![0.0; self.statuses.len()];
+        let force = forces.iter().map(|f| f / self.scaling.force).collect();
+        let mut change = Contact::zero(self.statuses.len());
+        self.equations.solve(&Given { force, gap: zeros(), slide: zeros() }, &mut change)?;
+        Ok(self.equations.state(&change))
     }
 
     /// Goes on to the next event, corner of the loads, or to `until` (s), whichever comes first.
@@ -246,7 +243,7 @@ impl<'a> Walk<'a> {
         };
         let target = if self.decided && end.is_infinite() { self.share } else { (self.share + reach).min(wanted) };
         let happens = !end.is_infinite() && self.share + reach <= wanted;
-        let friction_work = self.go(target)?;
+        let friction_work = self.go(target);
         self.hit = vec![false; self.statuses.len()];
         if happens && target < 1.0 {
             self.standstill = if reach <= NONE { self.standstill + 1 } else { 0 };
@@ -276,23 +273,34 @@ impl<'a> Walk<'a> {
         let may: Vec<May> = (0..self.statuses.len()).map(|i| self.may(i)).collect();
         let mut statuses: Vec<NodeStatus> = (0..self.statuses.len()).map(|i| self.guess(i, may[i])).collect();
         let problem = RateProblem { given: &self.stretch.change, mu: self.mu, rough: &self.rough, may: &may };
-        match problem.solve(self.tangent.as_mut(), &mut statuses, &mut self.rate, &mut self.effort)? {
+        match problem.solve(&mut self.equations, &mut statuses, &mut self.rate, &mut self.effort)? {
             Found::Rates => {}
             found => {
-                // Back to the state that was reached.
-                self.tangent.take(&self.statuses)?;
-                self.go(self.share)?;
+                // Back to the equations of the state that was reached.
+                self.equations.take(&self.statuses)?;
                 return Ok(Some(Lost { time: self.time(), certain: matches!(found, Found::None) }));
             }
         }
-        let given = self.stretch.at.plus(self.share, &self.stretch.change);
+        let mut given = self.stretch.at.plus(self.share, &self.stretch.change);
         for (i, status) in statuses.iter().enumerate() {
             if status.is_held() && !self.statuses[i].is_held() {
                 self.stuck[i] = self.at.w_t[i] - given.slide[i];
             }
         }
         (self.statuses, self.decided) = (statuses, true);
+        // Not by the rates before but anew, so that neither rounding nor the distance at which a node was said to touch adds up.
+        given.slide.iter_mut().zip(&self.stuck).for_each(|(slide, stuck)| *slide += stuck);
+        self.equations.solve(&given, &mut self.at)?;
+        self.measure(&given);
         Ok(None)
+    }
+
+    /// Notes the largest forces and displacements of a state under what is `given`.
+    fn measure(&mut self, given: &Given) {
+        let interference = given.gap.iter().fold(0.0_f64, |m, gap| m.max(-gap));
+        let [force, length] = self.largest;
+        self.largest =
+            [force.max(self.at.force_scale(given)), length.max(self.at.largest_displacement()).max(interference)];
     }
 
     /// The distance of a node from its obstacle.
@@ -338,7 +346,7 @@ impl<'a> Walk<'a> {
     /// How much of the stretch passes until a node comes to the border of a law, and which nodes do then.
     fn reach(&self) -> (f64, Vec<bool>) {
         let Walk { rate, stretch, .. } = self;
-        let force = rate.largest_force().max(largest(&stretch.change.force));
+        let force = rate.force_scale(&stretch.change);
         let length = rate.largest_displacement().max(largest(&stretch.change.gap));
         let until = |left: f64, pace: f64, scale: f64| {
             if pace > ROUNDING * scale { left.max(0.0) / pace } else { f64::INFINITY }
@@ -361,26 +369,16 @@ impl<'a> Walk<'a> {
     }
 
     /// Goes on to `share` of the stretch; the work that friction dissipates on the way, J.
-    fn go(&mut self, share: f64) -> Result<f64, PathError> {
-        let slide_before = self.stretch.at.plus(self.share, &self.stretch.change).slide;
-        let before = self.at.clone();
+    fn go(&mut self, share: f64) -> f64 {
+        let (before, passed) = (self.at.p_t.clone(), share - self.share);
+        self.at.add(passed, &self.rate);
         self.share = share;
-        // Not by the rates but anew, so that rounding does not add up over the history.
-        let mut given = self.stretch.at.plus(share, &self.stretch.change);
-        let slide = given.slide.clone();
-        given.slide.iter_mut().zip(&self.stuck).for_each(|(slide, stuck)| *slide += stuck);
-        self.tangent.solve(&given, &mut self.at)?;
-        self.largest = [
-            self.largest[0].max(self.at.largest_force()).max(largest(&given.force)),
-            self.largest[1]
-                .max(self.at.largest_displacement())
-                .max(largest(&given.gap.iter().map(|g| g.min(0.0)).collect::<Vec<_>>())),
-        ];
+        self.measure(&self.stretch.at.plus(share, &self.stretch.change));
         let of_node = |i: usize| {
-            let slip = self.at.w_t[i] - before.w_t[i] - (slide[i] - slide_before[i]);
-            0.5 * (before.p_t[i] + self.at.p_t[i]) * slip
+            let slip = passed * (self.rate.w_t[i] - self.stretch.change.slide[i]);
+            0.5 * (before[i] + self.at.p_t[i]) * slip
         };
         let slipping = (0..self.statuses.len()).filter(|&i| self.statuses[i].sign() != 0.0);
-        Ok(slipping.map(of_node).sum::<f64>() * self.scaling.force * self.scaling.length)
+        slipping.map(of_node).sum::<f64>() * self.scaling.force * self.scaling.length
     }
 }

@@ -6,6 +6,7 @@ use super::observer::{Observer, Step};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
 use super::settings::HistorySettings;
 use super::system::{System, statistics};
+use super::whole::{Balanced, Responds, Whole};
 use super::{Error, HistoryOutcome};
 use crate::condense::Condensed;
 use crate::contact::{KktErrors, KktScales, Violation, judge, rounding_level, statuses_of};
@@ -147,17 +148,14 @@ impl ExactHistory<'_> {
                 }
             };
             let reached = lost.map_or(time, |lost| lost.time);
-            let small_state = walk.state();
-            let state = match condensed {
-                Some(condensed) => condensed.state(reached, &small_state)?,
-                None => small_state,
-            };
             let data = Driven::new(self.problem, self.loading, reached, &begun);
             underway.ends.push(reached);
-            scales[1] = scales[1].with_load(self.problem, &data.increment()).with_state(&state);
+            scales[1] = scales[1].with_load(self.problem, &data.increment());
+            let balanced = self.balanced(&data, &scales[1], &mut walk, condensed)?;
+            scales[1] = scales[1].with_state(&balanced.state);
             self.outcome.lost = lost;
             let status = lost.map(|_| Status::NoContinuation);
-            let flow = self.end(&underway, &data, state, scales[1], status, &walk);
+            let flow = self.end(&underway, &data, balanced, scales[1], status, &walk);
             self.outcome.linear = statistics(walk.statistics(), body, 0.0);
             if self.outcome.status != Status::Converged {
                 return Ok(());
@@ -170,19 +168,36 @@ impl ExactHistory<'_> {
         Ok(())
     }
 
+    /// The state of the whole body where the `walk` has come to.
+    fn balanced(
+        &self,
+        data: &Driven,
+        scales: &KktScales,
+        walk: &mut Walk<'_>,
+        condensed: Option<&Condensed>,
+    ) -> Result<Balanced, PathError> {
+        let (problem, settings, state) = (self.problem, self.settings, walk.state());
+        let Some(condensed) = condensed else {
+            return Ok(Balanced { imbalance: problem.imbalance(&data.force, &state), backward_error: 0.0, state });
+        };
+        let whole = Whole { problem, condensed, settings };
+        let balanced = whole.states(&[(data.time, state)], std::slice::from_ref(&data.force))?.pop();
+        Ok(whole.refined(balanced.unwrap_or_default(), &data.force, scales, walk)?)
+    }
+
     /// Judges the end of an increment on the whole body, and tells of it.
     fn end(
         &mut self,
         underway: &Underway,
         data: &Driven,
-        state: State,
+        balanced: Balanced,
         scales: KktScales,
         status: Option<Status>,
         walk: &Walk<'_>,
     ) -> Flow {
         let (problem, tolerance) = (self.problem, self.settings.tolerance);
+        let Balanced { state, imbalance, backward_error } = balanced;
         let increment = data.increment();
-        let imbalance = problem.imbalance(&data.force, &state);
         let kkt = underway.kkt.max(&judge(problem, &increment, &state, &imbalance, &scales, tolerance));
         let judged = if kkt.worst().1 <= tolerance { Status::Converged } else { Status::Inaccurate };
         let status = status.unwrap_or(judged);
@@ -196,7 +211,7 @@ impl ExactHistory<'_> {
             part_ends: if underway.ends.len() > 1 { underway.ends.clone() } else { Vec::new() },
             iterations: walk.effort().solves - underway.rates,
             kkt,
-            backward_error: after.worst_backward_error,
+            backward_error: after.worst_backward_error.max(backward_error),
             contact: ContactCounts::of(&statuses),
             friction_work: underway.friction_work,
             strain_energy: problem.energy_in_equilibrium(&data.force, &state),
@@ -220,6 +235,20 @@ impl ExactHistory<'_> {
         self.outcome.records.push(record);
         flow
     }
+}
+
+/// Between two events a walk responds as its rates do.
+impl Responds for Walk<'_> {
+    fn is_regular(&mut self) -> Result<bool, LinearError> {
+        Ok(true)
+    }
+
+    fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError> {
+        self.response(forces)
+    }
+
+    /// The walk goes on from the state of its own problem, so that what it decides does not depend on where it is looked at.
+    fn go_on(&mut self) {}
 }
 
 /// What drove a step, with the arrays that an [`Increment`] borrows.

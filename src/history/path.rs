@@ -19,7 +19,7 @@ use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
 use super::told::Told;
 use super::walked::{Attempt, Walked};
-use super::whole::{Balanced, Whole};
+use super::whole::{Balanced, Linearized, Whole};
 use super::working_set::{self, Lack};
 use super::{Status, record};
 use crate::condense::Condensed;
@@ -318,7 +318,11 @@ impl<'a> Path<'a> {
     ) -> Result<Attempt, LinearError> {
         let balanced = match self.whole() {
             None => balanced,
-            Some(whole) => whole.refined(balanced, &self.force, &scales, self.method.as_mut(), linear)?,
+            Some(whole) => {
+                let (problem, scaling) = (&whole.condensed.problem, self.settings.scaling);
+                let mut contact = Linearized::new(self.method.as_mut(), linear, problem, scaling);
+                whole.refined(balanced, &self.force, &scales, &mut contact)?
+            }
         };
         Ok(self.judged(scales, outcome, balanced))
     }

@@ -14,6 +14,7 @@ use crate::formulation::Layout;
 use crate::linear::{Direct, LinearError, componentwise_error};
 use crate::problem::{ContactProblem, State};
 use crate::sparse::{LANES, lane, side_by_side, sum};
+use crate::units::Scaling;
 
 /// The componentwise backward error of the whole system that needs no refinement.
 const BACKWARD_ERROR: f64 = 1e-14;
@@ -30,6 +31,7 @@ pub(super) struct Whole<'a> {
 }
 
 /// A state of the whole body.
+#[derive(Default)]
 pub(super) struct Balanced {
     pub state: State,
     /// [`ContactProblem::imbalance`], N.
@@ -86,19 +88,18 @@ impl Whole<'_> {
         0.1 * self.settings.tolerance * scales.force
     }
 
-    /// The state that the method has reached under `force`, refined where it needs that.
+    /// The state that the method has reached under `force`, refined where it needs that by how its contact nodes respond.
     pub(super) fn refined(
         &self,
         balanced: Balanced,
         force: &[f64],
         scales: &KktScales,
-        method: &mut dyn IncrementSolver,
-        linear: &mut Direct,
+        contact: &mut dyn Responds,
     ) -> Result<Balanced, LinearError> {
         let mut reached = balanced;
         for refinement in 0..REFINEMENTS {
             let scales = scales.with_state(&reached.state);
-            if self.is_sound(&reached, &scales) || refinement == 0 && !factor(method, linear)? {
+            if self.is_sound(&reached, &scales) || refinement == 0 && !contact.is_regular()? {
                 break;
             }
             let mut state = reached.state.clone();
@@ -108,10 +109,10 @@ impl Whole<'_> {
                 state.u_rest.resize(state.u.len(), 0.0);
                 imbalance = self.problem.imbalance(force, &state);
             }
-            let change = match self.correct(&imbalance, &mut state, method, linear) {
+            match self.correct(&imbalance, &mut state, contact) {
                 Err(LinearError::NotFinite) => break,
-                change => change?,
-            };
+                corrected => corrected?,
+            }
             let imbalance = self.problem.imbalance(force, &state);
             let mut sizes = vec![0.0; state.u.len()];
             self.problem.stiffness().add_sizes(&state.u, &mut sizes);
@@ -120,28 +121,16 @@ impl Whole<'_> {
                 break;
             }
             reached = Balanced { state, imbalance, backward_error };
-            method.unknowns().iter_mut().zip(&change).for_each(|(z, dz)| *z += dz);
+            contact.go_on();
         }
         Ok(reached)
     }
 
-    /// Takes an imbalance off a state; what that changes in the unknowns of the method.
-    fn correct(
-        &self,
-        imbalance: &[f64],
-        state: &mut State,
-        method: &mut dyn IncrementSolver,
-        linear: &mut Direct,
-    ) -> Result<Vec<f64>, LinearError> {
-        let scaling = self.settings.scaling;
+    /// Takes an imbalance off a state.
+    fn correct(&self, imbalance: &[f64], state: &mut State, contact: &mut dyn Responds) -> Result<(), LinearError> {
         let forces = self.condensed.reduce(&imbalance.iter().map(|r| -r).collect::<Vec<_>>())?;
-        let n = method.linearization().order();
-        let (mut rhs, mut change) = (vec![0.0; n], vec![0.0; n]);
-        let on_contact = self.condensed.on_contact(&forces);
-        rhs.iter_mut().zip(&on_contact).for_each(|(b, force)| *b = force / scaling.force);
-        linear.solve(method.linearization(), &rhs, &mut change)?;
-        let border: Vec<f64> = change.iter().take(on_contact.len()).map(|du| du * scaling.length).collect();
-        let du = self.condensed.displacements(&forces, &border)?;
+        let change = contact.respond(&self.condensed.on_contact(&forces))?;
+        let du = self.condensed.displacements(&forces, &change.u)?;
         if state.u_rest.is_empty() {
             state.u.iter_mut().zip(&du).for_each(|(u, du)| *u += du);
         } else {
@@ -149,11 +138,67 @@ impl Whole<'_> {
                 (*u, *rest) = sum(*u, *rest + du);
             }
         }
-        let dp = Layout::new(&self.condensed.problem).unpacked(&change, &scaling);
-        for (p, dp) in [(&mut state.p_n, dp.p_n), (&mut state.p_t, dp.p_t), (&mut state.p_o, dp.p_o)] {
+        for (p, dp) in [(&mut state.p_n, change.p_n), (&mut state.p_t, change.p_t), (&mut state.p_o, change.p_o)] {
             p.iter_mut().zip(self.condensed.of_all_nodes(dp)).for_each(|(p, dp)| *p += dp);
         }
-        Ok(change)
+        Ok(())
+    }
+}
+
+/// How a condensed problem responds to forces while no node changes its status.
+pub(super) trait Responds {
+    /// Whether it does: with statuses that hold the body.
+    fn is_regular(&mut self) -> Result<bool, LinearError>;
+
+    /// What forces on its displacements (N) change.
+    fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError>;
+
+    /// Goes on from the state with the last response.
+    fn go_on(&mut self);
+}
+
+/// The response of a method's linearisation.
+pub(super) struct Linearized<'m> {
+    method: &'m mut dyn IncrementSolver,
+    linear: &'m mut Direct,
+    problem: &'m ContactProblem,
+    scaling: Scaling,
+    change: Vec<f64>,
+}
+
+impl<'m> Linearized<'m> {
+    /// That of the state that the `method` has reached, of a condensed `problem`.
+    pub(super) fn new(
+        method: &'m mut dyn IncrementSolver,
+        linear: &'m mut Direct,
+        problem: &'m ContactProblem,
+        scaling: Scaling,
+    ) -> Self {
+        Linearized { method, linear, problem, scaling, change: Vec::new() }
+    }
+}
+
+impl Responds for Linearized<'_> {
+    fn is_regular(&mut self) -> Result<bool, LinearError> {
+        self.method.linearize();
+        match self.linear.factorize(self.method.linearization()) {
+            Ok(_) => Ok(true),
+            Err(LinearError::Singular { .. } | LinearError::NotFinite) => Ok(false),
+            Err(error) => Err(error),
+        }
+    }
+
+    fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError> {
+        let n = self.method.linearization().order();
+        let mut rhs = vec![0.0; n];
+        rhs.iter_mut().zip(forces).for_each(|(b, force)| *b = force / self.scaling.force);
+        self.change = vec![0.0; n];
+        self.linear.solve(self.method.linearization(), &rhs, &mut self.change)?;
+        Ok(Layout::new(self.problem).unpacked(&self.change, &self.scaling))
+    }
+
+    fn go_on(&mut self) {
+        self.method.unknowns().iter_mut().zip(&self.change).for_each(|(z, dz)| *z += dz);
     }
 }
 
@@ -176,14 +221,4 @@ fn backward_error(
         problem.stiffness().entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
         row_norm
     })
-}
-
-/// Factors the linearisation of the state that the method has reached; tells whether that can be solved with.
-fn factor(method: &mut dyn IncrementSolver, linear: &mut Direct) -> Result<bool, LinearError> {
-    method.linearize();
-    match linear.factorize(method.linearization()) {
-        Ok(_) => Ok(true),
-        Err(LinearError::Singular { .. } | LinearError::NotFinite) => Ok(false),
-        Err(error) => Err(error),
-    }
 }
