@@ -177,7 +177,7 @@ pub(crate) fn factorizations(layout: &Layout, method: Method, increments: usize)
         // Without contact the problem is linear: one matrix.
         _ if layout.contacts() == 0 => 1.0,
         // One for each rate, whatever the increments.
-        Method::Events => EVENT_RATES * layout.contacts() as f64,
+        Method::Events { .. } => EVENT_RATES * layout.contacts() as f64,
         method if method.is_interior() && layout.has_second_tangent() => {
             IP_FACTORIZATIONS_IN_A_PLANE * increments as f64
         }

@@ -13,7 +13,7 @@
 //!
 //! | what | file |
 //! | --- | --- |
-//! | the walk | `walk.rs` |
+//! | the walk; what is given on it | `walk.rs`, `stretch.rs` |
 //! | the rate problem; Lemke's method for what its corrections do not settle | `rate.rs`, `lemke.rs` |
 //! | the linear equations of given statuses: sparse, one factorisation a set; dense, by changes of rank one | `tangent.rs`, `sparse.rs`, `dictionary.rs` |
 //! | solutions in twice the precision, for slender bodies | `refined.rs` |
@@ -54,6 +54,7 @@ mod node;
 mod rate;
 mod refined;
 mod sparse;
+mod stretch;
 mod tangent;
 mod walk;
 
@@ -119,6 +120,18 @@ pub struct Lost {
     pub time: f64,
     /// Whether all statuses of the nodes concerned were tried; otherwise Lemke's method ended on a ray, which proves it
     /// in some problems only.
+    pub certain: bool,
+}
+
+/// A jump over the end of a quasi-static motion, to one of the states that the laws allow beyond it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct Jump {
+    /// Where the motion ended, s.
+    pub from: f64,
+    /// The end of the increment that leads over it, s.
+    pub to: f64,
+    /// Whether it is certain that there was no quasi-static way, as in [`Lost::certain`].
     pub certain: bool,
 }
 

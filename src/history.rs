@@ -42,6 +42,7 @@ mod events;
 mod held;
 mod increment_error;
 mod ip;
+mod jump;
 mod method;
 mod newton_end;
 mod observer;
@@ -75,7 +76,7 @@ pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
 pub use working_set::WorkingSet;
 
 use crate::contact::{KktScales, Violation};
-use crate::events::{Event, Lost};
+use crate::events::{Event, Jump, Lost};
 use crate::formulation::Layout;
 use crate::linear::Statistics;
 use crate::loading::Loading;
@@ -102,6 +103,8 @@ pub struct HistoryOutcome {
     pub violation: Option<Violation>,
     /// The changes of status on the way, where the path was followed from one to the next.
     pub events: Vec<Event>,
+    /// Where it went on by a jump.
+    pub jumps: Vec<Jump>,
     /// Where and how that path ended before its time.
     pub lost: Option<Lost>,
     /// The equilibrium error that rounding the displacements makes in the last increment.
@@ -119,6 +122,30 @@ pub struct HistoryOutcome {
     pub linear: Statistics,
     /// Seconds for patterns and symbolic analysis, before the first increment.
     pub setup_seconds: f64,
+}
+
+impl HistoryOutcome {
+    /// That of a history with so many increments to come.
+    fn begun(problem: &ContactProblem, increments: usize) -> Self {
+        HistoryOutcome {
+            status: Status::Converged,
+            records: Vec::with_capacity(increments),
+            state: State::zero(problem),
+            reached: 0.0,
+            scales: KktScales::default(),
+            violation: None,
+            events: Vec::new(),
+            jumps: Vec::new(),
+            lost: None,
+            rounding: 0.0,
+            free_motion: None,
+            layout: Layout::new(problem),
+            working_set: None,
+            increment_error: None,
+            linear: Statistics::default(),
+            setup_seconds: 0.0,
+        }
+    }
 }
 
 /// Runs a history over increments that end at `times` (s), and stops at the first increment that
@@ -155,24 +182,8 @@ pub fn run_with(
     loading.check(problem)?;
     settings.check(problem)?;
     check_times(times)?;
-    let outcome = HistoryOutcome {
-        status: Status::Converged,
-        records: Vec::with_capacity(times.len()),
-        state: State::zero(problem),
-        reached: 0.0,
-        scales: KktScales::default(),
-        violation: None,
-        events: Vec::new(),
-        lost: None,
-        rounding: 0.0,
-        free_motion: None,
-        layout: Layout::new(problem),
-        working_set: None,
-        increment_error: None,
-        linear: Statistics::default(),
-        setup_seconds: 0.0,
-    };
-    if settings.method == Method::Events {
+    let outcome = HistoryOutcome::begun(problem, times.len());
+    if let Method::Events { .. } = settings.method {
         let history = ExactHistory { problem, loading, times, settings, observer, outcome };
         return history.follow(system, start);
     }
@@ -184,8 +195,8 @@ pub fn run_with(
     let mut stages =
         Stages { problem, loading, times, settings, observer, outcome, position, start, begun: None, done, joined: 0 };
     match system {
-        System::Whole(linear) => {
-            stages.stage(algorithm, None, linear)?;
+        System::Whole(mut linear) => {
+            stages.stage(algorithm, None, &mut linear)?;
         }
         System::Condensed(condensation) => stages.condensed(algorithm, &condensation)?,
     }

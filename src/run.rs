@@ -310,9 +310,14 @@ impl<'a> Run<'a> {
         last: &RecordedIncrement,
         outcome: &HistoryOutcome,
     ) -> Result<Option<CriticalFriction>, history::Error> {
-        let HistoryOutcome { state, scales, .. } = outcome;
         let (problem, scaling) = (&self.model.problem, self.model.scaling());
-        uniqueness::critical_friction(problem, &last.data(), state, scales, scaling, &mut Direct::default())
+        let (data, state) = (last.data(), &last.state);
+        let scales = outcome.scales.with_load(problem, &data).with_state(state);
+        let critical = match last.record.status {
+            Status::NoContinuation => uniqueness::critical_friction_where_lost,
+            _ => uniqueness::critical_friction,
+        };
+        critical(problem, &data, state, &scales, scaling, &mut Direct::default())
     }
 
     /// What would have been much faster than the linear algebra that somebody named.

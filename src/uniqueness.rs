@@ -50,6 +50,9 @@ impl CriticalFriction {
     }
 }
 
+/// Friction that is nearer to the border of its cone than this share of the largest force is on it.
+const BORDER: f64 = 1e-10;
+
 /// A node that slips with friction.
 struct Slider {
     /// Places of its forces in `z`, of the tangential one along the tangent it has.
@@ -77,11 +80,42 @@ pub fn critical_friction(
     scaling: Scaling,
     linear: &mut Direct,
 ) -> Result<Option<CriticalFriction>, Error> {
+    let statuses = statuses(problem, increment, state, scales)?;
+    Ok(along(problem, increment, state, &statuses, scaling, linear)?)
+}
+
+/// The same where the motion has just ended: nodes on the border of their cone are about to slip, and count so.
+pub(crate) fn critical_friction_where_lost(
+    problem: &ContactProblem,
+    increment: &Increment<'_>,
+    state: &State,
+    scales: &KktScales,
+    scaling: Scaling,
+    linear: &mut Direct,
+) -> Result<Option<CriticalFriction>, Error> {
+    let mut statuses = statuses(problem, increment, state, scales)?;
+    for (i, status) in statuses.iter_mut().enumerate() {
+        let friction = state.p_t[i].hypot(state.p_o[i]);
+        if *status == ContactStatus::Stick && increment.mu[i] * state.p_n[i] - friction <= BORDER * scales.force {
+            *status = ContactStatus::Slip;
+        }
+    }
+    Ok(along(problem, increment, state, &statuses, scaling, linear)?)
+}
+
+/// The critical friction along these `statuses`.
+fn along(
+    problem: &ContactProblem,
+    increment: &Increment<'_>,
+    state: &State,
+    statuses: &[ContactStatus],
+    scaling: Scaling,
+    linear: &mut Direct,
+) -> Result<Option<CriticalFriction>, LinearError> {
     let layout = Layout::new(problem);
     if (0..problem.contacts()).any(|i| layout.slides_in_a_plane(i)) {
         return Ok(None);
     }
-    let statuses = statuses(problem, increment, state, scales)?;
     // Nothing is iterated: of all the conventions only r is used, to scale the rows of held nodes.
     let mut tangent = Bdiff::new(problem, scaling, &Conventions::natural(problem));
     tangent.set_cases(statuses.iter().map(|status| match status {
@@ -104,7 +138,7 @@ pub fn critical_friction(
         sliders => match response(&tangent, sliders, linear) {
             Ok(Some(response)) => 1.0 / largest_real(&response)?,
             Ok(None) | Err(LinearError::Singular { .. } | LinearError::NotFinite) => 0.0,
-            Err(error) => return Err(error.into()),
+            Err(error) => return Err(error),
         },
     };
     Ok(Some(CriticalFriction { factor, slipping: sliders.len() }))

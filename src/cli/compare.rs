@@ -70,7 +70,7 @@ fn method(name: &str, setting: &str) -> Method {
     match (name, setting) {
         ("ip", "paper") => Method::paper_ip(Start::Safe),
         ("ip", _) => Method::IP,
-        ("events", _) => Method::Events,
+        ("events", _) => Method::EVENTS,
         (_, "paper") => Method::PaperBn,
         _ => Method::BN,
     }

@@ -64,7 +64,7 @@ impl Study {
         let mut last = LastIncrement { model: &model, end, watch: EstimateWatch::new(&model) };
         let mut exact = None;
         if has_exact_path(&model) {
-            let path = solve(&scene, &model, built, reference_path(Method::Events), 1, Some(&mut last))?;
+            let path = solve(&scene, &model, built, reference_path(Method::EVENTS), 1, Some(&mut last))?;
             exact = (path.outcome.status == Status::Converged).then_some(Solved { increments: 0, ..path });
         }
         let reference = if let Some(exact) = exact {

@@ -18,7 +18,7 @@ use faer::linalg::solvers::DenseSolveCore;
 use super::coordinates::Coordinates;
 use super::node::{Contact, Given, NodeStatus, largest};
 use super::tangent::Tangent;
-use crate::linear::{LinearError, Statistics};
+use crate::linear::{Direct, LinearError, Statistics};
 use crate::problem::ContactProblem;
 use crate::units::Scaling;
 use crate::vector::dot;
@@ -341,5 +341,9 @@ impl Tangent for Dictionary {
 
     fn statistics(&self) -> Statistics {
         self.statistics
+    }
+
+    fn lend(&mut self) -> Option<&mut Direct> {
+        None
     }
 }

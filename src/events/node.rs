@@ -4,6 +4,8 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::sparse::Twofold;
+
 /// What a contact node does while the loads go on at one rate. Its rates then obey one linear row for each of its forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub enum NodeStatus {
@@ -88,6 +90,29 @@ impl Contact {
     pub(super) fn zero(contacts: usize) -> Self {
         let zeros = || vec![0.0; contacts];
         Contact { w_n: zeros(), w_t: zeros(), p_n: zeros(), p_t: zeros(), ..Contact::default() }
+    }
+
+    /// `self + share other`; displacements keep what rounding takes off them, if they have kept it so far.
+    pub(super) fn add(&mut self, share: f64, other: &Contact) {
+        let plus = |to: &mut [f64], by: &[f64]| to.iter_mut().zip(by).for_each(|(to, by)| *to += share * by);
+        plus(&mut self.w_n, &other.w_n);
+        plus(&mut self.w_t, &other.w_t);
+        plus(&mut self.p_n, &other.p_n);
+        plus(&mut self.p_t, &other.p_t);
+        if self.u_rest.is_empty() && other.u_rest.is_empty() {
+            plus(&mut self.u, &other.u);
+            return;
+        }
+        self.u_rest.resize(self.u.len(), 0.0);
+        for (k, (u, rest)) in self.u.iter_mut().zip(&mut self.u_rest).enumerate() {
+            let mut sum = Twofold::default();
+            sum.add(*u);
+            sum.add_product(share, other.u[k]);
+            sum.add(*rest + share * other.u_rest.get(k).copied().unwrap_or(0.0));
+            *u = sum.value();
+            sum.add(-*u);
+            *rest = sum.value();
+        }
     }
 
     /// The largest force.

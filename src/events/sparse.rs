@@ -22,6 +22,8 @@ pub(super) struct SparseTangent<'a> {
     r_t: Vec<f64>,
     /// Whether `linear` has factors.
     regular: bool,
+    /// Whether `linear` has served other equations since it knew these.
+    lent: bool,
     rhs: Vec<f64>,
     z: Vec<f64>,
 }
@@ -40,7 +42,18 @@ impl<'a> SparseTangent<'a> {
         let scaled = |r: &[f64]| r.iter().map(|r| r / scaling.stiffness()).collect();
         let (r_n, r_t) = (scaled(&conventions.r_n), scaled(&conventions.r_t));
         let zeros = || vec![0.0; rows.unknowns()];
-        Ok(SparseTangent { problem, tangents, linear, r_n, r_t, regular: false, rhs: zeros(), z: zeros(), rows })
+        Ok(SparseTangent {
+            problem,
+            tangents,
+            linear,
+            r_n,
+            r_t,
+            regular: false,
+            lent: false,
+            rhs: zeros(),
+            z: zeros(),
+            rows,
+        })
     }
 }
 
@@ -63,6 +76,9 @@ impl Tangent for SparseTangent<'_> {
             (normal, tangential)
         }));
         self.regular = false;
+        if std::mem::take(&mut self.lent) {
+            self.linear.analyze(self.rows.jacobian())?;
+        }
         if self.rows.unheld_motion().is_some() {
             return Ok(false);
         }
@@ -111,5 +127,10 @@ impl Tangent for SparseTangent<'_> {
 
     fn statistics(&self) -> Statistics {
         *self.linear.statistics()
+    }
+
+    fn lend(&mut self) -> Option<&mut Direct> {
+        (self.lent, self.regular) = (true, false);
+        Some(self.linear)
     }
 }

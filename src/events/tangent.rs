@@ -1,7 +1,7 @@
 //! The linear equations that contact nodes obey while none changes its status.
 
 use super::node::{Contact, Given, NodeStatus};
-use crate::linear::{LinearError, Statistics};
+use crate::linear::{Direct, LinearError, Statistics};
 
 /// With the status of each contact node given, the contact law is linear in displacements and forces, and in their rates:
 ///
@@ -25,4 +25,7 @@ pub(super) trait Tangent {
 
     /// What the linear algebra has done.
     fn statistics(&self) -> Statistics;
+
+    /// The linear algebra, for other equations in between, if it is of use to them.
+    fn lend(&mut self) -> Option<&mut Direct>;
 }

@@ -5,10 +5,12 @@ use super::node::{Contact, Given, May, NodeStatus, largest};
 use super::rate::{Effort, Found, ROUNDING, RateProblem};
 use super::refined::Refined;
 use super::sparse::SparseTangent;
+use super::stretch::Stretch;
 use super::tangent::Tangent;
 use super::{Equations, Event, Lost, PathError, Step, Stop};
+use crate::contact::ContactStatus;
 use crate::formulation::Layout;
-use crate::linear::{LinearError, Statistics};
+use crate::linear::{Direct, LinearError, Statistics};
 use crate::loading::Loading;
 use crate::problem::{ContactProblem, State};
 use crate::units::Scaling;
@@ -19,25 +21,15 @@ const NONE: f64 = 1e-13;
 /// Steps of no length in a row, after which statuses go in circles.
 const STANDSTILL: usize = 50;
 
-/// A stretch in which all that is given changes at one rate: `at` its start, and by how much until its end.
-struct Stretch {
-    times: [f64; 2],
-    at: Given,
-    change: Given,
-}
-
 /// A history on its way.
 pub struct Walk<'a> {
     problem: &'a ContactProblem,
-    loading: &'a Loading,
     scaling: Scaling,
     mu: &'a [f64],
     rough: Vec<bool>,
     tangents: Vec<Option<usize>>,
     equations: Refined<'a>,
-    /// The times at which rates of what is given change, the nearest last.
-    corners: Vec<f64>,
-    stretch: Stretch,
+    stretch: Stretch<'a>,
     /// How much of the stretch has passed.
     share: f64,
     statuses: Vec<NodeStatus>,
@@ -82,19 +74,15 @@ impl<'a> Walk<'a> {
             Equations::Sparse(linear) => Box::new(SparseTangent::new(problem, tangents.clone(), scaling, linear)?),
             Equations::Dense => Box::new(Dictionary::new(problem, &tangents, scaling).ok_or(PathError::DependentRows)?),
         };
-        let mut corners = loading.corners();
-        corners.reverse();
         let none = || Contact::zero(contacts);
         let mut walk = Walk {
             problem,
-            loading,
             scaling,
             mu: problem.mu(),
             rough,
             equations: Refined::new(problem, tangents.clone(), scaling, equations),
+            stretch: Stretch::first(problem, loading, scaling, tangents.clone()),
             tangents,
-            corners,
-            stretch: Stretch { times: [0.0; 2], at: Given::default(), change: Given::default() },
             share: 0.0,
             statuses: vec![NodeStatus::Open; contacts],
             stuck: vec![0.0; contacts],
@@ -110,72 +98,26 @@ impl<'a> Walk<'a> {
         Ok(walk)
     }
 
-    /// What is there at t = 0 comes first, in proportion and in no time.
+    /// Nodes that touch start closed: where contact alone holds the body, anything else would be singular.
     fn begin(&mut self) {
-        let there = self.given(0.0);
-        let apart = there.gap.iter().map(|gap| gap.max(0.0)).collect();
-        let at = Given { force: vec![0.0; there.force.len()], gap: apart, slide: there.slide.clone() };
-        let change = there.plus(-1.0, &at);
-        // Nodes that touch start closed: where contact alone holds the body, anything else would be singular.
+        let Given { gap, slide, .. } = &self.stretch.at;
         for (i, status) in self.statuses.iter_mut().enumerate() {
-            if at.gap[i] <= 0.0 {
+            if gap[i] <= 0.0 {
                 *status = if self.rough[i] { NodeStatus::Stick } else { NodeStatus::Forward };
             }
         }
-        let nothing = largest(&change.force) == 0.0 && largest(&change.gap) == 0.0;
-        self.stretch = Stretch { times: [0.0; 2], at, change };
-        self.stuck.copy_from_slice(&self.stretch.at.slide.iter().map(|slide| -slide).collect::<Vec<_>>());
-        if nothing {
-            self.next_stretch();
-        }
+        self.stuck = slide.iter().map(|slide| -slide).collect();
     }
 
-    /// What is given at a time, in the units of the walk.
-    fn given(&self, time: f64) -> Given {
-        let Walk { problem, loading, scaling, .. } = self;
-        let (mut force, mut gap) = (vec![0.0; problem.displacements()], vec![0.0; problem.contacts()]);
-        loading.force(time, &mut force);
-        loading.gap_at(time, &mut gap);
-        for f in &mut force {
-            *f /= scaling.force;
-        }
-        for g in &mut gap {
-            *g /= scaling.length;
-        }
-        let drifts = [0, 1].map(|k| loading.drift_at(time, k));
-        let slide = |(i, tangent): (usize, &Option<usize>)| tangent.map_or(0.0, |k| drifts[k][i] / scaling.length);
-        let slide = self.tangents.iter().enumerate().map(slide).collect();
-        Given { force, gap, slide }
-    }
-
-    /// Begins the stretch from where the last one ends to the next corner, or for ever where there is none.
+    /// Goes over to the stretch that begins where the last one ends.
     fn next_stretch(&mut self) {
-        let start = self.stretch.times[1];
-        while self.corners.last().is_some_and(|corner| *corner <= start) {
-            self.corners.pop();
-        }
-        // Beyond the last corner nothing changes.
-        let end = self.corners.pop().unwrap_or(f64::INFINITY);
-        let at = self.given(start);
-        let change = self.given(if end.is_finite() { end } else { start }).plus(-1.0, &at);
-        self.stretch = Stretch { times: [start, end], at, change };
+        self.stretch.next();
         (self.share, self.decided) = (0.0, false);
     }
 
     /// The time reached, s.
     pub fn time(&self) -> f64 {
-        self.time_at(self.share)
-    }
-
-    fn time_at(&self, share: f64) -> f64 {
-        let [start, end] = self.stretch.times;
-        if end.is_infinite() || share == 0.0 {
-            start
-        } else if share == 1.0 {
-            end
-        } else {
-            start + share * (end - start)
-        }
+        self.stretch.time_at(self.share)
     }
 
     /// What each contact node does since the last event.
@@ -195,7 +137,7 @@ impl<'a> Walk<'a> {
 
     /// Where the nodes are along both tangents, past their obstacles, n_c each, m; 0 along one that they do not have.
     pub fn places(&self) -> [Vec<f64>; 2] {
-        let slide = self.stretch.at.plus(self.share, &self.stretch.change).slide;
+        let slide = self.stretch.given_at(self.share).slide;
         let place = |(w, slide): (&f64, &f64)| (w - slide) * self.scaling.length;
         self.equations.along_both(&self.at.w_t.iter().zip(&slide).map(place).collect::<Vec<_>>())
     }
@@ -203,6 +145,44 @@ impl<'a> Walk<'a> {
     /// The state reached, SI.
     pub fn state(&self) -> State {
         self.equations.state(&self.at)
+    }
+
+    /// The linear algebra, for other equations in between, if it is of use to them.
+    pub(crate) fn lend(&mut self) -> Option<&mut Direct> {
+        self.equations.lend()
+    }
+
+    /// Goes on from another `state` at `time`, later than the one reached, in which contact nodes have these `statuses`.
+    pub(crate) fn go_on_from(&mut self, time: f64, state: &State, statuses: &[ContactStatus]) {
+        self.stretch.begin_at(time);
+        (self.share, self.decided) = (0.0, false);
+        let Scaling { force, length } = self.scaling;
+        let [w_n, w_t, w_o] = self.problem.contact_motion(&state.u);
+        let along = |values: [&Vec<f64>; 2], unit: f64| -> Vec<f64> {
+            self.tangents.iter().enumerate().map(|(i, k)| k.map_or(0.0, |k| values[k][i] / unit)).collect()
+        };
+        let (w_t, p_t) = (along([&w_t, &w_o], length), along([&state.p_t, &state.p_o], force));
+        let scaled = |values: &[f64], unit: f64| values.iter().map(|value| value / unit).collect::<Vec<_>>();
+        self.statuses = (0..statuses.len())
+            .map(|i| match statuses[i] {
+                ContactStatus::Open => NodeStatus::Open,
+                ContactStatus::Stick if self.rough[i] => NodeStatus::Stick,
+                _ => NodeStatus::slip(p_t[i]),
+            })
+            .collect();
+        self.stuck = w_t.iter().zip(&self.stretch.at.slide).map(|(w, slide)| w - slide).collect();
+        self.at = Contact {
+            w_n: scaled(&w_n, length),
+            w_t,
+            p_n: scaled(&state.p_n, force),
+            p_t,
+            u: scaled(&state.u, length),
+            u_rest: scaled(&state.u_rest, length),
+            rounding: 0.0,
+        };
+        self.rate = Contact::zero(statuses.len());
+        (self.hit, self.standstill) = (vec![false; statuses.len()], 0);
+        self.measure(&self.stretch.at.clone());
     }
 
     /// What forces (N, n_u) change while no node changes its status, SI.
@@ -223,16 +203,6 @@ impl<'a> Walk<'a> {
     /// When the linear algebra cannot go on.
     pub fn step(&mut self, until: f64) -> Result<Step, PathError> {
         let mut events = Vec::new();
-        if !self.decided {
-            let before = self.statuses.clone();
-            if let Some(lost) = self.decide()? {
-                return Ok(Step { events, friction_work: 0.0, stop: Stop::Lost(lost) });
-            }
-            let time = self.time();
-            let changed = before.into_iter().zip(&self.statuses).enumerate().filter(|(_, (from, to))| from != *to);
-            events.extend(changed.map(|(node, (from, to))| Event { time, node, from, to: *to }));
-        }
-        let (reach, hit) = self.reach();
         let [start, end] = self.stretch.times;
         let wanted = if end.is_infinite() {
             0.0
@@ -241,6 +211,18 @@ impl<'a> Walk<'a> {
         } else {
             ((until - start) / (end - start)).max(self.share)
         };
+        if !self.decided {
+            let before = self.statuses.clone();
+            if let Some(lost) = self.decide()? {
+                // What was asked for is reached all the same; whoever wants to go on will hear it.
+                let stop = if wanted - self.share <= NONE { Stop::Until } else { Stop::Lost(lost) };
+                return Ok(Step { events, friction_work: 0.0, stop });
+            }
+            let time = self.time();
+            let changed = before.into_iter().zip(&self.statuses).enumerate().filter(|(_, (from, to))| from != *to);
+            events.extend(changed.map(|(node, (from, to))| Event { time, node, from, to: *to }));
+        }
+        let (reach, hit) = self.reach();
         let target = if self.decided && end.is_infinite() { self.share } else { (self.share + reach).min(wanted) };
         let happens = !end.is_infinite() && self.share + reach <= wanted;
         let friction_work = self.go(target);
@@ -281,7 +263,7 @@ impl<'a> Walk<'a> {
                 return Ok(Some(Lost { time: self.time(), certain: matches!(found, Found::None) }));
             }
         }
-        let mut given = self.stretch.at.plus(self.share, &self.stretch.change);
+        let mut given = self.stretch.given_at(self.share);
         for (i, status) in statuses.iter().enumerate() {
             if status.is_held() && !self.statuses[i].is_held() {
                 self.stuck[i] = self.at.w_t[i] - given.slide[i];
@@ -373,7 +355,7 @@ impl<'a> Walk<'a> {
         let (before, passed) = (self.at.p_t.clone(), share - self.share);
         self.at.add(passed, &self.rate);
         self.share = share;
-        self.measure(&self.stretch.at.plus(share, &self.stretch.change));
+        self.measure(&self.stretch.given_at(share));
         let of_node = |i: usize| {
             let slip = passed * (self.rate.w_t[i] - self.stretch.change.slide[i]);
             0.5 * (before[i] + self.at.p_t[i]) * slip

@@ -23,7 +23,7 @@ impl Algorithm for HistorySettings {
                 if rescue { Box::new(Rescued::new(problem, bn, self)) } else { Box::new(bn) }
             }
             // Only where the path jumps.
-            Method::Events => {
+            Method::Events { .. } => {
                 Box::new(Rescued::new(problem, BnMethod::measured(problem, loading, self, BN_PATIENCE), self))
             }
             Method::PaperBn => Box::new(BnMethod::paper(problem, loading, self)),
@@ -53,7 +53,7 @@ impl Algorithm for HistorySettings {
     fn knows(&self, layout: &Layout) -> bool {
         !layout.has_second_tangent()
             || match self.method {
-                Method::Bn { .. } | Method::PaperBn | Method::Events => true,
+                Method::Bn { .. } | Method::PaperBn | Method::Events { .. } => true,
                 Method::Ip { newton } => newton == NewtonSystem::Reduced,
                 Method::PaperIp { .. } => false,
             }

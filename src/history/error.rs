@@ -1,6 +1,7 @@
 //! Why a history cannot be run, or not go on.
 
 use super::Method;
+use crate::events::PathError;
 use crate::linear::LinearError;
 use crate::problem::ProblemError;
 
@@ -21,4 +22,17 @@ pub enum Error {
     /// The linear algebra cannot go on.
     #[error(transparent)]
     Linear(#[from] LinearError),
+    /// An exact path cannot be followed.
+    #[error(transparent)]
+    Path(PathError),
+}
+
+impl From<PathError> for Error {
+    fn from(error: PathError) -> Self {
+        match error {
+            PathError::Problem(error) => Error::Problem(error),
+            PathError::Linear(error) => Error::Linear(error),
+            other => Error::Path(other),
+        }
+    }
 }

@@ -2,15 +2,17 @@
 
 use std::time::Instant;
 
+use super::jump::{Edge, Landed, Means};
+use super::method::Method;
 use super::observer::{Observer, Step};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
 use super::settings::HistorySettings;
 use super::system::{System, statistics};
 use super::whole::{Balanced, Responds, Whole};
 use super::{Error, HistoryOutcome};
-use crate::condense::Condensed;
+use crate::condense::{Condensation, Condensed};
 use crate::contact::{KktErrors, KktScales, Violation, judge, rounding_level, statuses_of};
-use crate::events::{Equations, PathError, Stop, Walk};
+use crate::events::{Equations, Event, Jump, Lost, PathError, Stop, Walk};
 use crate::linear::{Direct, LinearError, Statistics};
 use crate::loading::Loading;
 use crate::nonlinear::{Flow, IterationRecord};
@@ -37,12 +39,15 @@ struct Begun {
 /// What is known of an increment so far.
 struct Underway {
     index: usize,
+    /// Its end, s.
+    end: f64,
     clock: Instant,
     before: Statistics,
     kkt: KktErrors,
     ends: Vec<f64>,
     friction_work: f64,
     rates: usize,
+    jumps: usize,
 }
 
 impl ExactHistory<'_> {
@@ -52,21 +57,18 @@ impl ExactHistory<'_> {
     /// As [`super::run`].
     pub(super) fn follow(mut self, system: System, start: Instant) -> Result<HistoryOutcome, Error> {
         let (problem, loading, settings) = (self.problem, self.loading, self.settings);
-        let condensed = match system {
-            System::Condensed(ref condensation) => Some(Condensed::new(problem, loading, condensation.clone())),
-            System::Whole(_) => None,
+        let (mut linear, condensation) = match system {
+            System::Whole(linear) => (linear, None),
+            System::Condensed(condensation) => (Direct::default(), Some(condensation)),
         };
-        let condensed = match condensed.transpose() {
+        let condensed = condensation.as_ref().map(|body| Condensed::new(problem, loading, body.clone())).transpose();
+        let condensed = match condensed {
             Ok(condensed) => condensed,
             Err(LinearError::Singular { .. }) => {
                 self.outcome.status = Status::Singular;
                 return Ok(self.outcome);
             }
             Err(error) => return Err(error.into()),
-        };
-        let mut linear = match system {
-            System::Whole(linear) => linear,
-            System::Condensed(_) => Direct::default(),
         };
         let walk = match &condensed {
             Some(condensed) => Walk::new(&condensed.problem, &condensed.loading, settings.scaling, Equations::Dense),
@@ -78,35 +80,33 @@ impl ExactHistory<'_> {
                 self.outcome.status = Status::Unsupported;
                 return Ok(self.outcome);
             }
-            Err(PathError::Problem(error)) => return Err(error.into()),
-            Err(PathError::Linear(error)) => return Err(error.into()),
+            Err(error) => return Err(error.into()),
         };
         self.outcome.setup_seconds = start.elapsed().as_secs_f64();
         self.observer.ready();
-        match self.walk(walk, condensed.as_ref()) {
-            Err(PathError::Linear(LinearError::OutOfMemory { .. })) => self.outcome.status = Status::OutOfMemory,
-            Err(PathError::Linear(error)) => return Err(error.into()),
-            Err(PathError::Problem(error)) => return Err(error.into()),
-            // What a walk does not know it says when it is made.
-            Err(_) => self.outcome.status = Status::Unsupported,
+        let condensed = condensed.as_ref().zip(condensation.as_ref());
+        match self.walk(walk, condensed) {
+            Err(Error::Linear(LinearError::OutOfMemory { .. })) => self.outcome.status = Status::OutOfMemory,
+            Err(error) => return Err(error),
             Ok(()) => {}
         }
         Ok(self.outcome)
     }
 
-    fn walk(&mut self, mut walk: Walk<'_>, condensed: Option<&Condensed>) -> Result<(), PathError> {
-        let (small, loads) = condensed.map_or((self.problem, self.loading), |c| (&c.problem, &c.loading));
-        let body = condensed.map(Condensed::info);
+    fn walk(&mut self, mut walk: Walk<'_>, condensed: Option<(&Condensed, &Condensation)>) -> Result<(), Error> {
+        let body = condensed.map(|(condensed, _)| condensed.info());
         let mut scales = [KktScales::default(); 2];
         for (k, &time) in self.times.iter().enumerate() {
             let mut underway = Underway {
                 index: k + 1,
+                end: time,
                 clock: Instant::now(),
                 before: walk.statistics(),
                 kkt: KktErrors::default(),
                 ends: Vec::new(),
                 friction_work: 0.0,
                 rates: walk.effort().solves,
+                jumps: 0,
             };
             let (begun, lost) = loop {
                 let begun = Begun { places: walk.places(), time: walk.time() };
@@ -116,33 +116,24 @@ impl ExactHistory<'_> {
                 }
                 self.outcome.events.extend(step.events);
                 underway.friction_work += step.friction_work;
-                let lost = match step.stop {
-                    Stop::Lost(lost) => Some(lost),
-                    _ => None,
-                };
-                if lost.is_none() {
-                    let (state, now) = (walk.state(), walk.time());
-                    let data = Driven::new(small, loads, now, &begun);
-                    scales[0] = scales[0].with_load(small, &data.increment()).with_state(&state);
-                    let imbalance = small.imbalance(&data.force, &state);
-                    let tolerance = self.settings.tolerance;
-                    let kkt = judge(small, &data.increment(), &state, &imbalance, &scales[0], tolerance);
-                    underway.kkt = underway.kkt.max(&kkt);
-                    if step.stop != Stop::Until && now > begun.time {
-                        underway.ends.push(now);
+                match step.stop {
+                    Stop::Lost(lost) if self.jumps() => {
+                        if !self.jump(&mut walk, lost, &begun, &mut scales[1], condensed, &mut underway)? {
+                            break (begun, Some(lost));
+                        }
+                    }
+                    Stop::Lost(lost) => break (begun, Some(lost)),
+                    stop => {
+                        self.judge_step(&walk, stop, &begun, &mut scales[0], condensed, &mut underway);
+                        if stop == Stop::Until {
+                            break (begun, None);
+                        }
                     }
                 }
                 let error = Some(underway.kkt.worst().1);
-                let told = IterationRecord {
-                    iteration: walk.effort().solves - underway.rates,
-                    error,
-                    ..IterationRecord::start(f64::NAN)
-                };
-                let stopped = self.observer.iteration(underway.index, &told) == Flow::Stop;
-                if lost.is_some() || step.stop == Stop::Until {
-                    break (begun, lost);
-                }
-                if stopped {
+                let iteration = walk.effort().solves - underway.rates;
+                let told = IterationRecord { iteration, error, ..IterationRecord::start(f64::NAN) };
+                if self.observer.iteration(underway.index, &told) == Flow::Stop {
                     self.outcome.status = Status::Interrupted;
                     return Ok(());
                 }
@@ -168,16 +159,83 @@ impl ExactHistory<'_> {
         Ok(())
     }
 
+    /// Judges a step from event to event, on the problem of the `walk`.
+    fn judge_step(
+        &self,
+        walk: &Walk<'_>,
+        stop: Stop,
+        begun: &Begun,
+        scales: &mut KktScales,
+        condensed: Option<(&Condensed, &Condensation)>,
+        underway: &mut Underway,
+    ) {
+        let (small, loads) = condensed.map_or((self.problem, self.loading), |(c, _)| (&c.problem, &c.loading));
+        let (state, now) = (walk.state(), walk.time());
+        let data = Driven::new(small, loads, now, begun);
+        *scales = scales.with_load(small, &data.increment()).with_state(&state);
+        let imbalance = small.imbalance(&data.force, &state);
+        let kkt = judge(small, &data.increment(), &state, &imbalance, scales, self.settings.tolerance);
+        underway.kkt = underway.kkt.max(&kkt);
+        if stop != Stop::Until && now > begun.time {
+            underway.ends.push(now);
+        }
+    }
+
+    fn jumps(&self) -> bool {
+        self.settings.method == Method::Events { jump: true }
+    }
+
+    /// Jumps on from where the `walk` is `lost`, to the end of the increment at most; tells whether it has come anywhere.
+    fn jump(
+        &mut self,
+        walk: &mut Walk<'_>,
+        lost: Lost,
+        begun: &Begun,
+        scales: &mut KktScales,
+        condensed: Option<(&Condensed, &Condensation)>,
+        underway: &mut Underway,
+    ) -> Result<bool, Error> {
+        let (problem, loading, settings) = (self.problem, self.loading, self.settings);
+        let data = Driven::new(problem, loading, lost.time, begun);
+        *scales = scales.with_load(problem, &data.increment());
+        let Balanced { state, .. } = self.balanced(&data, scales, walk, condensed)?;
+        *scales = scales.with_state(&state);
+        let edge = Edge { problem, loading, settings, time: lost.time, state, scales: *scales };
+        let landed = match (condensed, walk.lend()) {
+            (Some((_, condensation)), _) => edge.jump(underway.end, &mut Means::Condensed(condensation))?,
+            (None, Some(linear)) => edge.jump(underway.end, &mut Means::Whole(linear))?,
+            (None, None) => None,
+        };
+        let Some(Landed { time, state, record }) = landed else { return Ok(false) };
+        let data = Driven::new(problem, loading, time, &Begun { places: walk.places(), time: lost.time });
+        *scales = scales.with_load(problem, &data.increment()).with_state(&state);
+        let statuses = statuses_of(problem, &data.increment(), &state, scales);
+        let before = walk.statuses().to_vec();
+        let of_walk = condensed.map(|(condensed, _)| condensed.condensed_state(&state));
+        walk.go_on_from(time, of_walk.as_ref().unwrap_or(&state), &statuses);
+        for (node, (from, to)) in before.into_iter().zip(walk.statuses()).enumerate().filter(|(_, (a, b))| a != *b) {
+            let event = Event { time, node, from, to: *to };
+            self.observer.event(underway.index, &event);
+            self.outcome.events.push(event);
+        }
+        underway.kkt = underway.kkt.max(&record.kkt);
+        underway.friction_work += record.friction_work;
+        underway.jumps += 1;
+        underway.ends.extend([lost.time, time].into_iter().filter(|end| *end < underway.end && *end > begun.time));
+        self.outcome.jumps.push(Jump { from: lost.time, to: time, certain: lost.certain });
+        Ok(true)
+    }
+
     /// The state of the whole body where the `walk` has come to.
     fn balanced(
         &self,
         data: &Driven,
         scales: &KktScales,
         walk: &mut Walk<'_>,
-        condensed: Option<&Condensed>,
-    ) -> Result<Balanced, PathError> {
+        condensed: Option<(&Condensed, &Condensation)>,
+    ) -> Result<Balanced, Error> {
         let (problem, settings, state) = (self.problem, self.settings, walk.state());
-        let Some(condensed) = condensed else {
+        let Some((condensed, _)) = condensed else {
             return Ok(Balanced { imbalance: problem.imbalance(&data.force, &state), backward_error: 0.0, state });
         };
         let whole = Whole { problem, condensed, settings };
@@ -207,6 +265,7 @@ impl ExactHistory<'_> {
             index: underway.index,
             time: data.time,
             status,
+            jumps: underway.jumps,
             parts: underway.ends.len(),
             part_ends: if underway.ends.len() > 1 { underway.ends.clone() } else { Vec::new() },
             iterations: walk.effort().solves - underway.rates,

@@ -25,7 +25,10 @@ pub enum Method {
     /// The B-differentiable Newton method with the constants of the paper.
     PaperBn,
     /// No increments but the exact path in time, from event to event; where nodes slide along lines, as in the plane.
-    Events,
+    Events {
+        /// Whether a path that is lost goes on with a jump, to one of the states that the laws of an increment allow.
+        jump: bool,
+    },
     /// The predictor–corrector interior point method, without a number to guess.
     Ip {
         /// The linear system of a direction.
@@ -74,6 +77,9 @@ impl Start {
 }
 
 impl Method {
+    /// The exact path in time, without jumps.
+    pub const EVENTS: Method = Method::Events { jump: false };
+
     /// BN without a number to guess.
     pub const BN: Method = Method::Bn { r_factor: 1.0, rescue: true };
 
@@ -88,7 +94,7 @@ impl Method {
     /// `bn`, `ip` or `events`, as scenes and reports call it.
     pub fn name(self) -> &'static str {
         match self {
-            Method::Events => "events",
+            Method::Events { .. } => "events",
             _ if self.is_interior() => "ip",
             _ => "bn",
         }

@@ -91,6 +91,9 @@ impl<'a> Path<'a> {
         held: HeldBody,
         at: &'a mut Position,
     ) -> Self {
+        if let (Some(state), None) = (&at.state, condensed) {
+            method.go_on_from(state);
+        }
         if let (Some(state), Some(condensed)) = (&at.state, condensed) {
             method.go_on_from(&condensed.condensed_state(state));
             let begun = (method.increment_errors(), at.errors.take(), at.reached);

@@ -118,6 +118,9 @@ pub struct IncrementRecord {
     /// How many contact nodes joined the condensed equations in it, where these do not hold all.
     #[serde(skip_serializing_if = "is_zero")]
     pub joined: usize,
+    /// How many jumps over the end of a quasi-static motion there are in it.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub jumps: usize,
     /// Whether another method solved it, or a part of it, in place of the one asked for.
     pub rescued: bool,
     /// Linear systems solved (nle), in failed attempts, too.
@@ -151,6 +154,7 @@ impl IncrementRecord {
             parts: 0,
             part_ends: Vec::new(),
             joined: 0,
+            jumps: 0,
             rescued: false,
             iterations: 0,
             backtracks: 0,

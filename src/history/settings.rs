@@ -66,7 +66,7 @@ impl HistorySettings {
                 conventions.scale_r(r_factor);
                 conventions
             }
-            Method::Ip { .. } | Method::Events => Conventions::of_stiffness(problem, &contact_stiffness),
+            Method::Ip { .. } | Method::Events { .. } => Conventions::of_stiffness(problem, &contact_stiffness),
         };
         let scaling = match method {
             // The numbers inside are the paper's: its starting points and constants are absolute.

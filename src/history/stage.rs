@@ -95,8 +95,8 @@ impl Stages<'_> {
             }
             Err(error) => return Err(error.into()),
         };
-        let dense = Direct::from(Dense::default()).after(self.done);
-        self.stage(own.as_deref().unwrap_or(algorithm), Some(&condensed), dense)
+        let mut dense = Direct::from(Dense::default()).after(self.done);
+        self.stage(own.as_deref().unwrap_or(algorithm), Some(&condensed), &mut dense)
     }
 
     /// Solves increments with `linear`, on the body or on `condensed`, until the history has ended: `None`; or until contact
@@ -108,7 +108,7 @@ impl Stages<'_> {
         &mut self,
         algorithm: &dyn Algorithm,
         condensed: Option<&Condensed>,
-        mut linear: Direct,
+        linear: &mut Direct,
     ) -> Result<Option<Vec<usize>>, Error> {
         let Stages { problem, loading, times, settings, .. } = *self;
         let (small, loads, body) = match condensed {
@@ -117,7 +117,7 @@ impl Stages<'_> {
         };
         let mut method = algorithm.start(small, loads);
         linear.analyze(method.matrix())?;
-        let held = HeldBody::new(method.as_mut(), small, loads, &settings.scaling, &mut linear)?;
+        let held = HeldBody::new(method.as_mut(), small, loads, &settings.scaling, linear)?;
         self.outcome.linear = statistics(*linear.statistics(), body, self.position.worst_backward_error);
         let held = match held {
             Ok(held) => held,
@@ -141,7 +141,7 @@ impl Stages<'_> {
             let most = together.min(to_come.len());
             let many = (1..most).find(|&k| observer.waits_for(first + k - 1)).unwrap_or(most);
             let mut told = Told { problem, index: first, observer: &mut *observer };
-            let mut bundle = match path.ahead(&to_come[..many], &mut linear, &mut told) {
+            let mut bundle = match path.ahead(&to_come[..many], linear, &mut told) {
                 Ok(bundle) => bundle,
                 Err(error) => return outcome.end_by(error).map(|()| None),
             };
@@ -149,7 +149,7 @@ impl Stages<'_> {
                 let index = outcome.records.len() + 1;
                 told.index = index;
                 let Judged { time, walk, began, work: [before, after], seconds } =
-                    match path.judge(&mut bundle, &mut linear, &mut told) {
+                    match path.judge(&mut bundle, linear, &mut told) {
                         Ok(Some(judged)) => judged,
                         Ok(None) => break,
                         Err(error) => return outcome.end_by(error).map(|()| None),

@@ -55,6 +55,7 @@ pub(super) fn record(
         parts: walked.ends.len(),
         part_ends: if walked.ends == [time] { Vec::new() } else { walked.ends.clone() },
         joined: 0,
+        jumps: 0,
         rescued: solved.rescued,
         iterations: solved.iterations,
         backtracks: solved.backtracks,

@@ -45,7 +45,7 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
         return match outcome.status {
             Status::Singular => unheld(model, outcome),
             Status::Interrupted => "stopped on request".to_string(),
-            Status::Unsupported if solver.method == Method::Events => {
+            Status::Unsupported if matches!(solver.method, Method::Events { .. }) => {
                 "the exact path is followed where nodes slide along lines, friction stays and contact rows do not depend on each \
                  other; use the method bn"
                     .to_string()
@@ -106,7 +106,7 @@ fn advice(solver: &Solver, model: &Model) -> String {
         Method::Bn { r_factor, .. } if r_factor != 1.0 => {
             "r is not that of the problem: take solver.r_factor out of the scene"
         }
-        Method::Bn { .. } | Method::Events => {
+        Method::Bn { .. } | Method::Events { .. } => {
             "there may be no equilibrium beyond this load, or several: try solver.method = \"ip\", more increments \
              (time.increments) or less friction; `stickslip check` tells what holds the body"
         }
@@ -158,7 +158,7 @@ fn no_continuation(outcome: &HistoryOutcome) -> String {
         "no rates that obey the laws were found"
     };
     format!(
-        "the quasi-static motion ends here: {proof}; what follows is a jump, if anything: use less friction, or the method bn, whose increments may jump"
+        "the quasi-static motion ends here: {proof}; what follows is a jump, if anything: solver.jump = true goes on with one, less friction may do without"
     )
 }
 

@@ -17,7 +17,7 @@ use super::validity::{LargestDisplacement, Validity};
 use super::warnings::{Warning, WarningKind};
 use crate::auto::{Choice, Faster};
 use crate::contact::RangeLeft;
-use crate::events::Lost;
+use crate::events::{Jump, Lost};
 use crate::history::{HistoryOutcome, IncrementRecord, Method, Solver, Status, WorkingSet};
 use crate::linear::blas::Blas;
 use crate::model::Model;
@@ -111,25 +111,44 @@ pub struct RunReport {
     pub forces: Vec<ForceRecord>,
     /// What else acts on the body at the end of each increment: loads, reactions of supports, springs; and the balance.
     pub reactions: Vec<BalanceRecord>,
-    /// The critical friction at the end of the last converged increment, where it was asked for.
+    /// The critical friction at the end of the last converged increment, where it was asked for, or where an exact path is lost.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical_friction: Option<CriticalFriction>,
 }
 
 /// What became of an exact path in time.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct ExactPath {
     /// How often a contact node changed its status.
     pub events: usize,
+    /// Where it went on by a jump, because that was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub jumps: Vec<Jump>,
     /// Where the quasi-static motion ended, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost: Option<Lost>,
 }
 
+/// That a run went on by jumps.
+fn jumps(jumps: &[Jump]) -> Option<Warning> {
+    let first = jumps.first()?;
+    let more = match jumps.len() {
+        1 => String::new(),
+        many => format!(" (the first of {many} jumps)"),
+    };
+    let message = format!(
+        "no quasi-static motion leads on from t = {} s: the states from t = {} s on are one of those that the laws allow after a \
+         jump{more}; dynamics says which",
+        first.from, first.to
+    );
+    Some(Warning { kind: WarningKind::Jump, message })
+}
+
 impl ExactPath {
     fn of(method: Method, outcome: &HistoryOutcome) -> Option<Self> {
-        (method == Method::Events).then_some(ExactPath { events: outcome.events.len(), lost: outcome.lost })
+        let Method::Events { .. } = method else { return None };
+        Some(ExactPath { events: outcome.events.len(), jumps: outcome.jumps.clone(), lost: outcome.lost })
     }
 }
 
@@ -246,6 +265,7 @@ impl RunReport {
         warnings.extend(
             increments.flat_map(|found| increment_warnings::warnings(found, outcome.records.len(), &model.units())),
         );
+        warnings.extend(jumps(&outcome.jumps));
         warnings.extend(unbalanced(&facts.reactions, &outcome.records, solver.tolerance));
         let blas = Blas::loaded();
         warnings.extend(blas.as_ref().and_then(Warning::of_blas));

@@ -64,6 +64,8 @@ pub enum WarningKind {
     IncrementsWork,
     /// Increments that change the tangential forces much, or too few of them to tell.
     IncrementsForce,
+    /// A quasi-static motion that ended, so that a jump took it on.
+    Jump,
     /// Forces that are so small beside the stiffness and the displacements that rounding counts.
     Unbalanced,
     /// A BLAS that is several times slower than the processor could run one. Costs time and no accuracy.
@@ -93,6 +95,7 @@ impl WarningKind {
             | WarningKind::StickZoneCoarse
             | WarningKind::IncrementsWork
             | WarningKind::IncrementsForce
+            | WarningKind::Jump
             | WarningKind::Unbalanced => true,
         }
     }

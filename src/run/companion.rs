@@ -1,5 +1,6 @@
 //! The increments of a companion run: fewer, or where there are few already more, and among them the same corners of the history.
 
+use crate::events::Event;
 use crate::history::{Observer, Status, Step};
 use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
 use crate::problem::State;
@@ -107,6 +108,12 @@ impl Observer for Keep<'_> {
 
     fn iteration(&mut self, index: usize, record: &IterationRecord) -> Flow {
         self.observer.iteration(index, record)
+    }
+
+    fn event(&mut self, index: usize, event: &Event) {
+        if !self.quiet {
+            self.observer.event(index, event);
+        }
     }
 
     fn part(&mut self, part: &Step<'_>) {

@@ -15,7 +15,7 @@ use crate::scene::Scene;
 pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
     has_room(scene.description.mesh.nodes(), available_bytes())?;
     let model = Model::new(scene)?;
-    if scene.solver.method == Method::Events {
+    if let Method::Events { .. } = scene.solver.method {
         let layout = Layout::new(&model.problem);
         let help = "use the method \"bn\"";
         if (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i)) {

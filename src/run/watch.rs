@@ -20,7 +20,7 @@ pub(super) struct Watch<'a> {
     /// What else acted on the body.
     pub reactions: Vec<BalanceRecord>,
     keeps_last: bool,
-    /// The last converged increment, where it is to be kept.
+    /// The last converged increment, where it is to be kept, or where an exact path is lost.
     pub last: Option<RecordedIncrement>,
 }
 
@@ -84,9 +84,10 @@ impl Observer for Watch<'_> {
         if step.record.status == Status::Converged {
             self.forces.extend(ForceRecord::all(self.model, step));
             self.reactions.push(BalanceRecord::new(self.model, step));
-            if self.keeps_last {
-                self.last = Some(RecordedIncrement::new(step));
-            }
+        }
+        let is_lost = step.record.status == Status::NoContinuation;
+        if is_lost || self.keeps_last && step.record.status == Status::Converged {
+            self.last = Some(RecordedIncrement::new(step));
         }
         self.observer.increment(step)
     }

@@ -362,6 +362,7 @@ pub(super) struct Solver {
     pub partition: Option<Partition>,
     pub newton: Option<NewtonSystem>,
     pub r_factor: Option<f64>,
+    pub jump: Option<bool>,
     pub max_iterations: Option<i64>,
     pub tolerance: Option<f64>,
 }

@@ -36,7 +36,7 @@ fn solve(
 }
 
 fn exact(model: &Model, times: &[f64], linear: LinearAlgebra) -> HistoryOutcome {
-    solve(&model.problem, &model.loading, times, Method::Events, linear)
+    solve(&model.problem, &model.loading, times, Method::EVENTS, linear)
 }
 
 fn worst(outcome: &HistoryOutcome) -> f64 {
@@ -53,6 +53,23 @@ fn difference(a: &HistoryOutcome, b: &HistoryOutcome) -> f64 {
     let of = |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>());
     let (a, b) = (&a.state, &b.state);
     of(&a.p_n, &b.p_n).max(of(&a.p_t, &b.p_t)) / largest(&a.p_n)
+}
+
+/// Where a body slides as a whole the rates of all forces are rounding, and in a slender one rounding would decide statuses.
+#[test]
+fn rounding_does_not_decide() {
+    let wedge = include_str!("../../data/scenes/wedge.toml");
+    let strip = include_str!("../../data/scenes/strip.toml");
+    for (model, end) in [(model(wedge, &[]), 2.0), (model(strip, &["mesh.elements=[60,2]"]), 3.0)] {
+        let times = equal_increments(end, 4);
+        let [whole, condensed] =
+            [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| exact(&model, &times, linear));
+        for outcome in [&whole, &condensed] {
+            assert_eq!(outcome.status, Status::Converged);
+            assert!(worst(outcome) <= 1e-11, "{:e}", worst(outcome));
+        }
+        assert!(difference(&whole, &condensed) < 1e-9, "{:e}", difference(&whole, &condensed));
+    }
 }
 
 /// Sums of contact forces at the end (MN), by a prototype that follows the path with a dense solve for each set of statuses.
@@ -157,7 +174,7 @@ fn random_paths(seeds: std::ops::Range<u64>) {
     let mut failed = Vec::new();
     for seed in seeds {
         let (problem, loading, end) = random_problem(&mut Random(seed));
-        let outcome = solve(&problem, &loading, &[end], Method::Events, LinearAlgebra::condensed());
+        let outcome = solve(&problem, &loading, &[end], Method::EVENTS, LinearAlgebra::condensed());
         if outcome.status != Status::Converged || worst(&outcome) > 1e-12 {
             failed.push((seed, outcome.status, outcome.reached, worst(&outcome)));
         }
@@ -216,7 +233,7 @@ fn of_three_continuations_one_is_taken() {
     for mu in [0.5, 3.0] {
         let (problem, loading) = (node(2.0, 1.5, mu), loads(&[(0.0, [0.0; 2]), (1.0, [1.0, 1.0])]));
         for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
-            let outcome = solve(&problem, &loading, &[1.0], Method::Events, linear);
+            let outcome = solve(&problem, &loading, &[1.0], Method::EVENTS, linear);
             assert_eq!((outcome.status, worst(&outcome) < 1e-14), (Status::Converged, true), "{mu} {linear}");
         }
     }
@@ -233,7 +250,7 @@ fn a_lost_continuation_is_told_with_its_load() {
     let problem = node(2.0, 1.5, mu);
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 1.0]), (2.0, [4.0, 1.0])]);
     for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
-        let outcome = solve(&problem, &loading, &[1.0, 2.0], Method::Events, linear);
+        let outcome = solve(&problem, &loading, &[1.0, 2.0], Method::EVENTS, linear);
         assert_eq!(outcome.status, Status::NoContinuation, "{linear}");
         // f_t = mu f_n at half of the second second.
         let lost = outcome.lost.unwrap();
@@ -244,9 +261,37 @@ fn a_lost_continuation_is_told_with_its_load() {
         assert_eq!(outcome.records.len(), 2);
     }
     // With less friction it slips on.
-    let outcome = solve(&node(2.0, 1.5, 1.0), &loading, &[1.0, 2.0], Method::Events, LinearAlgebra::default());
+    let outcome = solve(&node(2.0, 1.5, 1.0), &loading, &[1.0, 2.0], Method::EVENTS, LinearAlgebra::default());
     assert_eq!(outcome.status, Status::Converged);
     assert!(outcome.events.iter().any(|event| event.to == NodeStatus::Forward));
+}
+
+/// On request such a path goes on with a jump, and is exact again behind it.
+#[test]
+fn a_lost_path_goes_on_with_a_jump() {
+    let problem = node(2.0, 1.5, 2.0);
+    let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 1.0]), (2.0, [4.0, 1.0]), (3.0, [0.0, 3.0])]);
+    let jump = Method::Events { jump: true };
+    for (linear, times) in [
+        (LinearAlgebra::default(), vec![1.0, 2.0, 3.0]),
+        (LinearAlgebra::condensed(), vec![1.0, 2.0, 3.0]),
+        (LinearAlgebra::condensed(), vec![0.7, 1.9, 2.2, 3.0]),
+    ] {
+        let outcome = solve(&problem, &loading, &times, jump, linear);
+        assert_eq!(outcome.status, Status::Converged, "{linear}");
+        let [over] = outcome.jumps[..] else { panic!("{:?}", outcome.jumps) };
+        assert!((over.from - 1.5).abs() < 1e-12 && over.to > 1.5 && over.to <= 2.0 && over.certain, "{over:?}");
+        let jumps: Vec<usize> = outcome.records.iter().map(|record| record.jumps).collect();
+        assert_eq!((jumps[0], jumps[1], jumps.iter().sum::<usize>()), (0, 1, 1));
+        // Nothing presses on the way over: the only solution is off the obstacle, and it comes back later.
+        assert!(worst(&outcome) <= 1e-10, "{:e}", worst(&outcome));
+        let before = outcome.events.iter().filter(|event| event.time <= over.from).count();
+        assert!(outcome.events[before..].iter().any(|event| event.to == NodeStatus::Open), "{:?}", outcome.events);
+    }
+    // Where nothing but friction could hold there is nothing to jump to.
+    let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 2.0]), (2.0, [4.0, 2.0])]);
+    let outcome = solve(&node(0.0, 0.0, 0.5), &loading, &[1.0, 2.0], jump, LinearAlgebra::default());
+    assert_eq!((outcome.status, outcome.jumps.len()), (Status::NoContinuation, 0));
 }
 
 /// Nothing but friction holds the node along the plane: it sticks until the cone is reached, and then no rates are in equilibrium.
@@ -255,7 +300,7 @@ fn a_body_that_slides_freely_is_lost_when_friction_gives_way() {
     let problem = node(0.0, 0.0, 0.5);
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 2.0]), (2.0, [4.0, 2.0])]);
     for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
-        let outcome = solve(&problem, &loading, &[1.0, 2.0], Method::Events, linear);
+        let outcome = solve(&problem, &loading, &[1.0, 2.0], Method::EVENTS, linear);
         assert_eq!(outcome.status, Status::NoContinuation, "{linear}");
         assert!((outcome.reached - 1.25).abs() < 1e-12, "{}", outcome.reached);
     }

@@ -27,7 +27,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("jobs", &["linear"]),
     ("nonlinear", &["formulation", "linear", "sparse", "units"]),
     ("condense", &["linear", "loading", "problem", "sparse"]),
-    ("events", &["contact", "formulation", "linear", "loading", "problem", "sets", "units", "vector"]),
+    ("events", &["contact", "formulation", "linear", "loading", "problem", "sets", "sparse", "units", "vector"]),
     (
         "history",
         &[

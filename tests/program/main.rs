@@ -12,6 +12,7 @@ mod compare_elements;
 mod compare_meshes;
 mod documented;
 mod documented_units;
+mod events;
 mod examples;
 mod names;
 mod outputs;

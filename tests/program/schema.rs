@@ -12,6 +12,7 @@ use stickslip::scene::Scene;
 
 use crate::common::edit;
 use crate::common::program::{Folder, assert_exit, json, report, small, stickslip, without};
+use crate::events::OBLIQUE_BEAM;
 
 fn schema(of: &str) -> Value {
     let output = stickslip(&["schema", of]);
@@ -232,6 +233,7 @@ fn reports() -> Vec<Value> {
         json_of(include_str!("../../data/scenes/two_blocks.toml"), &["--set", "contact.slave=\"automatic\""]),
         json_of(LEVER, &[]),
         json_of(&lost_path(), &["--method", "events"]),
+        json_of(OBLIQUE_BEAM, &["--set", "solver.jump=true"]),
     ]
 }
 

@@ -16,7 +16,9 @@ pub(super) fn one_tangent_key(method: Method) -> Option<&'static str> {
     match method {
         Method::PaperIp { .. } => Some("solver.setting"),
         Method::Ip { newton: NewtonSystem::Extended } => Some("solver.newton"),
-        Method::Bn { .. } | Method::PaperBn | Method::Events | Method::Ip { newton: NewtonSystem::Reduced } => None,
+        Method::Bn { .. } | Method::PaperBn | Method::Events { .. } | Method::Ip { newton: NewtonSystem::Reduced } => {
+            None
+        }
     }
 }
 
@@ -59,7 +61,7 @@ fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgeb
 }
 
 fn method(solver: &document::Solver) -> Result<Method, Fault> {
-    let document::Solver { method, setting, start, partition, newton, r_factor, .. } = *solver;
+    let document::Solver { method, setting, start, partition, newton, r_factor, jump, .. } = *solver;
     let setting = setting.unwrap_or_default();
     let whose = match (method, setting) {
         (MethodName::Ip, Setting::Paper) => "the method ip",
@@ -85,6 +87,9 @@ fn method(solver: &document::Solver) -> Result<Method, Fault> {
     if (method, setting) != (MethodName::Bn, Setting::Default) {
         foreign("r_factor", r_factor.as_ref(), whose).map_err(in_solver)?;
     }
+    if method != MethodName::Events {
+        foreign("jump", jump.as_ref(), whose).map_err(in_solver)?;
+    }
     let newton = newton.unwrap_or_default();
     Ok(match (method, setting) {
         (MethodName::Ip, Setting::Paper) => Method::PaperIp {
@@ -93,7 +98,7 @@ fn method(solver: &document::Solver) -> Result<Method, Fault> {
             newton,
         },
         (MethodName::Ip, Setting::Default) => Method::Ip { newton },
-        (MethodName::Events, _) => Method::Events,
+        (MethodName::Events, _) => Method::Events { jump: jump.unwrap_or_default() },
         (MethodName::Bn, Setting::Paper) => Method::PaperBn,
         (MethodName::Bn, Setting::Default) => Method::Bn { r_factor: checked_factor(r_factor)?, rescue: true },
     })

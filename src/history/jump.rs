@@ -1,0 +1,103 @@
+//! A jump: where the quasi-static motion ends, an increment to one of the states that the laws of an increment allow beyond it.
+//!
+//! Which of them a body comes to is a question of dynamics. Newton's method tries from the state that was reached, the interior
+//! point method from its own; and where neither gets to the end of the increment, they try half of the way, a quarter, and so on.
+
+use std::time::Instant;
+
+use super::position::Position;
+use super::record::{IncrementRecord, Status};
+use super::settings::HistorySettings;
+use super::stage::Stages;
+use super::{Error, HistoryOutcome};
+use crate::condense::Condensation;
+use crate::contact::KktScales;
+use crate::linear::{Direct, Statistics};
+use crate::loading::Loading;
+use crate::problem::{ContactProblem, State};
+
+/// From where a jump starts.
+pub(super) struct Edge<'a> {
+    pub problem: &'a ContactProblem,
+    pub loading: &'a Loading,
+    pub settings: &'a HistorySettings,
+    /// The time at which the motion ended, s.
+    pub time: f64,
+    /// The state then.
+    pub state: State,
+    pub scales: KktScales,
+}
+
+/// Where a jump has come to.
+pub(super) struct Landed {
+    /// The time, s.
+    pub time: f64,
+    /// The state then.
+    pub state: State,
+    /// What became of the increment.
+    pub record: IncrementRecord,
+}
+
+/// The linear algebra of a jump.
+pub(super) enum Means<'m> {
+    /// That of the whole body.
+    Whole(&'m mut Direct),
+    /// That of the condensed one.
+    Condensed(&'m Condensation),
+}
+
+impl Edge<'_> {
+    /// Jumps to the time `to` (s), or as far on the way as a solution is found; `None` where there is none.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(super) fn jump(&self, to: f64, means: &mut Means<'_>) -> Result<Option<Landed>, Error> {
+        let settings = HistorySettings { halvings: 0, ..self.settings.clone() };
+        for halvings in 0..=self.settings.halvings {
+            let time = self.time + (to - self.time) * 0.5_f64.powi(halvings as i32);
+            if time <= self.time {
+                break;
+            }
+            let outcome = self.try_to(time, &settings, means)?;
+            if let (Status::Converged, Some(record)) = (outcome.status, outcome.records.last()) {
+                let record = record.clone();
+                return Ok(Some(Landed { time, state: outcome.state, record }));
+            }
+        }
+        Ok(None)
+    }
+
+    fn try_to(&self, time: f64, settings: &HistorySettings, means: &mut Means<'_>) -> Result<HistoryOutcome, Error> {
+        let &Edge { problem, loading, ref state, scales, .. } = self;
+        let [w_n, w_t, w_o] = problem.contact_motion(&state.u);
+        let position = Position {
+            reached: Some(self.time),
+            state: Some(state.clone()),
+            scales,
+            w_n,
+            w_t,
+            w_o,
+            ..Position::start(problem)
+        };
+        let mut stages = Stages {
+            problem,
+            loading,
+            times: &[time],
+            settings,
+            observer: &mut (),
+            outcome: HistoryOutcome::begun(problem, 1),
+            position,
+            start: Instant::now(),
+            begun: None,
+            done: Statistics::default(),
+            joined: 0,
+        };
+        match means {
+            Means::Whole(linear) => {
+                stages.stage(settings, None, linear)?;
+            }
+            Means::Condensed(condensation) => stages.condensed(settings, condensation)?,
+        }
+        Ok(stages.outcome)
+    }
+}
