@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod estimates;
+mod exact_path;
 mod extremes;
 mod figures;
 mod program;
