@@ -118,7 +118,7 @@ pub enum Stop {
 pub struct Lost {
     /// When, s.
     pub time: f64,
-    /// Whether all statuses of the nodes concerned were tried; otherwise Lemke's method ended on a ray, which proves it
+    /// Whether all statuses of the nodes concerned were tried, and none was singular; otherwise Lemke's method ended on a ray, which proves it
     /// in some problems only.
     pub certain: bool,
 }

@@ -41,11 +41,21 @@ struct Breach {
     size: f64,
 }
 
+/// What came of trying all statuses.
+enum Tried {
+    /// Some obey all laws.
+    Found,
+    /// None does.
+    AllRegular,
+    /// None that can be solved with does; the others may have rates, but not unique ones.
+    SomeSingular,
+}
+
 /// What the search for rates came to.
 pub(super) enum Found {
     /// Statuses whose rates obey all laws.
     Rates,
-    /// There are none: all statuses of the nodes concerned were tried.
+    /// There are none: all statuses of the nodes concerned were tried, and could be solved with.
     None,
     /// None was found, nor is it certain that there is none.
     Nothing,
@@ -87,11 +97,13 @@ impl RateProblem<'_> {
                 return Ok(Found::Rates);
             }
         }
-        let few = concerned.len() <= FEW;
-        if few {
+        let mut all_tried = false;
+        if concerned.len() <= FEW {
             effort.enumerated += 1;
-            if self.by_enumeration(tangent, statuses, &concerned, rate, &mut best, effort)? {
-                return Ok(Found::Rates);
+            match self.by_enumeration(tangent, statuses, &concerned, rate, &mut best, effort)? {
+                Tried::Found => return Ok(Found::Rates),
+                Tried::AllRegular => all_tried = true,
+                Tried::SomeSingular => {}
             }
         }
         match best {
@@ -100,7 +112,7 @@ impl RateProblem<'_> {
                 *statuses = found;
                 Ok(Found::Rates)
             }
-            _ if few => Ok(Found::None),
+            _ if all_tried => Ok(Found::None),
             _ => Ok(Found::Nothing),
         }
     }
@@ -283,10 +295,11 @@ impl RateProblem<'_> {
         rate: &mut Contact,
         best: &mut Option<(f64, Vec<NodeStatus>)>,
         effort: &mut Effort,
-    ) -> Result<bool, LinearError> {
+    ) -> Result<Tried, LinearError> {
         let choices: Vec<Vec<NodeStatus>> = concerned.iter().map(|&i| self.choices(i)).collect();
         let all = choices.iter().map(Vec::len).product::<usize>();
         let before = statuses.to_vec();
+        let mut tried = Tried::AllRegular;
         for mut number in 0..all {
             for (&i, choices) in concerned.iter().zip(&choices) {
                 statuses[i] = choices[number % choices.len()];
@@ -294,12 +307,14 @@ impl RateProblem<'_> {
             }
             let size = self.try_out(tangent, statuses, rate, effort)?;
             keep(best, size, statuses);
-            if size.is_some_and(|size| size <= ROUNDING) {
-                return Ok(true);
+            match size {
+                Some(size) if size <= ROUNDING => return Ok(Tried::Found),
+                Some(_) => {}
+                None => tried = Tried::SomeSingular,
             }
         }
         statuses.copy_from_slice(&before);
-        Ok(false)
+        Ok(tried)
     }
 
     /// The statuses that node `i` may take.

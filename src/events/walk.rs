@@ -120,6 +120,11 @@ impl<'a> Walk<'a> {
         self.stretch.time_at(self.share)
     }
 
+    /// Whether what is there at t = 0 is still coming, so that the state is none of any time.
+    pub fn is_beginning(&self) -> bool {
+        self.stretch.times[1] == 0.0
+    }
+
     /// What each contact node does since the last event.
     pub fn statuses(&self) -> &[NodeStatus] {
         &self.statuses
@@ -193,7 +198,9 @@ impl<'a> Walk<'a> {
         let zeros = || vec![0.0; self.statuses.len()];
         let force = forces.iter().map(|f| f / self.scaling.force).collect();
         let mut change = Contact::zero(self.statuses.len());
-        self.equations.solve(&Given { force, gap: zeros(), slide: zeros() }, &mut change)?;
+        if !self.equations.solve(&Given { force, gap: zeros(), slide: zeros() }, &mut change)? {
+            return Err(LinearError::NotFinite);
+        }
         Ok(self.equations.state(&change))
     }
 
@@ -272,7 +279,10 @@ impl<'a> Walk<'a> {
         (self.statuses, self.decided) = (statuses, true);
         // Not by the rates before but anew, so that neither rounding nor the distance at which a node was said to touch adds up.
         given.slide.iter_mut().zip(&self.stuck).for_each(|(slide, stuck)| *slide += stuck);
-        self.equations.solve(&given, &mut self.at)?;
+        let mut anew = Contact::zero(self.statuses.len());
+        if self.equations.solve(&given, &mut anew)? {
+            self.at = anew;
+        }
         self.measure(&given);
         Ok(None)
     }

@@ -17,6 +17,7 @@ use crate::linear::{Direct, LinearError, Statistics};
 use crate::loading::Loading;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::problem::{ContactProblem, Increment, State};
+use crate::solvability::{Load, driven_motion};
 
 /// A history of which each step from event to event is judged, and each end of an increment on the whole body.
 pub(super) struct ExactHistory<'a> {
@@ -123,6 +124,7 @@ impl ExactHistory<'_> {
                         }
                     }
                     Stop::Lost(lost) => break (begun, Some(lost)),
+                    Stop::Event if walk.is_beginning() => {}
                     stop => {
                         self.judge_step(&walk, stop, &begun, &mut scales[0], condensed, &mut underway);
                         if stop == Stop::Until {
@@ -145,6 +147,7 @@ impl ExactHistory<'_> {
             let balanced = self.balanced(&data, &scales[1], &mut walk, condensed)?;
             scales[1] = scales[1].with_state(&balanced.state);
             self.outcome.lost = lost;
+            self.outcome.free_motion = lost.and_then(|_| self.driven_motion(time));
             let status = lost.map(|_| Status::NoContinuation);
             let flow = self.end(&underway, &data, balanced, scales[1], status, &walk);
             self.outcome.linear = statistics(walk.statistics(), body, 0.0);
@@ -179,6 +182,15 @@ impl ExactHistory<'_> {
         if stop != Stop::Until && now > begun.time {
             underway.ends.push(now);
         }
+    }
+
+    /// A rigid motion that the loads at `time` drive against all contact forces, if there is one.
+    fn driven_motion(&self, time: f64) -> Option<Vec<f64>> {
+        let (problem, loading) = (self.problem, self.loading);
+        let mut force = vec![0.0; problem.displacements()];
+        loading.force(time, &mut force);
+        let sizes = loading.force_sizes(time, problem.displacements());
+        driven_motion(problem, problem.mu(), &Load { force: &force, sizes: &sizes })
     }
 
     fn jumps(&self) -> bool {

@@ -69,7 +69,7 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
         Status::Singular => unheld(model, outcome),
         Status::NoEquilibrium => no_equilibrium(model, outcome),
         Status::EdgeFriction => edge_friction(model, outcome),
-        Status::NoContinuation => no_continuation(outcome),
+        Status::NoContinuation => no_continuation(model, outcome),
         Status::Interrupted => "stopped on request".to_string(),
         Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
             "{violated}, which is what rounding the displacements of so slender a body makes; \
@@ -151,15 +151,25 @@ fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
 }
 
 /// Why the exact path ends, and what may be done about it.
-fn no_continuation(outcome: &HistoryOutcome) -> String {
+fn no_continuation(model: &Model, outcome: &HistoryOutcome) -> String {
+    if let Some(motion) = motion(model, outcome) {
+        return format!(
+            "the quasi-static motion ends here: on the way to the end of this increment the loads drive {}, and no contact force within its \
+             friction resists; change the loads or add a support",
+            motion.told(&model.units())
+        );
+    }
     let proof = if outcome.lost.is_some_and(|lost| lost.certain) {
         "no rates obey the laws, whatever the statuses of the nodes concerned"
     } else {
         "no rates that obey the laws were found"
     };
-    format!(
-        "the quasi-static motion ends here: {proof}; what follows is a jump, if anything: solver.jump = true goes on with one, less friction may do without"
-    )
+    let cure = if model.rigid_motions.is_empty() {
+        "what follows is a jump, if anything: solver.jump = true goes on with one, less friction may do without"
+    } else {
+        "supports leave the body a rigid motion, and where contact does, too, no rates are unique: add a support, or use the method bn"
+    };
+    format!("the quasi-static motion ends here: {proof}; {cure}")
 }
 
 fn edge_friction(model: &Model, outcome: &HistoryOutcome) -> String {
