@@ -21,6 +21,9 @@ pub struct KktScales {
     pub length: f64,
 }
 
+/// Roundings of its terms in a gap that is left at the end of a way, or in the sum of loads.
+const ROUNDINGS: f64 = 16.0;
+
 impl KktScales {
     /// The scales of a state that others came before.
     pub fn after(earlier: &KktScales, problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Self {
@@ -53,6 +56,14 @@ impl KktScales {
                 .fold(self.force.max(largest(&state.p_n)), |m, (t, o)| m.max(length([*t, *o]))),
             length: self.length.max(largest(&state.u)),
         }
+    }
+
+    /// Not below what is known of forces and lengths that are differences of terms of these sizes (N and m): their rounding meets the
+    /// `tolerance` with them.
+    #[must_use]
+    pub(crate) fn above_rounding(self, tolerance: f64, force: f64, length: f64) -> Self {
+        let known = (ROUNDINGS * f64::EPSILON / tolerance).min(1.0);
+        KktScales { force: self.force.max(known * force), length: self.length.max(known * length) }
     }
 
     /// Whether something can be compared with them.

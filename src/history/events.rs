@@ -177,9 +177,11 @@ impl ExactHistory<'_> {
         let data = Driven::new(small, loads, now, begun);
         *scales = scales.with_load(small, &data.increment()).with_state(&state);
         let imbalance = small.imbalance(&data.force, &state);
-        let kkt = judge(small, &data.increment(), &state, &imbalance, scales, self.settings.tolerance);
+        let (known, tolerance) = (self.above_rounding(*scales, small, &data), self.settings.tolerance);
+        let kkt = judge(small, &data.increment(), &state, &imbalance, &known, tolerance);
         underway.kkt = underway.kkt.max(&kkt);
-        if stop != Stop::Until && now > begun.time {
+        // What is there at t = 0 comes in a part of its own, which takes no time.
+        if stop != Stop::Until && (now > begun.time || now == 0.0) {
             underway.ends.push(now);
         }
     }
@@ -255,6 +257,16 @@ impl ExactHistory<'_> {
         Ok(whole.refined(balanced.unwrap_or_default(), &data.force, scales, walk)?)
     }
 
+    /// Scales with which the rounding of gaps that have closed from where they were at first, of loads that balance each other, and of a
+    /// body that has moved as a whole is no error.
+    fn above_rounding(&self, scales: KktScales, problem: &ContactProblem, data: &Driven) -> KktScales {
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
+        let loads = largest(&self.loading.force_sizes(data.time, self.problem.displacements()));
+        let elastic = f64::EPSILON * problem.stiffest() * scales.length;
+        let way = largest(&self.loading.gaps_at(0.0)).max(largest(&data.gap));
+        scales.above_rounding(self.settings.tolerance, loads.max(elastic), way)
+    }
+
     /// Judges the end of an increment on the whole body, and tells of it.
     fn end(
         &mut self,
@@ -268,7 +280,8 @@ impl ExactHistory<'_> {
         let (problem, tolerance) = (self.problem, self.settings.tolerance);
         let Balanced { state, imbalance, backward_error } = balanced;
         let increment = data.increment();
-        let kkt = underway.kkt.max(&judge(problem, &increment, &state, &imbalance, &scales, tolerance));
+        let known = self.above_rounding(scales, problem, data);
+        let kkt = underway.kkt.max(&judge(problem, &increment, &state, &imbalance, &known, tolerance));
         let judged = if kkt.worst().1 <= tolerance { Status::Converged } else { Status::Inaccurate };
         let status = status.unwrap_or(judged);
         let statuses = statuses_of(problem, &increment, &state, &scales);

@@ -30,9 +30,6 @@ use crate::nonlinear::{Outcome, Stop};
 use crate::problem::{ContactProblem, Increment, State};
 use crate::solvability::{Load, driven_motion, motion_driven_in_the_equations};
 
-/// Roundings of its terms in a gap that is left at the end of the way along which a body is carried, or in the sum of loads.
-const ROUNDINGS: f64 = 16.0;
-
 /// The way through a history as far as it has converged, and the data of the part tried last.
 pub(super) struct Path<'a> {
     problem: &'a ContactProblem,
@@ -257,12 +254,8 @@ impl<'a> Path<'a> {
         }
         let scales = self.at.scales.with_load(problem, &self.data());
         // Where gaps and forces are rounded differences of larger ones there is nothing less to compare with.
-        let known = (ROUNDINGS * f64::EPSILON / settings.tolerance).min(1.0);
         let terms = sizes.iter().fold(0.0_f64, |m, size| m.max(*size));
-        let scales = KktScales {
-            force: scales.force.max(known * terms),
-            length: scales.length.max(known * self.at.carried.largest()),
-        };
+        let scales = scales.above_rounding(settings.tolerance, terms, self.at.carried.largest());
         Posed { begins, sizes, landed, scales }
     }
 

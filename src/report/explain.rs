@@ -167,7 +167,7 @@ fn no_continuation(model: &Model, outcome: &HistoryOutcome) -> String {
     let cure = if model.rigid_motions.is_empty() {
         "what follows is a jump, if anything: solver.jump = true goes on with one, less friction may do without"
     } else {
-        "supports leave the body a rigid motion, and where contact does, too, no rates are unique: add a support, or use the method bn"
+        "supports leave the body a rigid motion, and where contact does, too, no rates are unique: add a support; solver.jump = true goes on to where it comes to rest"
     };
     format!("the quasi-static motion ends here: {proof}; {cure}")
 }

@@ -72,6 +72,38 @@ fn rounding_does_not_decide() {
     }
 }
 
+/// An obstacle comes to a body without loads: at its first touch nothing has moved yet, and all gaps are rounding.
+#[test]
+fn the_first_touch_of_an_obstacle_is_no_penetration() {
+    for k in 1..40 {
+        let gap = 0.01 * f64::from(k).sqrt();
+        let history = vec![[0.0, 0.0], [1.0 / 3.0, -gap - 0.001], [2.0, -gap - 0.01]];
+        let motion = Motion::new(0..1, vec![1.0], vec![[0.3, 0.0]], history).unwrap();
+        let loading = Loading::new(Vec::new(), vec![gap]).unwrap().with_motions(vec![motion], Vec::new()).unwrap();
+        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+            let outcome = solve(&node(2.0, 0.5, 0.4), &loading, &[1.0, 2.0], Method::EVENTS, linear);
+            assert_eq!((outcome.status, worst(&outcome) < 1e-12), (Status::Converged, true), "{gap} {outcome:?}");
+        }
+    }
+}
+
+/// An obstacle that is in the body from the start comes in no time, with events on the way, and is judged when it is there.
+#[test]
+fn interference_from_the_start_is_judged_when_it_is_there() {
+    let bare = ["mesh.elements=[12,6]", "load[0].traction=[0,0]", "load[1].traction=[0,0]"];
+    let there = "contact.obstacle={kind=\"cylinder\",radius=9,apex=[0.4,1e-4],approach=[[0,0],[2,-5e-5]]}";
+    let model = model(BLOCK, &[&bare[..], &[there]].concat());
+    let [whole, condensed] =
+        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| exact(&model, &[1.0, 2.0], linear));
+    for outcome in [&whole, &condensed] {
+        assert_eq!(outcome.status, Status::Converged);
+        assert!(worst(outcome) <= 1e-12, "{:e}", worst(outcome));
+        // A part of its own.
+        assert_eq!(outcome.records[0].part_ends.first(), Some(&0.0));
+    }
+    assert!(difference(&whole, &condensed) < 1e-10, "{:e}", difference(&whole, &condensed));
+}
+
 /// Sums of contact forces at the end (MN), by a prototype that follows the path with a dense solve for each set of statuses.
 #[test]
 fn sums_are_those_of_another_program() {
