@@ -14,7 +14,7 @@
 //! | what | file |
 //! | --- | --- |
 //! | the walk; what is given on it | `walk.rs`, `stretch.rs` |
-//! | the rate problem; Lemke's method for what its corrections do not settle | `rate.rs`, `lemke.rs` |
+//! | the rate problem; as a linear complementarity problem, and Lemke's method for that, where corrections do not settle it | `rate.rs`, `complementarity.rs`, `lemke.rs` |
 //! | the linear equations of given statuses: sparse, one factorisation a set; dense, by changes of rank one | `tangent.rs`, `sparse.rs`, `dictionary.rs` |
 //! | solutions in twice the precision, for slender bodies | `refined.rs` |
 //! | displacements in which each contact row is one | `coordinates.rs` |
@@ -47,6 +47,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod complementarity;
 mod coordinates;
 mod dictionary;
 mod lemke;

@@ -7,6 +7,9 @@
 /// A pivot below this share of the largest entry of its column is rounding.
 const PIVOT: f64 = 1e-11;
 
+/// By so much of the largest entry of `q` rows are set apart.
+const APART: f64 = 1e-9;
+
 /// Pivots for each variable, after which the method has gone in circles.
 const PATIENCE: usize = 50;
 
@@ -17,6 +20,9 @@ pub(super) fn lemke(m: &[f64], q: &[f64]) -> Option<Vec<bool>> {
     if q.iter().all(|q| *q >= 0.0) {
         return Some(vec![false; n]);
     }
+    // No two rows meet 0 at once, so that no basis comes again. A golden section has no two shares alike.
+    let size = q.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
+    let apart = |i: usize| APART * size * (1.0 + (i as f64 * 0.618_033_988_749_895).fract());
     // w - M z - e z0 = q; variables 0..n are w, n..2n are z, 2n is z0, and the last column is the right-hand side.
     let width = 2 * n + 2;
     let (artificial, right) = (2 * n, 2 * n + 1);
@@ -25,7 +31,7 @@ pub(super) fn lemke(m: &[f64], q: &[f64]) -> Option<Vec<bool>> {
         row[i] = 1.0;
         row[n..2 * n].iter_mut().zip(&m[i * n..]).for_each(|(to, m)| *to = -m);
         row[artificial] = -1.0;
-        row[right] = q[i];
+        row[right] = q[i] + apart(i);
     }
     let mut basis: Vec<usize> = (0..n).collect();
     let first = (0..n).min_by(|&a, &b| q[a].total_cmp(&q[b]))?;

@@ -6,10 +6,11 @@
 //! Where they come again, nodes are changed one by one; then Lemke's method takes all of them together; and where that ends on a
 //! ray and the nodes are few, all their statuses are tried, so that what is said of a lost continuation is so.
 
-use super::lemke::lemke;
+use super::complementarity::Unknowns;
 use super::node::{Contact, Given, May, NodeStatus, largest};
 use super::tangent::Tangent;
 use crate::linear::LinearError;
+use crate::problem::ContactProblem;
 
 /// A rate that breaks a law by less than this share of the largest is rounding.
 pub(super) const ROUNDING: f64 = 1e-12;
@@ -26,6 +27,9 @@ const FEW: usize = 5;
 
 /// The rate problem at one place of the path.
 pub(super) struct RateProblem<'a> {
+    pub problem: &'a ContactProblem,
+    /// Along which tangent each node slides, if any.
+    pub tangents: &'a [Option<usize>],
     pub given: &'a Given,
     pub mu: &'a [f64],
     /// Whether each node has friction.
@@ -88,12 +92,16 @@ impl RateProblem<'_> {
             return Ok(Found::Rates);
         }
         let concerned: Vec<usize> = (0..self.may.len()).filter(|&i| self.may[i] != May::Stay).collect();
-        if let Some(found) = self.by_lemke(tangent, statuses, &concerned, rate, effort)? {
+        for unknowns in [Unknowns::Forces, Unknowns::Motions] {
+            let Some(found) = self.by_lemke(unknowns, tangent, statuses, &concerned, rate, effort)? else { continue };
             let size = self.try_out(tangent, &found, rate, effort)?;
             keep(&mut best, size, &found);
-            if size.is_some_and(|size| size <= ROUNDING) {
+            let mut settled = found;
+            if size.is_some_and(|size| size <= ROUNDING)
+                || self.by_correction(tangent, &mut settled, rate, &mut best, effort)?
+            {
                 effort.lemke += 1;
-                *statuses = found;
+                *statuses = settled;
                 return Ok(Found::Rates);
             }
         }
@@ -168,7 +176,7 @@ impl RateProblem<'_> {
     }
 
     /// The largest breach of the rates of these statuses; `None` if they have none.
-    fn try_out(
+    pub(super) fn try_out(
         &self,
         tangent: &mut dyn Tangent,
         statuses: &[NodeStatus],
@@ -208,82 +216,6 @@ impl RateProblem<'_> {
             }
         }
         breaches
-    }
-
-    /// The statuses that Lemke's method finds for the nodes `concerned`. With `v ≥ 0` for how fast a grazing node leaves its obstacle
-    /// and slips either way, and a node on its cone slips on, and with the reserves of pressure and friction against them.
-    fn by_lemke(
-        &self,
-        tangent: &mut dyn Tangent,
-        statuses: &[NodeStatus],
-        concerned: &[usize],
-        rate: &mut Contact,
-        effort: &mut Effort,
-    ) -> Result<Option<Vec<NodeStatus>>, LinearError> {
-        let mut held = statuses.to_vec();
-        for &i in concerned {
-            held[i] = if self.rough[i] { NodeStatus::Stick } else { NodeStatus::Forward };
-        }
-        effort.solves += 1;
-        if !(tangent.take(&held)? && tangent.solve(self.given, rate)?) {
-            return Ok(None);
-        }
-        let reserves = |rate: &Contact| -> Vec<f64> {
-            let of_node = |&i: &usize| {
-                let (pressure, friction) = (rate.p_n[i], rate.p_t[i]);
-                let left = |sign: f64| self.mu[i] * pressure - sign * friction;
-                match self.may[i] {
-                    May::Turn(sign) => vec![left(sign)],
-                    _ if self.rough[i] => vec![pressure, left(1.0), left(-1.0)],
-                    _ => vec![pressure],
-                }
-            };
-            concerned.iter().flat_map(of_node).collect()
-        };
-        let q = reserves(rate);
-        let n = q.len();
-        let mut m = vec![0.0; n * n];
-        let zeros = |values: &[f64]| vec![0.0; values.len()];
-        let mut unit =
-            Given { force: zeros(&self.given.force), gap: zeros(&self.given.gap), slide: zeros(&self.given.slide) };
-        let mut column = 0;
-        for &i in concerned {
-            let ways: &[f64] = match self.may[i] {
-                May::Turn(sign) => &[sign],
-                _ if self.rough[i] => &[0.0, 1.0, -1.0],
-                _ => &[0.0],
-            };
-            for way in ways {
-                (unit.gap[i], unit.slide[i]) = if *way == 0.0 { (-1.0, 0.0) } else { (0.0, *way) };
-                effort.solves += 1;
-                tangent.solve(&unit, rate)?;
-                reserves(rate).into_iter().enumerate().for_each(|(row, value)| m[row * n + column] = value);
-                column += 1;
-            }
-            (unit.gap[i], unit.slide[i]) = (0.0, 0.0);
-        }
-        let Some(basic) = lemke(&m, &q) else { return Ok(None) };
-        let mut basic = basic.into_iter();
-        let mut found = statuses.to_vec();
-        for &i in concerned {
-            let mut moves = || basic.next().unwrap_or(false);
-            found[i] = match self.may[i] {
-                May::Turn(sign) if moves() => NodeStatus::slip(sign),
-                May::Turn(_) => NodeStatus::Stick,
-                _ if self.rough[i] => {
-                    let (leaves, forward, backward) = (moves(), moves(), moves());
-                    match (leaves, forward, backward) {
-                        (true, ..) | (_, true, true) => NodeStatus::Open,
-                        (_, true, false) => NodeStatus::Forward,
-                        (_, false, true) => NodeStatus::Backward,
-                        _ => NodeStatus::Stick,
-                    }
-                }
-                _ if moves() => NodeStatus::Open,
-                _ => NodeStatus::Forward,
-            };
-        }
-        Ok(Some(found))
     }
 
     /// Tries all statuses of the nodes `concerned`.

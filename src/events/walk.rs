@@ -261,7 +261,14 @@ impl<'a> Walk<'a> {
     fn decide(&mut self) -> Result<Option<Lost>, PathError> {
         let may: Vec<May> = (0..self.statuses.len()).map(|i| self.may(i)).collect();
         let mut statuses: Vec<NodeStatus> = (0..self.statuses.len()).map(|i| self.guess(i, may[i])).collect();
-        let problem = RateProblem { given: &self.stretch.change, mu: self.mu, rough: &self.rough, may: &may };
+        let problem = RateProblem {
+            problem: self.problem,
+            tangents: &self.tangents,
+            given: &self.stretch.change,
+            mu: self.mu,
+            rough: &self.rough,
+            may: &may,
+        };
         match problem.solve(&mut self.equations, &mut statuses, &mut self.rate, &mut self.effort)? {
             Found::Rates => {}
             found => {
