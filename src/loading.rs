@@ -255,6 +255,13 @@ impl Loading {
         sizes
     }
 
+    /// How far gaps that are curved in time may be from the chords along which they are followed between the times of their
+    /// [`Bend`]s, m.
+    pub(crate) fn off_the_chords(&self) -> f64 {
+        let kinks = self.kinks();
+        self.bends.iter().map(|bend| bend.off_the_chords(&kinks)).fold(0.0, f64::max)
+    }
+
     /// The gaps (n_c, m) at time `t`.
     pub fn gaps_at(&self, t: f64) -> Vec<f64> {
         let mut gap = self.gap.clone();

@@ -62,6 +62,13 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
     if args.uniqueness {
         run = run.with_uniqueness()?;
     }
+    if let (true, Method::Events { .. }) = (args.companion, scene.solver.method) {
+        let help = "leave --companion out";
+        return Err(Failure::Input(miette::miette!(
+            help = help,
+            "the exact path has no increments to compare with fewer"
+        )));
+    }
     if args.companion {
         run = run.with_companion();
     }
@@ -102,7 +109,8 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         for warning in report.warnings.iter().filter(|warning| warning.kind.needs_the_solution()) {
             say!("warning      {}", warning.message);
         }
-        if let Some(critical) = &report.critical_friction {
+        let lost = report.status == Status::NoContinuation;
+        if let Some(critical) = report.critical_friction.as_ref().filter(|critical| !lost || critical.slipping > 0) {
             let (model, end) = (run.model(), run.times().last().copied().unwrap_or_default());
             let mu = model.loading.friction().map_or(model.problem.mu().to_vec(), |friction| friction.at(end));
             say!("uniqueness   {}", uniqueness::explain(critical, &mu));

@@ -27,7 +27,7 @@ fn has_exact_path(model: &Model) -> bool {
     let straight = !(0..layout.contacts()).any(|i| layout.slides_in_a_plane(i));
     let apart = loading.gaps_at(0.0).iter().all(|gap| *gap >= 0.0);
     let unloaded = loading.cases().iter().all(|case| case.factor(0.0) == 0.0);
-    straight && apart && unloaded && loading.friction().is_none()
+    straight && apart && unloaded && loading.bends().is_empty() && loading.friction().is_none()
 }
 
 /// A scene on one mesh.

@@ -184,7 +184,9 @@ impl RateProblem<'_> {
                 // Of a node that slips on, friction falls behind; of a free one it comes up.
                 let sign = if let May::Turn(_) = self.may[i] { -sign } else { sign };
                 let row = self.tangents[i].map_or(&[][..], |k| maps[k].row(i));
-                row.iter().for_each(|&(dof, c)| unit.force[dof] -= sign * c);
+                for &(dof, c) in row {
+                    unit.force[dof] -= sign * c;
+                }
             }
             (_, Way::Slip) => {}
         }

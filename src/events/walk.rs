@@ -147,6 +147,15 @@ impl<'a> Walk<'a> {
         self.equations.along_both(&self.at.w_t.iter().zip(&slide).map(place).collect::<Vec<_>>())
     }
 
+    /// External forces (N, n_u), gaps, and how far obstacles have moved along both tangents (m, n_c) in the state reached. In a stretch
+    /// that is short beside its time these cannot be told by the time.
+    pub(crate) fn given(&self) -> (Vec<f64>, Vec<f64>, [Vec<f64>; 2]) {
+        let Given { force, gap, slide } = self.stretch.given_at(self.share);
+        let si = |values: Vec<f64>, unit: f64| values.into_iter().map(|value| value * unit).collect::<Vec<_>>();
+        let slide = si(slide, self.scaling.length);
+        (si(force, self.scaling.force), si(gap, self.scaling.length), self.equations.along_both(&slide))
+    }
+
     /// The state reached, SI.
     pub fn state(&self) -> State {
         self.equations.state(&self.at)

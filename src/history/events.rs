@@ -172,9 +172,9 @@ impl ExactHistory<'_> {
         condensed: Option<(&Condensed, &Condensation)>,
         underway: &mut Underway,
     ) {
-        let (small, loads) = condensed.map_or((self.problem, self.loading), |(c, _)| (&c.problem, &c.loading));
+        let small = condensed.map_or(self.problem, |(condensed, _)| &condensed.problem);
         let (state, now) = (walk.state(), walk.time());
-        let data = Driven::new(small, loads, now, begun);
+        let data = Driven::by(walk, small, begun);
         *scales = scales.with_load(small, &data.increment()).with_state(&state);
         let imbalance = small.imbalance(&data.force, &state);
         let (known, tolerance) = (self.above_rounding(*scales, small, &data), self.settings.tolerance);
@@ -354,6 +354,13 @@ impl Driven {
             begun.places[k].iter().zip(drift).map(|(place, drift)| place + drift).collect()
         });
         Driven { time, force, gap: loading.gaps_at(time), mu: problem.mu().to_vec(), w_last }
+    }
+
+    /// That of a step of a `walk` of `problem`.
+    fn by(walk: &Walk<'_>, problem: &ContactProblem, begun: &Begun) -> Self {
+        let (force, gap, drift) = walk.given();
+        let past = |k: usize| begun.places[k].iter().zip(&drift[k]).map(|(place, drift)| place + drift).collect();
+        Driven { time: walk.time(), force, gap, mu: problem.mu().to_vec(), w_last: [0, 1].map(past) }
     }
 
     fn increment(&self) -> Increment<'_> {

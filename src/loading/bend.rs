@@ -38,6 +38,27 @@ impl Bend {
         &self.times
     }
 
+    /// How far gaps between its times may be from the chords that it has for them, m, by the chords on either side of each time but the
+    /// `kinks` (s), at which rates change.
+    pub(crate) fn off_the_chords(&self, kinks: &[f64]) -> f64 {
+        let off = |k: usize| {
+            let [before, at, after] = [k - 1, k, k + 1].map(|k| self.times[k]);
+            if kinks.contains(&at) {
+                return 0.0;
+            }
+            let share = (at - before) / (after - before);
+            // g'' (at - before) (after - at) / 2 off the chord over both, so g'' h² / 8 off that over one.
+            let longest = (at - before).max(after - at);
+            let of_one = longest * longest / (4.0 * (at - before) * (after - at));
+            let of_node = |i: usize| {
+                let [before, at, after] = [k - 1, k, k + 1].map(|k| self.gap[k][i]);
+                (at - before - share * (after - before)).abs()
+            };
+            of_one * (0..self.nodes.len()).map(of_node).fold(0.0, f64::max)
+        };
+        (1..self.times.len().saturating_sub(1)).map(off).fold(0.0, f64::max)
+    }
+
     /// Adds what belongs to time `t` to the `gap` of its nodes.
     pub(super) fn add(&self, t: f64, gap: &mut [f64]) {
         let Some(last) = self.times.len().checked_sub(1) else { return };

@@ -75,6 +75,11 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
             "{violated}, which is what rounding the displacements of so slender a body makes; \
              if that is enough, set solver.tolerance above it"
         ),
+        Status::Inaccurate if matches!(solver.method, Method::Events { .. }) => {
+            format!(
+                "{violated}, on the exact path: rounding, most likely; compare with the method bn, and with another solver.linear"
+            )
+        }
         Status::Inaccurate => {
             format!("the method stopped with Theta = {:.1e}, but {violated}; {}", record.theta, advice(solver, model))
         }
@@ -94,7 +99,9 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
     };
     let before = record.index.checked_sub(2).map_or(0.0, |k| outcome.records[k].time);
     let reached = match outcome.reached {
-        t if t > before && outcome.lost.is_none() => format!("; smaller parts of it converged until t = {t} s"),
+        t if t > before && !matches!(solver.method, Method::Events { .. }) => {
+            format!("; smaller parts of it converged until t = {t} s")
+        }
         _ => String::new(),
     };
     format!("increment {} (t = {} s): {why}{reached}", record.index, record.time)

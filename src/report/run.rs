@@ -23,7 +23,7 @@ use crate::linear::blas::Blas;
 use crate::model::Model;
 use crate::scene::Scene;
 use crate::uniqueness::CriticalFriction;
-use crate::units::UnitSystem;
+use crate::units::{Quantity, UnitSystem};
 
 /// The version of the keys of a report. A key that is new does not change it; one that goes or means something else does.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -128,6 +128,27 @@ pub struct ExactPath {
     /// Where the quasi-static motion ended, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost: Option<Lost>,
+}
+
+/// A larger share of the displacements by which gaps may be off is told.
+const OFF: f64 = 1e-6;
+
+/// That the exact path followed gaps along chords.
+fn curved_gaps(method: Method, model: &Model, outcome: &HistoryOutcome) -> Option<Warning> {
+    let Method::Events { .. } = method else { return None };
+    let off = model.loading.off_the_chords();
+    if off <= OFF * outcome.scales.length {
+        return None;
+    }
+    let units = model.units();
+    let message = format!(
+        "gaps in front of a moving obstacle are curved in time: the exact path follows them along chords, off by up to {:.1e} {} ({:.1e} of \
+         the largest displacement); four times as many increments as chords make that a sixteenth",
+        units.of_si(Quantity::Length, off),
+        units.name(Quantity::Length),
+        off / outcome.scales.length
+    );
+    Some(Warning { kind: WarningKind::CurvedGaps, message })
 }
 
 /// That a run went on by jumps.
@@ -265,6 +286,7 @@ impl RunReport {
         warnings.extend(
             increments.flat_map(|found| increment_warnings::warnings(found, outcome.records.len(), &model.units())),
         );
+        warnings.extend(curved_gaps(solver.method, model, outcome));
         warnings.extend(jumps(&outcome.jumps));
         warnings.extend(unbalanced(&facts.reactions, &outcome.records, solver.tolerance));
         let blas = Blas::loaded();

@@ -64,6 +64,8 @@ pub enum WarningKind {
     IncrementsWork,
     /// Increments that change the tangential forces much, or too few of them to tell.
     IncrementsForce,
+    /// Gaps that are curved in time, which the exact path follows along chords.
+    CurvedGaps,
     /// A quasi-static motion that ended, so that a jump took it on.
     Jump,
     /// Forces that are so small beside the stiffness and the displacements that rounding counts.
@@ -95,6 +97,7 @@ impl WarningKind {
             | WarningKind::StickZoneCoarse
             | WarningKind::IncrementsWork
             | WarningKind::IncrementsForce
+            | WarningKind::CurvedGaps
             | WarningKind::Jump
             | WarningKind::Unbalanced => true,
         }

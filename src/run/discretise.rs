@@ -6,6 +6,21 @@ use crate::history::Method;
 use crate::model::Model;
 use crate::report::{ProbeTable, available_bytes};
 use crate::scene::Scene;
+use crate::timeline::equal_increments;
+
+/// A history in which gaps are curved in time has so many equal parts, in each of which they are followed along a chord.
+const CHORDS: usize = 512;
+
+/// The ends of increments, what lies between them where rates change, and equal parts of the history.
+fn chords(ends: &[f64], kinks: &[f64]) -> Vec<f64> {
+    let end = ends.last().copied().unwrap_or(0.0);
+    let inner = kinks.iter().copied().filter(|t| *t > 0.0 && *t < end);
+    let mut times: Vec<f64> =
+        equal_increments(end, CHORDS).into_iter().chain(ends.iter().copied()).chain(inner).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    times
+}
 
 /// Discretises `scene`.
 ///
@@ -14,7 +29,7 @@ use crate::scene::Scene;
 /// matrices would not fit into the memory that is free.
 pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
     has_room(scene.description.mesh.nodes(), available_bytes())?;
-    let model = Model::new(scene)?;
+    let mut model = Model::new(scene)?;
     if let Method::Events { .. } = scene.solver.method {
         let layout = Layout::new(&model.problem);
         let help = "use the method \"bn\"";
@@ -26,6 +41,11 @@ pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
         if model.loading.friction().is_some() {
             let message = "the exact path is followed where friction stays, but that of this scene changes in time";
             return Err(scene.error_at("solver.method", message, help).into());
+        }
+        if !model.loading.bends().is_empty() {
+            let mut scene = scene.clone();
+            scene.description.times = chords(&scene.description.times, &model.loading.kinks());
+            model = Model::new(&scene)?;
         }
     }
     if let Some(key) = scene.one_tangent_key

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use clap::Args;
-use stickslip::history::Observer;
+use stickslip::history::{Method, Observer};
 use stickslip::nonlinear::{Flow, IterationRecord};
 use stickslip::report::ChosenIncrements;
 use stickslip::run::increments_for;
@@ -12,16 +12,16 @@ use stickslip::scene::{Override, Scene};
 use super::super::{Failure, interrupt, threads};
 
 /// The error of tangential forces that is worth a run by default.
-const ERROR: &str = "0.05";
+const ERROR: f64 = 0.05;
 
 #[derive(Args)]
 pub(super) struct IncrementArgs {
     /// The number of increments, in place of time.increments, or auto: as many as leave an error of --to
     #[arg(long, value_name = "N|auto")]
     increments: Option<Increments>,
-    /// With --increments auto, the error of tangential forces to come to, as a share
-    #[arg(long, value_name = "ERROR", default_value = ERROR, value_parser = share)]
-    to: f64,
+    /// With --increments auto, the error of tangential forces to come to, as a share; 0.05 unless given
+    #[arg(long, value_name = "ERROR", requires = "increments", value_parser = share)]
+    to: Option<f64>,
 }
 
 #[derive(Clone, Copy)]
@@ -51,12 +51,23 @@ impl IncrementArgs {
     /// `scene` with the increments that were asked for, and how these were chosen, if they were; on `count` threads.
     pub(super) fn of(&self, scene: Scene, count: usize) -> Result<(Scene, Option<ChosenIncrements>), Failure> {
         let with = |number: i64| scene.with(&[Override::value("time.increments", number)]);
+        let help = "leave it out, or say --increments auto";
+        if let (Some(_), None | Some(Increments::Number(_))) = (self.to, self.increments) {
+            return Err(Failure::Input(miette::miette!(
+                help = help,
+                "--to is the error that --increments auto comes to"
+            )));
+        }
         match self.increments {
             None => Ok((scene, None)),
             Some(Increments::Number(number)) => Ok((with(i64::from(number))?, None)),
+            Some(Increments::Auto) if matches!(scene.solver.method, Method::Events { .. }) => {
+                let help = "give the number of times at which to look at it, or leave --increments out";
+                Err(Failure::Input(miette::miette!(help = help, "the exact path has no increments to choose")))
+            }
             Some(Increments::Auto) => {
                 let prepare = |model: &_| threads::share_with_the_blas(model, count);
-                let chosen = increments_for(&scene, self.to, prepare, &mut UntilInterrupted)?;
+                let chosen = increments_for(&scene, self.to.unwrap_or(ERROR), prepare, &mut UntilInterrupted)?;
                 Ok((with(chosen.increments as i64)?, Some(chosen)))
             }
         }

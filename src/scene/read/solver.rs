@@ -87,7 +87,10 @@ fn method(solver: &document::Solver) -> Result<Method, Fault> {
     if (method, setting) != (MethodName::Bn, Setting::Default) {
         foreign("r_factor", r_factor.as_ref(), whose).map_err(in_solver)?;
     }
-    if method != MethodName::Events {
+    if method == MethodName::Events {
+        foreign("max_iterations", solver.max_iterations.as_ref(), whose).map_err(in_solver)?;
+    } else {
+        let whose = if method == MethodName::Ip { "the method ip" } else { "the method bn" };
         foreign("jump", jump.as_ref(), whose).map_err(in_solver)?;
     }
     let newton = newton.unwrap_or_default();
