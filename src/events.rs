@@ -14,7 +14,7 @@
 //! | what | file |
 //! | --- | --- |
 //! | the walk; what is given on it | `walk.rs`, `stretch.rs` |
-//! | the rate problem; as a linear complementarity problem, and Lemke's method for that, where corrections do not settle it | `rate.rs`, `complementarity.rs`, `lemke.rs` |
+//! | the rate problem and its laws; the search for its statuses; as a linear complementarity problem, and Lemke's method for that, where corrections do not settle it | `rate_problem.rs`, `rate.rs`, `complementarity.rs`, `lemke.rs` |
 //! | the linear equations of given statuses: sparse, one factorisation a set; dense, by changes of rank one | `tangent.rs`, `sparse.rs`, `dictionary.rs` |
 //! | solutions in twice the precision, for slender bodies | `refined.rs` |
 //! | displacements in which each contact row is one | `coordinates.rs` |
@@ -53,6 +53,7 @@ mod dictionary;
 mod lemke;
 mod node;
 mod rate;
+mod rate_problem;
 mod refined;
 mod sparse;
 mod stretch;
@@ -62,7 +63,7 @@ mod walk;
 use serde::Serialize;
 
 pub use node::NodeStatus;
-pub use rate::Effort;
+pub use rate_problem::Effort;
 pub use walk::Walk;
 
 use crate::linear::{Direct, LinearError};

@@ -15,7 +15,7 @@
 
 use super::lemke::lemke;
 use super::node::{Contact, Given, May, NodeStatus};
-use super::rate::{Effort, RateProblem};
+use super::rate_problem::{Effort, RateProblem};
 use super::tangent::Tangent;
 use crate::linear::LinearError;
 

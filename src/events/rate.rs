@@ -7,13 +7,10 @@
 //! ray and the nodes are few, all their statuses are tried, so that what is said of a lost continuation is so.
 
 use super::complementarity::Unknowns;
-use super::node::{Contact, Given, May, NodeStatus, largest};
+use super::node::{Contact, May, NodeStatus};
+use super::rate_problem::{Breach, Effort, ROUNDING, RateProblem};
 use super::tangent::Tangent;
 use crate::linear::LinearError;
-use crate::problem::ContactProblem;
-
-/// A rate that breaks a law by less than this share of the largest is rounding.
-pub(super) const ROUNDING: f64 = 1e-12;
 
 /// The same where nothing better is found: a solution of a rate problem that is nearly singular.
 const ACCEPTED: f64 = 1e-9;
@@ -24,26 +21,6 @@ const EACH: usize = 4;
 
 /// Nodes of which all statuses are tried: 4^5 = 1024 solves.
 const FEW: usize = 5;
-
-/// The rate problem at one place of the path.
-pub(super) struct RateProblem<'a> {
-    pub problem: &'a ContactProblem,
-    /// Along which tangent each node slides, if any.
-    pub tangents: &'a [Option<usize>],
-    pub given: &'a Given,
-    pub mu: &'a [f64],
-    /// Whether each node has friction.
-    pub rough: &'a [bool],
-    pub may: &'a [May],
-}
-
-/// A law that a node's rates break, and the status that would mend it.
-struct Breach {
-    node: usize,
-    to: NodeStatus,
-    /// Relative to the largest rate of its kind.
-    size: f64,
-}
 
 /// What came of trying all statuses.
 enum Tried {
@@ -63,19 +40,6 @@ pub(super) enum Found {
     None,
     /// None was found, nor is it certain that there is none.
     Nothing,
-}
-
-/// What it took, over a history.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Effort {
-    /// Rates solved for.
-    pub solves: usize,
-    /// Places where nodes were changed one by one.
-    pub one_by_one: usize,
-    /// Places that Lemke's method settled.
-    pub lemke: usize,
-    /// Places where all statuses were tried.
-    pub enumerated: usize,
 }
 
 impl RateProblem<'_> {
@@ -173,49 +137,6 @@ impl RateProblem<'_> {
             statuses[*node] = next;
         }
         Ok(false)
-    }
-
-    /// The largest breach of the rates of these statuses; `None` if they have none.
-    pub(super) fn try_out(
-        &self,
-        tangent: &mut dyn Tangent,
-        statuses: &[NodeStatus],
-        rate: &mut Contact,
-        effort: &mut Effort,
-    ) -> Result<Option<f64>, LinearError> {
-        effort.solves += 1;
-        if !(tangent.take(statuses)? && tangent.solve(self.given, rate)?) {
-            return Ok(None);
-        }
-        Ok(Some(self.breaches(statuses, rate).iter().fold(0.0_f64, |m, breach| m.max(breach.size))))
-    }
-
-    /// The laws that rates break by more than rounding.
-    fn breaches(&self, statuses: &[NodeStatus], rate: &Contact) -> Vec<Breach> {
-        let force = rate.force_scale(self.given);
-        let length = rate.largest_displacement().max(largest(&self.given.gap)).max(largest(&self.given.slide));
-        let mut breaches = Vec::new();
-        for (i, (&status, &may)) in statuses.iter().zip(self.may).enumerate() {
-            let slip = rate.w_t[i] - self.given.slide[i];
-            let beyond = |sign: f64| sign * rate.p_t[i] - self.mu[i] * rate.p_n[i];
-            let along = |sign: f64| if self.rough[i] { NodeStatus::slip(sign) } else { NodeStatus::Forward };
-            let (value, scale, to) = match (may, status) {
-                (May::Anything, NodeStatus::Open) => (rate.w_n[i] - self.given.gap[i], length, along(slip)),
-                (May::Anything, _) if rate.p_n[i] < -ROUNDING * force => (-rate.p_n[i], force, NodeStatus::Open),
-                (May::Stay, _) | (_, NodeStatus::Open) => continue,
-                _ if !self.rough[i] => continue,
-                (May::Anything, NodeStatus::Stick) => {
-                    let sign = if rate.p_t[i] < 0.0 { -1.0 } else { 1.0 };
-                    (beyond(sign), force, NodeStatus::slip(sign))
-                }
-                (May::Turn(sign), NodeStatus::Stick) => (beyond(sign), force, NodeStatus::slip(sign)),
-                (_, NodeStatus::Forward | NodeStatus::Backward) => (-status.sign() * slip, length, NodeStatus::Stick),
-            };
-            if value > ROUNDING * scale {
-                breaches.push(Breach { node: i, to, size: value / scale });
-            }
-        }
-        breaches
     }
 
     /// Tries all statuses of the nodes `concerned`.

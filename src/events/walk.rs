@@ -2,7 +2,8 @@
 
 use super::dictionary::Dictionary;
 use super::node::{Contact, Given, May, NodeStatus, largest};
-use super::rate::{Effort, Found, ROUNDING, RateProblem};
+use super::rate::Found;
+use super::rate_problem::{Effort, ROUNDING, RateProblem};
 use super::refined::Refined;
 use super::sparse::SparseTangent;
 use super::stretch::Stretch;

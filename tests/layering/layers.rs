@@ -122,6 +122,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "reach",
             "report",
             "scene",
+            "timeline",
             "uniqueness",
         ],
     ),
