@@ -73,15 +73,17 @@ elements: deps
 COMPARE = cargo run --release -- compare
 PAGE = doc/error-vs-time
 SOLID = --solvers umfpack,condensed
+PAPER = --methods bn,ip,events --settings default,paper $(SOLID)
+ONE = --threads 1
 PLATE = --set 'title="Elastic plate on a frictional foundation"' --set 'mesh.elements=[16,16,4]' --set 'mesh.size=[1,1,0.25]'
 
 compare: deps
-	$(COMPARE) data/scenes/block.toml --settings default,paper --meshes 25,50,100 --increments 10,20,40 --reference 16 --out $(PAGE)/block
-	$(COMPARE) data/scenes/punch.toml --settings default,paper --meshes 10,20,40 --increments 10,40,80 --reference 16 --out $(PAGE)/punch
-	$(COMPARE) data/scenes/frictionless.toml --settings default,paper --meshes 25,50,100 --increments 2,10 --out $(PAGE)/frictionless
-	$(COMPARE) data/scenes/strip.toml --meshes 250,500,1000 --increments 15,30,60 --out $(PAGE)/strip
-	$(COMPARE) data/scenes/cube.toml $(SOLID) --meshes 4,8,16 --increments 5,10,20 --out $(PAGE)/cube
-	$(COMPARE) data/scenes/cube.toml $(PLATE) $(SOLID) --meshes 8,16,24 --increments 5,10 --out $(PAGE)/plate
+	$(COMPARE) data/scenes/block.toml $(PAPER) --meshes 25,50,100 --increments 10,40 $(ONE) --out $(PAGE)/block
+	$(COMPARE) data/scenes/punch.toml $(PAPER) --meshes 20,30,40 --increments 10,40,80 $(ONE) --out $(PAGE)/punch
+	$(COMPARE) data/scenes/frictionless.toml $(PAPER) --meshes 25,50,100 --increments 2,10 $(ONE) --out $(PAGE)/frictionless
+	$(COMPARE) data/scenes/strip.toml --methods bn,ip,events --meshes 75,150,300 --increments 15,60 $(ONE) --out $(PAGE)/strip
+	$(COMPARE) data/scenes/cube.toml $(SOLID) --meshes 4,8,16 --increments 5,10,20 $(ONE) --out $(PAGE)/cube
+	$(COMPARE) data/scenes/cube.toml $(PLATE) $(SOLID) --meshes 8,16 --increments 5,10 $(ONE) --out $(PAGE)/plate
 	{ cat $(PAGE)/introduction.md; for scene in block punch frictionless strip cube plate; do \
 		echo; sed "s|](|](error-vs-time/$$scene/|" $(PAGE)/$$scene/compare.md; done; } >$(PAGE).md
 

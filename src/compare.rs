@@ -2,7 +2,7 @@
 //! much time.
 //!
 //! Three errors are kept apart. The *algebraic* one is the error measure, iteration by iteration
-//! ([`Trial::iterates`]). That of *time stepping* is the distance to a reference on the same mesh with many
+//! ([`Trial::iterates`]). That of *time stepping* is the distance to a reference on the same mesh, the exact path in time or many
 //! more increments ([`TimeErrors`]); the difference to half the increments does not serve, for a node that
 //! closes and sticks in the first half comes out the same with either. That of the *mesh* is the
 //! distance of such a reference to that on the finest mesh ([`MeshErrors`]). Time is CPU time of the thread that a history

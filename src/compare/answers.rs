@@ -65,7 +65,7 @@ impl Comparison {
 
     /// BN beside IP on every linear algebra and in every setting in which both were run.
     pub fn leads(&self) -> Vec<Lead> {
-        let bn = self.paths().into_iter().filter(|path| !path.method.is_interior());
+        let bn = self.paths().into_iter().filter(|path| matches!(path.method, Method::Bn { .. } | Method::PaperBn));
         let lead = |bn: SolverPath| {
             let interior = if bn.method.is_of_paper() { Method::paper_ip(Start::Safe) } else { Method::IP };
             let ip = SolverPath { method: interior, ..bn };

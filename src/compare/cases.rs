@@ -6,7 +6,7 @@ use super::errors::{End, TimeErrors};
 use super::mesh::MeshChoice;
 use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
 use crate::formulation::Layout;
-use crate::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver, Status, Step};
+use crate::history::{HistoryOutcome, Method, Observer, Solver, Status, Step};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::report::{EstimateWatch, Estimates, thread_cpu_seconds};
@@ -14,9 +14,9 @@ use crate::run::{Run, RunError};
 use crate::scene::{Override, Scene};
 use crate::units::UnitSystem;
 
-/// What the reference is computed with. With many increments, or events, the condensed path is the cheapest.
-fn reference_path(method: Method) -> SolverPath {
-    SolverPath { method, linear: LinearAlgebra::condensed() }
+/// What the reference is computed with: the linear algebra that is estimated to take least time.
+fn reference_solver(method: Method, of_scene: &Solver) -> Solver {
+    Solver { method, linear: None, ..*of_scene }
 }
 
 /// Whether increments come to the exact path, the more there are: it is known where nodes slide along lines and friction stays, and
@@ -64,14 +64,15 @@ impl Study {
         let mut last = LastIncrement { model: &model, end, watch: EstimateWatch::new(&model) };
         let mut exact = None;
         if has_exact_path(&model) {
-            let path = solve(&scene, &model, built, reference_path(Method::EVENTS), 1, Some(&mut last))?;
+            let path =
+                solve(&scene, &model, built, reference_solver(Method::EVENTS, &scene.solver), 1, Some(&mut last))?;
             exact = (path.outcome.status == Status::Converged).then_some(Solved { increments: 0, ..path });
         }
         let reference = if let Some(exact) = exact {
             exact
         } else {
             last.watch = EstimateWatch::new(&model);
-            solve(&scene, &model, built, reference_path(Method::BN), reference, Some(&mut last))?
+            solve(&scene, &model, built, reference_solver(Method::BN, &scene.solver), reference, Some(&mut last))?
         };
         let estimates = last.watch.estimates(&model);
         Ok(Study { scene, model, mesh, built, reference, estimates })
@@ -90,7 +91,7 @@ impl Study {
     /// The history by `path` in so many increments.
     pub(super) fn run(&self, path: SolverPath, increments: usize) -> Result<Trial, RunError> {
         let Solved { outcome, end, seconds, iterates, .. } =
-            solve(&self.scene, &self.model, self.built, path, increments, None)?;
+            solve(&self.scene, &self.model, self.built, path.solver(&self.scene.solver), increments, None)?;
         let records = &outcome.records;
         let sound = outcome.status == Status::Converged && self.reference.outcome.status == Status::Converged;
         Ok(Trial {
@@ -137,14 +138,14 @@ fn solve(
     scene: &Scene,
     model: &Model,
     built: [f64; 2],
-    path: SolverPath,
+    solver: Solver,
     increments: usize,
     last: Option<&mut LastIncrement<'_>>,
 ) -> Result<Solved, RunError> {
     let scene = scene.with(&[increments_of(increments)])?;
     let (wall, cpu) = (Instant::now(), thread_cpu_seconds());
     let mut recorder = Recorder { since: thread_cpu_seconds(), iterates: Vec::new(), last };
-    let outcome = Run::of(model, scene.time.all(), path.solver(&scene.solver))?.history(&mut recorder)?;
+    let outcome = Run::of(model, scene.time.all(), solver)?.history(&mut recorder)?;
     let (wall, cpu) = (wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu);
     let [analysis, factorization, solve] =
         [outcome.linear.analysis_seconds, outcome.linear.factor_seconds, outcome.linear.solve_seconds];

@@ -1,8 +1,7 @@
 //! A comparison as charts: error against time, growth with the mesh, the error within an increment.
 
 use super::{Comparison, Iterate, MeshChoice, SolverPath, TimeErrors, Trial, convergence, front};
-use crate::history::LinearAlgebra;
-use crate::history::Status;
+use crate::history::{LinearAlgebra, Method, Status};
 use crate::linear::SparseLu;
 use crate::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale};
 
@@ -136,15 +135,20 @@ fn is_drawn(curve: &Curve) -> bool {
     !curve.points.is_empty()
 }
 
-/// Colours tell the linear algebra, lines the method, markers the setting.
+/// Colours tell the linear algebra, lines the method, markers the setting, or that it is the exact path.
 fn curve(path: SolverPath, points: Vec<[f64; 2]>) -> Curve {
     let colour = match path.linear {
         LinearAlgebra::Whole(SparseLu::Umfpack) => BLACK,
         LinearAlgebra::Condensed(_) => BLUE,
         LinearAlgebra::Whole(SparseLu::Faer) => RED,
     };
-    let dash = if path.method.is_interior() { Dash::Dashed } else { Dash::Solid };
-    let marker = if path.method.is_of_paper() { Marker::Triangle } else { Marker::Disc };
+    let (dash, marker) = match path.method {
+        Method::Bn { .. } => (Dash::Solid, Marker::Disc),
+        Method::PaperBn => (Dash::Solid, Marker::Triangle),
+        Method::Ip { .. } => (Dash::Dashed, Marker::Disc),
+        Method::PaperIp { .. } => (Dash::Dashed, Marker::Triangle),
+        Method::Events { .. } => (Dash::Dotted, Marker::Square),
+    };
     let line = Some(Line { dash, width: 1.8 });
     Curve { label: path.to_string(), points, line, marker: Some(marker), colour }
 }

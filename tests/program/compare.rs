@@ -15,6 +15,7 @@ use stickslip::units::UnitSystem;
 
 const BN: SolverPath = SolverPath { method: Method::BN, linear: LinearAlgebra::Whole(SparseLu::Umfpack) };
 const IP: SolverPath = SolverPath { method: Method::IP, ..BN };
+const EVENTS: SolverPath = SolverPath { method: Method::EVENTS, ..BN };
 pub const CONDENSED: SolverPath = SolverPath { linear: LinearAlgebra::Condensed(SparseCholesky::Cholmod), ..BN };
 
 fn block(overrides: &[&str]) -> Scene {
@@ -287,7 +288,7 @@ pub fn by_hand() -> Comparison {
 
 #[test]
 fn the_cheapest_run_is_the_cheapest() {
-    let comparison = by_hand();
+    let mut comparison = by_hand();
     assert_eq!(comparison.cheapest(&wide(10), 1e-3, |_| true), Some(&comparison.runs[5]));
     assert_eq!(
         comparison.cheapest(&wide(10), 1e-2, |path| path.linear == LinearAlgebra::Whole(SparseLu::Umfpack)),
@@ -302,6 +303,8 @@ fn the_cheapest_run_is_the_cheapest() {
     assert!(close(order, 2.0) && (increments / 200.0 - 1.0).abs() < 1e-12 && (seconds / 8.0 - 1.0).abs() < 1e-12);
     assert_eq!(comparison.estimate(&wide(100), 1e-12), None);
 
+    // The exact path is neither.
+    comparison.runs.push(run(EVENTS, 10, 10, 4.0, 0.0));
     let leads = comparison.leads();
     assert_eq!(leads.len(), 1);
     assert_eq!(leads[0].ratios, [(10, 3.0), (100, 0.5)].map(|(n, ratio)| (wide(n), ratio)));
