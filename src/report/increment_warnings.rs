@@ -19,6 +19,9 @@ const FEW: usize = 3;
 /// What is asked for instead.
 const ENOUGH: usize = 8;
 
+/// What tells the error of the forces well, at the ends of stretches.
+const COMPANION: &str = "`stickslip run --companion`";
+
 /// The warnings of a run of so many increments. Where no node begins to stick on the way the forces are exact.
 pub(super) fn warnings(found: &IncrementError, increments: usize, units: &UnitSystem) -> Vec<Warning> {
     let &IncrementError { friction_work, friction_work_corrected, work_error, force_error, sticking_begins, fewest } =
@@ -42,12 +45,13 @@ pub(super) fn warnings(found: &IncrementError, increments: usize, units: &UnitSy
         let increments = if fewest == 1 { "a single increment".to_string() } else { format!("{fewest} increments") };
         format!(
             "nodes begin to stick while loads go one way in {increments}: so few cannot tell what they leave in the tangential \
-             forces; take {ENOUGH} or more, and see what changes"
+             forces; take {ENOUGH} or more, or let {COMPANION} tell it by a second run"
         )
     });
     let force = force_error.filter(|error| *error > FORCE).map(|error| {
         format!(
-            "{increments} increments leave about {:.0} % in the tangential forces, by an estimate: take {:.0} for {:.0} %",
+            "{increments} increments leave about {:.0} % in the tangential forces, by a rough estimate: take {:.0} for {:.0} %; {COMPANION} tells \
+             it better, by a second run",
             100.0 * error,
             (increments as f64 * error / GOOD).ceil(),
             100.0 * GOOD

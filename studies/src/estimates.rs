@@ -1,4 +1,5 @@
-//! What the estimates of a run say beside what is true: contact zones of few nodes against Hertz, elements that lock against fine ones, increments against many.
+//! What the estimates of a run say beside what is true: contact zones of few nodes against Hertz, elements that lock against fine ones, increments against
+//! the exact path.
 
 mod hertz;
 mod increments;
@@ -55,8 +56,12 @@ pub enum Subject {
     Cantilever,
     /// The work of friction.
     Work,
-    /// The tangential forces.
+    /// The tangential forces, by the run itself.
     Friction,
+    /// The same at the ends of stretches, by a companion run.
+    Companion,
+    /// The same, by the larger of both.
+    Both,
 }
 
 impl fmt::Display for Subject {
@@ -68,6 +73,8 @@ impl fmt::Display for Subject {
             Subject::Cantilever => "cantilever",
             Subject::Work => "work of friction",
             Subject::Friction => "tangential forces",
+            Subject::Companion => "tangential forces at the ends of stretches by a companion run",
+            Subject::Both => "tangential forces by the larger of both",
         })
     }
 }
@@ -81,13 +88,15 @@ pub struct Row {
     pub kind: CellKind,
     /// Poisson's ratio.
     pub poisson: f64,
-    /// Nodes across the contact, elements across the body, or increments.
+    /// Nodes across the contact, elements across the body, or increments a stretch of the history.
     pub across: usize,
     /// The true error, as a share: of the peak pressure for the force that was found, by how much the body is too stiff, of the work, or the
     /// largest of the tangential forces by the largest of these.
     pub error: f64,
     /// What the run says of it.
     pub estimate: f64,
+    /// Whether it warned, where that depends on more than the estimate.
+    pub warned: Option<bool>,
 }
 
 /// Many states of one kind.

@@ -1,7 +1,7 @@
-//! What a companion run tells of increments, beside runs with very many. doc/estimates.md has the figures, which `--nocapture` prints.
+//! What a companion run tells of increments, beside the exact path in time. doc/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::history::{LinearAlgebra, Status};
+use stickslip::history::{LinearAlgebra, Method, Status};
 use stickslip::model::Model;
 use stickslip::report::CompanionEstimate;
 use stickslip::run::{Recording, Run, increments_for};
@@ -9,9 +9,6 @@ use stickslip::scene::{Override, Scene};
 
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
-
-/// So many increments in each stretch stand for the exact answer.
-const MANY: usize = 512;
 
 /// A history of some stretches, each as long as the others.
 struct History {
@@ -44,15 +41,25 @@ impl History {
         scene
     }
 
-    /// `p_t / √l` at the ends of all stretches, and what the companion tells.
+    /// `p_t / √l` at the ends of all stretches, along the exact path.
+    fn exact(&self) -> Vec<Vec<f64>> {
+        let mut scene = self.with(1);
+        scene.solver.method = Method::EVENTS;
+        self.ends(&scene, 1, false).0
+    }
+
+    /// The same by so many increments in each stretch, and what the companion tells.
     fn solved(&self, increments: usize, companion: bool) -> (Vec<Vec<f64>>, Option<CompanionEstimate>) {
-        let scene = self.with(increments);
-        let run = Run::new(&scene).unwrap();
+        self.ends(&self.with(increments), increments, companion)
+    }
+
+    fn ends(&self, scene: &Scene, increments: usize, companion: bool) -> (Vec<Vec<f64>>, Option<CompanionEstimate>) {
+        let run = Run::new(scene).unwrap();
         let run = if companion { run.with_companion() } else { run };
         let mut recording = Recording::of((1..=self.stretches).map(|k| k * increments));
         let report = run.solve(&mut recording).unwrap();
         assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
-        let weight = Model::new(&scene).unwrap().problem.weight().unwrap().to_vec();
+        let weight = Model::new(scene).unwrap().problem.weight().unwrap().to_vec();
         let forces = recording.states().map(|state| state.p_t.iter().zip(&weight).map(|(p, l)| p / l.sqrt()).collect());
         (forces.collect(), report.estimates.companion)
     }
@@ -81,7 +88,7 @@ fn companions_tell_what_increments_leave() {
         block("block, mu = 0.8", "contact.friction=0.8"),
     ];
     for history in histories {
-        let (exact, _) = history.solved(MANY, false);
+        let exact = history.exact();
         for increments in [2, 4, 8, 16, 32] {
             let (error, estimate) = history.errors(increments, &exact);
             println!(
@@ -126,7 +133,7 @@ fn increments_for_an_error() {
         let chosen = increments_for(&history.with(1), asked, |_| models += 1, &mut ()).unwrap();
         assert_eq!((chosen.asked, chosen.tried, models), (asked, 8 * history.stretches, 1));
         assert_eq!(chosen.increments % history.stretches, 0);
-        let (exact, _) = history.solved(MANY, false);
+        let exact = history.exact();
         let (forces, _) = history.solved(chosen.increments / history.stretches, false);
         let error = distance(&forces, &exact);
         println!("{}: {} increments for {asked}, {error:.4} true", history.name, chosen.increments);

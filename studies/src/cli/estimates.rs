@@ -27,6 +27,9 @@ const PLANE: [CellKind; 2] = [CellKind::Quadrilateral, CellKind::Triangle];
 const SPACE: [CellKind; 2] = [CellKind::Hexahedron, CellKind::Tetrahedron];
 const RATIOS: [f64; 8] = [0.3, 0.4, 0.45, 0.48, 0.49, 0.495, 0.499, 0.4999];
 
+/// A smaller error is none.
+const ROUNDING: f64 = 1e-9;
+
 fn all() -> Vec<Task> {
     let approaches: Vec<f64> = (0..10).map(|k| 1e-6 * 1.55_f64.powi(k)).collect();
     let second = [CellKind::Triangle6, CellKind::Tetrahedron10];
@@ -41,7 +44,7 @@ fn all() -> Vec<Task> {
         cantilevers(&SPACE, &some, &[2, 4], 8),
         pressed(&second[..1], &RATIOS, &[1, 2, 4, 8], 128),
         pressed(&second[1..], &RATIOS, &[1, 2, 4], 16),
-        increments(&[4, 8, 16, 32, 64], 512),
+        increments(&[1, 2, 4, 8, 16, 32, 64], 512),
     ]
     .into_iter()
     .flatten()
@@ -92,8 +95,8 @@ fn words(rows: &[Row]) -> Vec<String> {
         lines.push(format!("{subject}, {}", kind.name()));
         let told = match subject {
             Subject::Line | Subject::Sphere => peaks(&of),
-            Subject::Work => verdicts(&of, 0.2, 0.01),
-            Subject::Friction => verdicts(&of, 0.05, 0.01),
+            Subject::Work => by_increments(&of, 0.2),
+            Subject::Friction | Subject::Companion | Subject::Both => by_increments(&of, 0.05),
             // Cells of second order have no such estimate.
             _ if kind.is_quadratic() => stiffnesses(&of),
             Subject::Pressed | Subject::Cantilever => [stiffnesses(&of), verdicts(&of, 0.05, 0.02)].concat(),
@@ -153,25 +156,60 @@ fn stiffnesses(rows: &[&Row]) -> Vec<String> {
     vec![format!("too stiff by [estimate], %\n{table}")]
 }
 
+/// How near estimates are to errors from 1 % on, and what is warned of when an error is above the `limit`, by the increments a stretch and in all.
+fn by_increments(rows: &[&Row], limit: f64) -> Vec<String> {
+    let mut by_count: BTreeMap<usize, Vec<&Row>> = BTreeMap::new();
+    for row in rows {
+        by_count.entry(row.across).or_default().push(row);
+    }
+    let heads =
+        ["increments", "states", "from 1 % on", "within 2", "within 3", "median", "hits", "missed", "false", "quiet"];
+    let mut table = Table::new(&heads);
+    let all = std::iter::once(("all".to_string(), rows));
+    for (name, of) in by_count.iter().map(|(count, of)| (count.to_string(), &of[..])).chain(all) {
+        let factors = factors(of.iter().copied(), 0.01, f64::INFINITY);
+        let counts = [of.len(), factors.len(), within(&factors, 2.0), within(&factors, 3.0)].map(|n| n.to_string());
+        let median = factors.get(factors.len() / 2).map_or(String::new(), |factor| format!("{factor:.2}"));
+        let told = told(of, limit).map(|n| n.to_string());
+        table.push([name].into_iter().chain(counts).chain([median]).chain(told).collect());
+    }
+    let exact: Vec<&Row> = rows.iter().copied().filter(|row| row.error.abs() < ROUNDING).collect();
+    let [.., wrong, quiet] = told(&exact, limit);
+    vec![
+        format!("warned of from {:.0} % on\n{table}", 100.0 * limit),
+        format!("of states without an error {wrong} are warned of, {quiet} are not"),
+    ]
+}
+
+/// Estimates over the errors from `least` up to `most`, ascending.
+fn factors<'a>(rows: impl Iterator<Item = &'a Row>, least: f64, most: f64) -> Vec<f64> {
+    let mut factors: Vec<f64> =
+        rows.filter(|row| (least..most).contains(&row.error.abs())).map(|row| row.estimate / row.error).collect();
+    factors.sort_by(f64::total_cmp);
+    factors
+}
+
+/// How many of these are between `1 / most` and `most`.
+fn within(factors: &[f64], most: f64) -> usize {
+    factors.iter().filter(|factor| (1.0 / most..=most).contains(*factor)).count()
+}
+
+/// Hits, missed, false and quiet where errors above the `limit` are to be warned of.
+fn told(rows: &[&Row], limit: f64) -> [usize; 4] {
+    let is = |row: &Row| [row.error.abs() > limit, row.warned.unwrap_or(row.estimate.abs() > limit)];
+    [[true, true], [true, false], [false, true], [false, false]]
+        .map(|wanted| rows.iter().filter(|row| is(row) == wanted).count())
+}
+
 /// The rule that warns from `limit` on, and how near estimates are to errors between `least` and 300 %.
 fn verdicts(rows: &[&Row], limit: f64, least: f64) -> Vec<String> {
-    let told = |row: &Row| [row.error, row.estimate].map(|share| share > limit);
-    let count = |wanted: [bool; 2]| rows.iter().filter(|row| told(row) == wanted).count();
-    let mut factors: Vec<f64> =
-        rows.iter().filter(|row| (least..3.0).contains(&row.error)).map(|row| row.estimate / row.error).collect();
-    factors.sort_by(f64::total_cmp);
-    let within = |most: f64| {
-        let near = factors.iter().filter(|factor| (1.0 / most..=most).contains(*factor)).count();
-        format!("{near} of {}", factors.len())
-    };
+    let factors = factors(rows.iter().copied(), least, 3.0);
+    let [hits, missed, wrong, quiet] = told(rows, limit);
     vec![format!(
-        "more than {:.0} %: {} hits, {} missed, {} false, {} quiet; within 2 in {}, within 3 in {}",
+        "more than {:.0} %: {hits} hits, {missed} missed, {wrong} false, {quiet} quiet; within 2 in {} of {all}, within 3 in {} of {all}",
         100.0 * limit,
-        count([true, true]),
-        count([true, false]),
-        count([false, true]),
-        count([false, false]),
-        within(2.0),
-        within(3.0)
+        within(&factors, 2.0),
+        within(&factors, 3.0),
+        all = factors.len()
     )]
 }

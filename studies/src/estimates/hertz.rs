@@ -63,6 +63,7 @@ fn line(kind: CellKind, n: usize, place: f64, approach: f64) -> Result<Option<Ro
         across: contact.nodes_across.unwrap_or(0),
         error: contact.peak_pressure / exact - 1.0,
         estimate: contact.peak_error.unwrap_or(f64::NAN),
+        warned: None,
     }))
 }
 
@@ -109,5 +110,6 @@ fn sphere(kind: CellKind, n: usize, approach: f64) -> Result<Option<Row>, Estima
         across: contact.nodes_across.unwrap_or(0),
         error: contact.peak_pressure / exact - 1.0,
         estimate: contact.peak_error.unwrap_or(f64::NAN),
+        warned: None,
     }))
 }

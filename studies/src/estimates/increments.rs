@@ -1,48 +1,79 @@
-//! What increments leave in the work of friction and in the tangential forces, beside a run with many times as many.
+//! What increments leave in the work of friction and in the tangential forces, beside the exact path in time; in space beside very many.
 
 use std::sync::Arc;
 
-use stickslip::history::{IncrementError, Status};
+use stickslip::history::Status;
 use stickslip::mesh::CellKind;
+use stickslip::problem::State;
+use stickslip::report::{RunReport, WarningKind};
 use stickslip::run::{Recording, Run};
 use stickslip::scene::Scene;
 
 use super::{EstimateError, Row, Subject, Task};
 
-/// A history, its name and what is changed in its scene.
+/// A history, its name, the stretches between the corners of its loads, all as long, and what is changed in its scene.
 struct History {
     name: &'static str,
     text: &'static str,
+    stretches: usize,
     set: &'static [&'static str],
 }
 
-const fn history(name: &'static str, text: &'static str, set: &'static [&'static str]) -> History {
-    History { name, text, set }
+const fn history(
+    name: &'static str,
+    (text, stretches): (&'static str, usize),
+    set: &'static [&'static str],
+) -> History {
+    History { name, text, stretches, set }
 }
 
-const PUNCH: &str = include_str!("../../../data/scenes/punch.toml");
-const LINE: &str = include_str!("../../../data/scenes/hertz_line.toml");
-const BLOCK: &str = include_str!("../../../data/scenes/block.toml");
-const CONFINED: &str = include_str!("../../../data/scenes/confined.toml");
-const SEAL: &str = include_str!("../../../data/scenes/seal.toml");
-const BOXED: &str = include_str!("../../../data/scenes/boxed.toml");
-const CATTANEO: &str = include_str!("../../../data/scenes/cattaneo_mindlin.toml");
+const PUNCH: (&str, usize) = (include_str!("../../../data/scenes/punch.toml"), 1);
+const LINE: (&str, usize) = (include_str!("../../../data/scenes/hertz_line.toml"), 1);
+const BLOCK: (&str, usize) = (include_str!("../../../data/scenes/block.toml"), 2);
+const CONFINED: (&str, usize) = (include_str!("../../../data/scenes/confined.toml"), 2);
+const SEAL: (&str, usize) = (include_str!("../../../data/scenes/seal.toml"), 2);
+const STRIP: (&str, usize) = (include_str!("../../../data/scenes/strip.toml"), 3);
+const CATTANEO: (&str, usize) = (include_str!("../../../data/scenes/cattaneo_mindlin.toml"), 3);
+const TURNING: (&str, usize) = (include_str!("../../../data/scenes/turning_load.toml"), 32);
+const CUBE: (&str, usize) = (include_str!("../../../data/scenes/cube.toml"), 2);
+const DISK: (&str, usize) = (include_str!("../../../data/scenes/disk.toml"), 4);
+const SPHERE: (&str, usize) = (include_str!("../../../data/scenes/hertz_sphere.toml"), 1);
 
-const HISTORIES: [History; 11] = [
-    history("punch 0.4", PUNCH, &[]),
+/// The cylinder and the spheres that are pressed in with friction are Spence's. Interference that is there from the start comes with the first
+/// increment, so that more increments are another history: no scene has any.
+const HISTORIES: [History; 17] = [
     history("punch 0.2", PUNCH, &["contact.friction=0.2"]),
-    history("cylinder 0.3", LINE, &["contact.friction=0.3", "mesh.contact_elements=32", "mesh.layers=16"]),
+    history("punch 0.4", PUNCH, &[]),
+    history("punch 0.8", PUNCH, &["contact.friction=0.8"]),
     history("cylinder 0.2", LINE, &["contact.friction=0.2", "mesh.contact_elements=32", "mesh.layers=16"]),
+    history("cylinder 0.3", LINE, &["contact.friction=0.3", "mesh.contact_elements=32", "mesh.layers=16"]),
+    history(
+        "sphere 0.3",
+        LINE,
+        &[
+            "contact.friction=0.3",
+            "contact.obstacle.kind=\"sphere\"",
+            "material.plane=\"axisymmetric\"",
+            "mesh.contact_elements=32",
+            "mesh.contact_width=0.09",
+            "mesh.layers=16",
+        ],
+    ),
     history("block 0.1", BLOCK, &["contact.friction=0.1", "mesh.elements=[20,20]", "solver.setting=\"default\""]),
     history("block 0.4", BLOCK, &["contact.friction=0.4", "mesh.elements=[20,20]", "solver.setting=\"default\""]),
     history("block 0.8", BLOCK, &["contact.friction=0.8", "mesh.elements=[20,20]", "solver.setting=\"default\""]),
+    history("strip", STRIP, &["mesh.elements=[100,2]"]),
     history("confined", CONFINED, &[]),
     history("seal", SEAL, &[]),
-    history("boxed", BOXED, &[]),
-    history("cattaneo", CATTANEO, &["mesh.contact_elements=24"]),
+    history("cattaneo", CATTANEO, &["mesh.elements=[[24,24,24],32]"]),
+    history("turning load", TURNING, &[]),
+    history("cube in space", CUBE, &["mesh.elements=[6,6,6]"]),
+    history("disk in space", DISK, &["mesh.elements=[6,6,3]"]),
+    history("sphere in space", SPHERE, &["contact.friction=0.3", "mesh.elements=[[8,4],[8,4],8]"]),
 ];
 
-/// One task for each history: with so many `increments`, beside a run with `reference` of them, a multiple of each.
+/// One task for each history: with so many `increments` a stretch, beside the exact path, or where there is none beside a run with `reference`
+/// of them a stretch, a multiple of each.
 pub fn increments(increments: &[usize], reference: usize) -> Vec<Task> {
     let counts: Arc<[usize]> = increments.into();
     let of = |history: &'static History| {
@@ -50,8 +81,8 @@ pub fn increments(increments: &[usize], reference: usize) -> Vec<Task> {
         Task {
             name: format!("increments, {}", history.name),
             work: Box::new(move || {
-                let truth = Solved::new(history, reference)?;
-                let rows = counts.iter().map(|&n| Ok(rows(n, &Solved::new(history, n)?, &truth)));
+                let truth = Truth::new(history, &counts, reference)?;
+                let rows = counts.iter().map(|&n| truth.rows(&Solved::new(history, n)?));
                 Ok(rows.collect::<Result<Vec<_>, EstimateError>>()?.concat())
             }),
         }
@@ -59,53 +90,118 @@ pub fn increments(increments: &[usize], reference: usize) -> Vec<Task> {
     HISTORIES.iter().map(of).collect()
 }
 
+impl History {
+    fn scene(&self, a_stretch: usize, method: &str) -> Result<Scene, EstimateError> {
+        let increments = format!("time.increments={}", a_stretch * self.stretches);
+        let method = format!("solver.method=\"{method}\"");
+        let all = [increments.as_str(), method.as_str(), "solver.linear=\"condensed\""];
+        let set = self.set.iter().copied().chain(all).map(str::parse).collect::<Result<Vec<_>, _>>()?;
+        Ok(Scene::parse(self.name, self.text, &set)?)
+    }
+}
+
 /// What a run found.
 struct Solved {
-    found: IncrementError,
-    /// The tangential forces of each increment, N, over the root of the node's weight.
+    report: RunReport,
+    /// Increments a stretch.
+    a_stretch: usize,
+    /// The tangential forces at the end of each increment, N, over the root of the node's weight.
     friction: Vec<Vec<f64>>,
+    cells: CellKind,
+    poisson: f64,
 }
 
 impl Solved {
-    fn new(history: &History, increments: usize) -> Result<Self, EstimateError> {
-        let increments = format!("time.increments={increments}");
-        let set = history.set.iter().copied().chain([increments.as_str(), "solver.linear=\"condensed\""]);
-        let set = set.map(str::parse).collect::<Result<Vec<_>, _>>()?;
-        let scene = Scene::parse(history.name, history.text, &set)?;
-        let run = Run::new(&scene)?;
+    /// With so many increments `a_stretch`, and the companion.
+    fn new(history: &History, a_stretch: usize) -> Result<Self, EstimateError> {
+        let scene = history.scene(a_stretch, "bn")?;
+        Solved::of(&scene, &Run::new(&scene)?.with_companion(), a_stretch)
+    }
+
+    fn of(scene: &Scene, run: &Run<'_>, a_stretch: usize) -> Result<Self, EstimateError> {
         let mut recording = Recording::all();
         let report = run.solve(&mut recording)?;
         if report.status != Status::Converged {
             return Err(EstimateError::Verdict(report.status.to_string()));
         }
-        let weight = run.model().problem.weight().unwrap_or_default();
-        let friction = |p_t: &[f64]| p_t.iter().zip(weight).map(|(p, l)| p / l.sqrt()).collect();
-        let found = report.estimates.increments.ok_or_else(|| EstimateError::Verdict("no estimate".to_string()))?;
-        Ok(Solved { found, friction: recording.increments.iter().map(|at| friction(&at.state.p_t)).collect() })
+        let model = run.model();
+        let weight = model.problem.weight().unwrap_or_default();
+        let over_root = |forces: &[f64]| forces.iter().zip(weight).map(|(p, l)| p / l.sqrt()).collect::<Vec<_>>();
+        let friction = recording.states().map(|State { p_t, p_o, .. }| [p_t, p_o].map(|p| over_root(p)).concat());
+        let cells = if model.mesh.dimension == 2 { CellKind::Quadrilateral } else { CellKind::Hexahedron };
+        Ok(Solved {
+            report,
+            a_stretch,
+            friction: friction.collect(),
+            cells,
+            poisson: scene.description.material.poisson,
+        })
     }
 }
 
-/// The work and the tangential forces of a run beside the truth.
-fn rows(across: usize, solved: &Solved, truth: &Solved) -> Vec<Row> {
-    let row = |subject, error, estimate| Row {
-        subject,
-        kind: CellKind::Quadrilateral,
-        poisson: 0.3,
-        across,
-        error,
-        estimate,
-    };
-    let Solved { found, friction } = solved;
-    let work = (found.friction_work - truth.found.friction_work_corrected) / found.friction_work;
-    let size = |p: &[f64]| p.iter().map(|p| p * p).sum::<f64>().sqrt();
-    let stride = truth.friction.len() / friction.len();
-    let apart = |(k, p): (usize, &Vec<f64>)| {
-        let exact = &truth.friction[(k + 1) * stride - 1];
-        size(&p.iter().zip(exact).map(|(p, exact)| p - exact).collect::<Vec<_>>())
-    };
-    let error = friction.iter().enumerate().map(apart).fold(0.0, f64::max);
-    let largest = truth.friction.iter().map(|p| size(p)).fold(0.0, f64::max);
-    let mut rows = vec![row(Subject::Work, work, found.work_error)];
-    rows.extend(found.force_error.map(|estimate| row(Subject::Friction, error / largest, estimate)));
-    rows
+/// What is true at the ends of so many increments a stretch.
+struct Truth {
+    a_stretch: usize,
+    friction_work: f64,
+    friction: Vec<Vec<f64>>,
+}
+
+impl Truth {
+    /// By the exact path at the ends of all of so many increments a stretch; in space by a run with `reference`.
+    fn new(history: &History, counts: &[usize], reference: usize) -> Result<Self, EstimateError> {
+        let scene = history.scene(reference, "bn")?;
+        let run = Run::new(&scene)?;
+        if run.model().mesh.dimension == 3 {
+            let Solved { report, friction, .. } = Solved::of(&scene, &run, reference)?;
+            let found = report.estimates.increments.ok_or_else(no_estimate)?;
+            return Ok(Truth { a_stretch: reference, friction_work: found.friction_work_corrected, friction });
+        }
+        let most = counts.iter().copied().max().unwrap_or(1);
+        let scene = history.scene(most, "events")?;
+        let Solved { report, friction, .. } = Solved::of(&scene, &Run::new(&scene)?, most)?;
+        let friction_work = report.increments.iter().map(|record| record.friction_work).sum();
+        Ok(Truth { a_stretch: most, friction_work, friction })
+    }
+
+    /// What a run says of its increments, beside this.
+    fn rows(&self, solved: &Solved) -> Result<Vec<Row>, EstimateError> {
+        let Solved { report, a_stretch, friction, cells, poisson } = solved;
+        let found = report.estimates.increments.ok_or_else(no_estimate)?;
+        let warned = |kind: WarningKind| Some(report.warnings.iter().any(|warning| warning.kind == kind));
+        let row = |subject, error, estimate, warned| Row {
+            subject,
+            kind: *cells,
+            poisson: *poisson,
+            across: *a_stretch,
+            error,
+            estimate,
+            warned,
+        };
+        let work = (found.friction_work - self.friction_work) / found.friction_work;
+        let mut rows = vec![row(Subject::Work, work, found.work_error, warned(WarningKind::IncrementsWork))];
+        let everywhere = self.error(friction, self.a_stretch / a_stretch, 1);
+        let transported = found.force_error;
+        let companion = report.estimates.companion.and_then(|companion| companion.error);
+        let both = transported.into_iter().chain(companion).reduce(f64::max);
+        let warned = warned(WarningKind::IncrementsForce);
+        rows.extend(transported.map(|estimate| row(Subject::Friction, everywhere, estimate, warned)));
+        let at_corners = self.error(friction, self.a_stretch / a_stretch, *a_stretch);
+        rows.extend(companion.map(|estimate| row(Subject::Companion, at_corners, estimate, None)));
+        rows.extend(both.map(|estimate| row(Subject::Both, everywhere, estimate, None)));
+        Ok(rows)
+    }
+
+    /// The largest error of tangential forces at the end of each `every`th increment, by the largest there; the truth has `finer` times as many.
+    fn error(&self, friction: &[Vec<f64>], finer: usize, every: usize) -> f64 {
+        let ends = || (every..=friction.len()).step_by(every);
+        let size = |p: &mut dyn Iterator<Item = f64>| p.map(|p| p * p).sum::<f64>().sqrt();
+        let exact = |k: usize| &self.friction[k * finer - 1];
+        let apart = |k: usize| size(&mut friction[k - 1].iter().zip(exact(k)).map(|(p, exact)| p - exact));
+        let largest = ends().map(|k| size(&mut exact(k).iter().copied())).fold(0.0, f64::max);
+        ends().map(apart).fold(0.0, f64::max) / largest
+    }
+}
+
+fn no_estimate() -> EstimateError {
+    EstimateError::Verdict("no estimate".to_string())
 }

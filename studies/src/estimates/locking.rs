@@ -54,7 +54,15 @@ impl Loaded {
             for &m in sizes {
                 let (stiffness, estimate) = self.stiffness(Some(kind), Element::Bilinear, m)?;
                 let Loaded { subject, poisson, .. } = self;
-                rows.push(Row { subject, kind, poisson, across: m, error: stiffness / exact - 1.0, estimate });
+                rows.push(Row {
+                    subject,
+                    kind,
+                    poisson,
+                    across: m,
+                    error: stiffness / exact - 1.0,
+                    estimate,
+                    warned: None,
+                });
             }
         }
         Ok(rows)
