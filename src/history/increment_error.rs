@@ -9,7 +9,7 @@
 //! - that is an error `e = (e_u, e_p)` of the solution, `K e_u + Cᵀ e_p = 0` along the cases at its end: `w_T(e)` is `δ` more
 //!   than before at nodes that begin to stick and stays at those that stick, and slip loses it;
 //! - the work is `Σ μ ½ (p_n0 + p_n1) |Δw_T|` with both forces and the slip corrected by `e`, and with `|δ|` of those that
-//!   stuck. Where nodes slide in a plane, that is all that is done, with `e = 0`.
+//!   stuck. Where nodes slide in a plane, that is all that is done, with `e = 0`; nodes that begin to stick are counted.
 //!
 //! So an increment costs one solve for the rate, with the factors at its start, and one for `e`, with those at its end.
 
@@ -89,6 +89,12 @@ impl Node {
         let closed = distance <= 0.0;
         let case = if closed { TangentialCase::Stick } else { TangentialCase::NoPressure };
         Node { closed, case, distance: positive(distance), p_n: 0.0, w, error_w: [0.0; 2], error_p_n: 0.0 }
+    }
+
+    /// Whether it was apart, or slipped while loads went the same way, and sticks now; the farthest node tells what is rounding.
+    fn begins_to_stick(&self, now: TangentialCase, farthest: f64, turned: bool) -> bool {
+        let slipped = matches!(self.case, TangentialCase::Slip { .. }) && !turned;
+        now == TangentialCase::Stick && (slipped || self.distance > NEGLIGIBLE * farthest)
     }
 
     /// Whether it has a way to go before it touches.
@@ -235,10 +241,11 @@ impl IncrementErrors {
             (0..self.nodes.len()).map(|i| (formulation.is_closed(i, z), formulation.friction_case(i, z))).collect();
         let mut begins = vec![Begin::default(); self.nodes.len()];
         let mut sticks = false;
+        let farthest = self.nodes.iter().map(|node| node.distance).fold(0.0, f64::max);
         for (i, begin) in begins.iter_mut().enumerate().filter(|(i, _)| layout.has_friction(*i)) {
             let node = &self.nodes[i];
             *begin = Begin::of(node, cases[i].1, rate.map(|rate| rate[i]));
-            sticks |= begin.sticks;
+            sticks |= if self.is_straight { begin.sticks } else { node.begins_to_stick(cases[i].1, farthest, turned) };
             if turned && !node.is_open() {
                 // The rate goes on along the old cases, where it may run the wrong way.
                 begin.delta = [0.0; 2];

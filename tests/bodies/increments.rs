@@ -9,6 +9,8 @@ use stickslip::scene::Scene;
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const LINE: &str = include_str!("../../data/scenes/hertz_line.toml");
+const SPHERE: &str = include_str!("../../data/scenes/hertz_sphere.toml");
+const CUBE: &str = include_str!("../../data/scenes/cube.toml");
 
 fn solved(scene: &str, increments: usize, set: &[&str]) -> RunReport {
     let increments = format!("time.increments={increments}");
@@ -79,6 +81,33 @@ fn a_cylinder_is_warned_of_with_few_increments() {
         println!("cylinder, {:2} increments: stick {:.2}, {:?}", report.increments.len(), share(report), left(report));
     }
     assert!(share(&one) < 0.35 && share(&many) > 0.6, "{} {}", share(&one), share(&many));
+}
+
+/// The same with a sphere in space, where only the work has an estimate.
+#[test]
+fn a_sphere_is_warned_of_with_few_increments() {
+    let coarse = ["contact[0].friction=0.3", "mesh.elements=[[8,4],[8,4],8]"];
+    let of = |n| solved(SPHERE, n, &coarse);
+    let [one, eight, many] = [1, 8, 64].map(of);
+    for report in [&one, &eight, &many] {
+        println!("sphere, {:2} increments: {:?}", report.increments.len(), left(report));
+    }
+    assert_eq!((warned(&one), left(&one).fewest), ([true; 2], Some(1)));
+    assert_eq!(warned(&eight), [true, false]);
+    assert_eq!(warned(&many), [false; 2]);
+}
+
+/// A cube whose base touches from the beginning, under loads in proportion: no node begins to stick that did not from the first.
+#[test]
+fn a_cube_in_proportion_is_not_warned_of() {
+    let touching = ["contact[0].friction=0.8", "contact[0].obstacle.gap=0.0"];
+    let set = [&touching[..], &["mesh.elements=[4,4,4]", "time.end=1.0", "output.times=[1.0]"]].concat();
+    for n in [1, 3, 8] {
+        let report = solved(CUBE, n, &set);
+        assert_eq!((left(&report).sticking_begins, warned(&report)), (0, [false; 2]), "{n}");
+        let counts = report.increments.last().unwrap().contact;
+        assert!(counts.stick > 0 && counts.slip > 0, "{counts:?}");
+    }
 }
 
 /// Under a rounded punch the work is several times too large with few increments: the estimate sees it, and what it makes of it is nearer

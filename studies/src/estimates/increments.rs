@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use stickslip::history::Status;
 use stickslip::mesh::CellKind;
-use stickslip::problem::State;
 use stickslip::report::{RunReport, WarningKind};
 use stickslip::run::{Recording, Run};
 use stickslip::scene::Scene;
@@ -127,7 +126,7 @@ impl Solved {
         let model = run.model();
         let weight = model.problem.weight().unwrap_or_default();
         let over_root = |forces: &[f64]| forces.iter().zip(weight).map(|(p, l)| p / l.sqrt()).collect::<Vec<_>>();
-        let friction = recording.states().map(|State { p_t, p_o, .. }| [p_t, p_o].map(|p| over_root(p)).concat());
+        let friction = recording.states().map(|state| [&state.p_t, &state.p_o].map(|p| over_root(p)).concat());
         let cells = if model.mesh.dimension == 2 { CellKind::Quadrilateral } else { CellKind::Hexahedron };
         Ok(Solved {
             report,
