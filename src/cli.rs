@@ -5,7 +5,7 @@
 
 /// Prints a line on standard output.
 macro_rules! say {
-    ($($arg:tt)*) => { super::output::line(format_args!($($arg)*)) };
+    ($($arg:tt)*) => { crate::cli::output::line(format_args!($($arg)*)) };
 }
 
 #[cfg(feature = "umfpack")]

@@ -20,7 +20,7 @@ mod pairs;
 mod scaled;
 
 pub use assembled::Assembled;
-pub use bdiff::Bdiff;
+pub use bdiff::{Bdiff, Linearization};
 pub use cone::Cone;
 pub use constrained::{Constrained, NewtonSystem, Partition, SlackLayout};
 pub use interior::InteriorPoint;

@@ -43,6 +43,7 @@ mod held;
 mod increment_error;
 mod ip;
 mod jump;
+mod memory;
 mod method;
 mod newton_end;
 mod observer;
@@ -51,6 +52,7 @@ mod position;
 mod predictor_corrector;
 mod record;
 mod rescue;
+mod saved;
 mod settings;
 mod solver;
 mod stage;
@@ -66,9 +68,10 @@ use std::time::Instant;
 
 pub use error::Error;
 pub use increment_error::{IncrementError, IncrementErrors};
+pub use memory::Memory;
 pub use method::{Method, Start};
 pub use observer::{Observer, Step};
-pub use record::{ContactCounts, IncrementRecord, Seconds, Status};
+pub use record::{ContactCounts, IncrementRecord, Seconds, Status, Tally};
 pub use settings::HistorySettings;
 pub use solver::Solver;
 pub use system::{LinearAlgebra, System, UnknownLinearAlgebra};
@@ -84,6 +87,7 @@ use crate::problem::error::{expect_each, expect_finite, expect_increasing};
 use crate::problem::{ContactProblem, ProblemError, State};
 use events::ExactHistory;
 use position::Position;
+use saved::Saved;
 use stage::Stages;
 
 /// The result of a history.
@@ -91,8 +95,10 @@ use stage::Stages;
 pub struct HistoryOutcome {
     /// The verdict: that of the first increment that did not converge, if there is one.
     pub status: Status,
-    /// One record per increment, up to the one that failed.
+    /// One record per increment, up to the one that failed; the last two where the settings do not ask for all.
     pub records: Vec<IncrementRecord>,
+    /// What all of them add up to, those before a checkpoint included.
+    pub tally: Tally,
     /// The state at the end of the last converged increment.
     pub state: State,
     /// How far the history got, s: within the increment that failed, if that was halved.
@@ -101,8 +107,10 @@ pub struct HistoryOutcome {
     pub scales: KktScales,
     /// Where the increment that failed violates the law most.
     pub violation: Option<Violation>,
-    /// The changes of status on the way, where the path was followed from one to the next.
+    /// The changes of status on the way, where the path was followed from one to the next and the settings ask for all.
     pub events: Vec<Event>,
+    /// How many there were.
+    pub event_count: usize,
     /// Where it went on by a jump.
     pub jumps: Vec<Jump>,
     /// Where and how that path ended before its time.
@@ -125,16 +133,18 @@ pub struct HistoryOutcome {
 }
 
 impl HistoryOutcome {
-    /// That of a history with so many increments to come.
-    fn begun(problem: &ContactProblem, increments: usize) -> Self {
+    /// That of a history that has not begun.
+    fn begun(problem: &ContactProblem) -> Self {
         HistoryOutcome {
             status: Status::Converged,
-            records: Vec::with_capacity(increments),
+            records: Vec::new(),
+            tally: Tally::default(),
             state: State::zero(problem),
             reached: 0.0,
             scales: KktScales::default(),
             violation: None,
             events: Vec::new(),
+            event_count: 0,
             jumps: Vec::new(),
             lost: None,
             rounding: 0.0,
@@ -182,7 +192,7 @@ pub fn run_with(
     loading.check(problem)?;
     settings.check(problem)?;
     check_times(times)?;
-    let outcome = HistoryOutcome::begun(problem, times.len());
+    let outcome = HistoryOutcome::begun(problem);
     if let Method::Events { .. } = settings.method {
         let history = ExactHistory { problem, loading, times, settings, observer, outcome };
         return history.follow(system, start);
@@ -190,12 +200,29 @@ pub fn run_with(
     if !algorithm.knows(&outcome.layout) {
         return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
     }
-    let position = Position::start(problem);
-    let done = Statistics::default();
-    let mut stages =
-        Stages { problem, loading, times, settings, observer, outcome, position, start, begun: None, done, joined: 0 };
+    let saved = settings.from.as_ref().map(|from| Saved::read(from, problem, times, settings)).transpose()?;
+    let mut stages = Stages {
+        problem,
+        loading,
+        times,
+        settings,
+        observer,
+        outcome,
+        position: Position::start(problem),
+        start,
+        begun: None,
+        done: Statistics::default(),
+        joined: 0,
+        is_ready: false,
+        saved: None,
+    };
+    if let Some(Saved { outcome, position, stage, statistics, .. }) = saved {
+        stages.outcome = outcome.resume(stages.outcome);
+        (stages.position, stages.done, stages.saved) = (position, statistics, Some(stage));
+    }
     match system {
-        System::Whole(mut linear) => {
+        System::Whole(linear) => {
+            let mut linear = linear.after(stages.done);
             stages.stage(algorithm, None, &mut linear)?;
         }
         System::Condensed(condensation) => stages.condensed(algorithm, &condensation)?,

@@ -27,6 +27,7 @@
 //! ```
 
 pub mod auto;
+pub mod checkpoint;
 pub mod compare;
 pub mod condense;
 pub mod contact;

@@ -45,8 +45,10 @@ pub use refine::{SolveInfo, backward_error, componentwise_error};
 #[cfg(feature = "umfpack")]
 pub use umfpack::{Strategy, Umfpack, suitesparse_version, umfpack_version};
 
+use serde::{Deserialize, Serialize};
+
 /// What a factorisation tells about itself.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct FactorInfo {
     /// Entries stored in the factors L and U, or a bound of them.
     pub entries: usize,

@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 
 pub use error::ProblemError;
 pub(crate) use own_basis::OwnBasis;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 pub(crate) use strained::strained;
 
 use crate::linear::{LinearError, null_space_of};
@@ -100,7 +100,7 @@ pub struct Increment<'a> {
 }
 
 /// A state of the body, in SI units.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// `u`, free displacements, n_u, m.
     pub u: Vec<f64>,

@@ -39,9 +39,12 @@ pub use increments::increments_for;
 pub use recording::{RecordedIncrement, Recording};
 
 use crate::auto::{Choice, Done, Faster, factorizations};
+use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::contact::ContactStatus;
 use crate::formulation::Layout;
-use crate::history::{self, HistoryOutcome, IncrementRecord, LinearAlgebra, Observer, Solver, Status, System};
+use crate::history::{
+    self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Method, Observer, Solver, Status, System,
+};
 use crate::linear::{Direct, LinearError};
 use crate::model::Model;
 use crate::problem::State;
@@ -51,8 +54,9 @@ use crate::report::{
 };
 use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
-use companion::{Companion, Keep};
-use watch::Watch;
+use companion::{Companion, Quiet};
+pub use watch::Ledger;
+use watch::{Audience, Watch};
 
 /// So many factorisations are worth a better order.
 const MANY: f64 = 10.0;
@@ -70,6 +74,8 @@ pub struct Run<'a> {
     reach: Reach,
     uniqueness: bool,
     companion: bool,
+    /// From where it goes on, if it does not begin with the unloaded body.
+    from: Option<Checkpoint>,
     /// Wall time of mesh, assembly and choice, s.
     model_seconds: f64,
 }
@@ -126,7 +132,8 @@ impl<'a> Run<'a> {
             None => Choice::cheapest(&model.problem, &reach, solver.method, times.len(), available_bytes())?,
         };
         let model_seconds = start.elapsed().as_secs_f64();
-        Ok(Run { scene, model, times, solver, choice, reach, uniqueness: false, companion: false, model_seconds })
+        let (uniqueness, companion, from) = (false, false, None);
+        Ok(Run { scene, model, times, solver, choice, reach, uniqueness, companion, from, model_seconds })
     }
 
     /// The same run, whose report also tells the critical friction at the end.
@@ -146,6 +153,21 @@ impl<'a> Run<'a> {
     #[must_use]
     pub fn with_companion(self) -> Self {
         Run { companion: true, ..self }
+    }
+
+    /// The same run from a `checkpoint` that an observer was offered in [`Observer::rest`], as if it had never stopped: the numbers
+    /// are the same to the last bit, but for times and for counts of factorisations, on as many threads and with the same BLAS.
+    /// The report has the records of the increments that are still to come; all else in it is of all of them.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Unsupported`] on an exact path. That the checkpoint is damaged, or of another scene, method or linear
+    /// algebra, [`Run::solve`] tells.
+    pub fn from(self, checkpoint: Checkpoint) -> Result<Self, RunError> {
+        if let Method::Events { .. } = self.solver.method {
+            let what = "an exact path in time";
+            return Err(history::Error::from(CheckpointError::Unsupported { what }).into());
+        }
+        Ok(Run { from: Some(checkpoint), ..self })
     }
 
     /// What is solved.
@@ -198,26 +220,39 @@ impl<'a> Run<'a> {
         self.solve_with(self.system(), observer)
     }
 
+    /// The same with a `ledger` that takes the records of the increments, which then are not in the report: however many
+    /// there are, they take no memory.
+    ///
+    /// # Errors
+    /// As [`Run::solve`].
+    pub fn solve_to(&self, ledger: &mut dyn Ledger) -> Result<RunReport, RunError> {
+        self.report(self.system(), Audience::Ledger(ledger))
+    }
+
     /// The same with another linear system than the chosen one, as by a linear solver of one's own: `System::from(solver)`.
     ///
     /// # Errors
     /// As [`Run::solve`].
     pub fn solve_with(&self, system: System, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
+        self.report(system, Audience::Observer(observer))
+    }
+
+    fn report(&self, system: System, mut audience: Audience<'_>) -> Result<RunReport, RunError> {
         let start = Instant::now();
         let (linear, condensed) = (system.name(), system.condenses());
         let companion = self.companion();
         let numbers = companion.as_ref().map_or(&[][..], |companion| &companion.ends[0]);
-        let mut keep = Keep { observer, quiet: false, numbers, states: Vec::new() };
-        let mut watch = Watch::new(&self.model, self.uniqueness, &mut keep);
-        let mut outcome = self.history_with(system, &self.times, &mut watch)?;
-        let Watch { validity, estimates, energies, forces, reactions, last, .. } = watch;
-        for (record, strain_energy) in outcome.records.iter_mut().zip(energies) {
-            record.strain_energy = strain_energy;
+        let mut watch = Watch::new(&self.model, self.uniqueness, numbers, &mut audience);
+        if let Some(checkpoint) = &self.from {
+            watch.go_on_from(checkpoint).map_err(history::Error::from)?;
         }
+        let settings = HistorySettings { keeps_records: false, from: self.from.clone(), ..self.settings()? };
+        let outcome = self.history_with(system, &self.times, &settings, &mut watch)?;
+        let Watch { validity, estimates, balance, curves, increments, forces, reactions, last_reactions, .. } = watch;
+        let (last, states) = (watch.last, watch.states);
         let mut all_estimates = Estimates { increments: outcome.increment_error, ..estimates.estimates(&self.model) };
         if let (Some(companion), Status::Converged) = (companion.as_ref(), outcome.status) {
-            let Keep { observer, states, .. } = keep;
-            all_estimates.companion = Some(self.compared(companion, &states, observer)?);
+            all_estimates.companion = Some(self.compared(companion, &states, audience.observer())?);
         }
         let critical_friction = match last {
             Some(last) => self.critical_friction(&last, &outcome)?,
@@ -230,7 +265,7 @@ impl<'a> Run<'a> {
             peak_rss_bytes: peak_rss_bytes(),
         };
         let done = Done {
-            increments: outcome.records.len(),
+            increments: outcome.tally.increments,
             factorizations: outcome.linear.factorizations,
             seconds: measured.wall_seconds,
         };
@@ -247,8 +282,12 @@ impl<'a> Run<'a> {
             validity: &validity,
             largest_pressure: estimates.largest_pressure(&self.model),
             estimates: all_estimates,
+            increments,
             forces,
             reactions,
+            last_reactions,
+            balance,
+            curves,
             critical_friction,
             measured,
         }))
@@ -259,7 +298,13 @@ impl<'a> Run<'a> {
     /// # Errors
     /// As [`Run::solve`].
     pub fn history(&self, observer: &mut dyn Observer) -> Result<HistoryOutcome, RunError> {
-        self.history_with(self.system(), &self.times, observer)
+        let settings = HistorySettings { from: self.from.clone(), ..self.settings()? };
+        self.history_with(self.system(), &self.times, &settings, observer)
+    }
+
+    fn settings(&self) -> Result<HistorySettings, RunError> {
+        let settings = self.solver.settings(&self.model.problem, &self.model.loading)?;
+        Ok(HistorySettings { working_set: self.reach.nodes.clone(), ..settings })
     }
 
     /// The chosen linear system, in an order for as many factorisations as are to be expected.
@@ -287,9 +332,10 @@ impl<'a> Run<'a> {
         states: &[State],
         observer: &mut dyn Observer,
     ) -> Result<CompanionEstimate, RunError> {
-        let mut keep = Keep { observer, quiet: true, numbers: &companion.ends[1], states: Vec::new() };
-        let status = self.history_with(self.system(), &companion.times, &mut keep)?.status;
-        let both = [states, &keep.states[..]];
+        let mut quiet = Quiet { observer, numbers: &companion.ends[1], states: Vec::new() };
+        let settings = HistorySettings { keeps_records: false, ..self.settings()? };
+        let status = self.history_with(self.system(), &companion.times, &settings, &mut quiet)?.status;
+        let both = [states, &quiet.states[..]];
         Ok(CompanionEstimate::new(&self.model, companion.times.len(), status, both, companion.share))
     }
 
@@ -297,12 +343,11 @@ impl<'a> Run<'a> {
         &self,
         system: System,
         times: &[f64],
+        settings: &HistorySettings,
         observer: &mut dyn Observer,
     ) -> Result<HistoryOutcome, RunError> {
         let Model { problem, loading, .. } = &*self.model;
-        let mut settings = self.solver.settings(problem, loading)?;
-        settings.working_set.clone_from(&self.reach.nodes);
-        Ok(history::run(problem, loading, times, &settings, system, observer)?)
+        Ok(history::run(problem, loading, times, settings, system, observer)?)
     }
 
     fn critical_friction(

@@ -27,6 +27,7 @@
 mod document;
 mod error;
 mod files;
+mod origin;
 mod overrides;
 mod places;
 mod read;
@@ -36,6 +37,7 @@ mod syntax;
 use std::path::{Path, PathBuf};
 
 pub use error::{Located, SceneError};
+pub use origin::Origin;
 pub use overrides::{Override, OverrideSyntax};
 
 use crate::description::{Description, Probe};

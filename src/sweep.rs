@@ -16,13 +16,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod fingerprint;
 mod outcome;
 mod picture;
 mod table;
 mod variation;
 
-pub use fingerprint::fingerprint;
 pub use outcome::Outcome;
 pub use table::{Row, Sweep};
 pub use variation::{MOST_VARIANTS, Variant, Variation, VariationError, combinations};

@@ -7,13 +7,15 @@ mod user;
 pub use system::{Quantity, UnitSystem};
 pub use user::{LengthUnit, StressUnit, Units};
 
+use serde::{Deserialize, Serialize};
+
 /// A unit of force and a unit of length for the unknowns of one run.
 ///
 /// Contact forces and displacements of order one, with a stiffness of order one, is what makes the
 /// factorisation of the mixed system `(u, p)` sound: with newtons beside metres its pivots span
 /// eleven decades more than they need to. The units that [`Scaling::near`] chooses are powers of two, so that converting
 /// is exact; the setting `paper` of the interior point method has MN and 10⁻⁵ m, as the paper does.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Scaling {
     /// The unit of force, N.
     pub force: f64,

@@ -28,9 +28,9 @@ const COLUMNS: [(&str, usize); 11] = [
 ];
 
 impl Progress {
-    /// A display of `increments` increments; without `rows`, only the bar.
-    pub(super) fn new(increments: usize, rows: bool) -> Self {
-        let bar = bar(increments, "increments");
+    /// A display of `increments` increments, of which so many are `done`; without `rows`, only the bar.
+    pub(super) fn new(increments: usize, done: usize, rows: bool) -> Self {
+        let bar = bar(increments, "increments").with_position(done as u64);
         let progress = Progress { bar, rows };
         progress.row(&COLUMNS.map(|(head, _)| head.to_string()));
         progress

@@ -1,29 +1,36 @@
 //! `stickslip run`.
 
 mod increments;
+mod pace;
+mod resume;
 mod watcher;
 
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::Args;
+use stickslip::checkpoint::Checkpoint;
 use stickslip::estimate::PeakOf;
 use stickslip::formulation::{Layout, NewtonSystem};
 use stickslip::history::{IncrementError, Method, Status, WorkingSet};
 use stickslip::linear::blas::Blas;
 use stickslip::model::Model;
 use stickslip::report::{
-    Acting, BalanceRecord, CompanionEstimate, ComponentSums, LeftOut, ProbeTable, ResultFolder, Resultant, RunReport,
-    Unknowns, Warning,
+    Acting, BalanceRecord, Claim, CompanionEstimate, ComponentSums, LeftOut, ProbeTable, ResultFolder, Resultant,
+    RunReport, Unknowns, Warning,
 };
 use stickslip::run::Run;
-use stickslip::scene::Scene;
+use stickslip::scene::{Origin, Scene};
 use stickslip::units::Quantity;
 
 use super::progress::Progress;
+use super::sweep::origin;
 use super::{Failure, SceneArgs, interrupt, threads, uniqueness};
 use increments::{IncrementArgs, explain};
+use pace::Pace;
+use resume::Left;
 use watcher::Watcher;
 
 #[derive(Args)]
@@ -33,6 +40,13 @@ pub(super) struct RunArgs {
     /// Write contact lines, records, plots and the report into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Go on with the run that was ended in the folder of --out, whatever ended it; if none was, begin one
+    #[arg(long, requires = "out")]
+    resume: bool,
+    /// Leave the place from which --resume goes on so often: 0 for after each increment; unless given, as often as takes 2 % of the
+    /// time
+    #[arg(long, value_name = "SECONDS", requires = "out", value_parser = seconds)]
+    checkpoint_every: Option<Duration>,
     /// Print the report as one JSON object and nothing else
     #[arg(long)]
     json: bool,
@@ -54,10 +68,24 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         say!("{}", scene.title);
         say!("set-up       mesh, stiffness, contact");
     }
-    let (scene, chosen) = args.increments.of(scene, count)?;
+    let (mut scene, chosen) = args.increments.of(scene, count)?;
     if let (Some(chosen), false) = (&chosen, args.json) {
         say!("increments   {}", explain(chosen));
     }
+    let origin = origin(&scene)?;
+    let claim = args.out.as_deref().map(|path| Claim::new(path).map_err(|error| write_failure(path, &error)));
+    let claim = claim.transpose()?;
+    let left = match &claim {
+        None => None,
+        Some(claim) => match Left::of(claim, &origin, args)? {
+            Some(Left::Ended(status)) => return resume::told_again(claim, args, status),
+            Some(Left::Underway { checkpoint, linear }) => {
+                scene.solver.linear = Some(linear);
+                Some(checkpoint)
+            }
+            None => None,
+        },
+    };
     let mut run = Run::prepared(&scene, |model| threads::share_with_the_blas(model, count))?;
     if args.uniqueness {
         run = run.with_uniqueness()?;
@@ -72,7 +100,13 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
     if args.companion {
         run = run.with_companion();
     }
-    let folder = args.out.as_deref().map(|path| open_folder(path, &scene, run.model())).transpose()?;
+    let done = left.as_ref().map_or(0, Checkpoint::increments);
+    if let Some(checkpoint) = &left {
+        run = run.from(checkpoint.clone())?;
+    }
+    let linear = run.choice().linear.to_string();
+    let folder =
+        claim.map(|claim| open_folder(claim, &scene, run.model(), (origin, linear), left.is_some())).transpose()?;
     if !args.json {
         print_head(&scene, &run);
         print_blas(kernel_before.as_deref());
@@ -84,26 +118,30 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         output: &scene.output,
         wanted: scene.output.increments(run.times()),
         folder,
-        progress: Progress::new(run.times().len(), !args.json),
+        progress: Progress::new(run.times().len(), done, !args.json),
+        pace: Pace::new(args.checkpoint_every),
         failed_write: None,
     };
-    watcher.start(&run.undeformed());
-    let report = run.solve(&mut watcher);
+    if left.is_none() {
+        watcher.start(&run.undeformed());
+    }
+    // Where somebody reads all records at once, and nowhere else, they are kept.
+    let keeps = args.json && watcher.folder.is_none();
+    let report = if keeps { run.solve(&mut watcher) } else { run.solve_to(&mut watcher) };
     watcher.progress.finish();
-    let Watcher { folder, failed_write, .. } = watcher;
+    let Watcher { mut folder, failed_write, .. } = watcher;
     let mut report = report?;
     report.chosen_increments = chosen;
     if let Some(blas) = &mut report.blas {
         blas.kernel_before = kernel_before;
     }
-    let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-    if let Some(folder) = &folder
+    if let Some(folder) = &mut folder
         && let Err(error) = failed_write.map_or_else(|| folder.add_report(&report), Err)
     {
         return Err(disk_failure(folder.path(), &error));
     }
     if args.json {
-        say!("{json}");
+        resume::print_json(&report, folder.as_ref())?;
     } else {
         print_verdict(&report, run.times().len());
         for warning in report.warnings.iter().filter(|warning| warning.kind.needs_the_solution()) {
@@ -126,9 +164,23 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
     })
 }
 
-fn open_folder(path: &Path, scene: &Scene, model: &Model) -> Result<ResultFolder, Failure> {
+fn open_folder(
+    claim: Claim,
+    scene: &Scene,
+    model: &Model,
+    (origin, linear): (Origin, String),
+    resumes: bool,
+) -> Result<ResultFolder, Failure> {
     let probes = ProbeTable::all(model, &scene.output.probes).map_err(|fault| scene.located(fault))?;
-    ResultFolder::create(path, model, probes).map_err(|error| write_failure(path, &error))
+    let path = claim.path().to_path_buf();
+    let folder = if resumes { claim.resume(model, probes) } else { claim.begin(model, probes, origin, linear) };
+    folder.map_err(|error| write_failure(&path, &error))
+}
+
+/// A number of seconds, 0 or more.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    seconds.ok_or_else(|| "it is a number of seconds, 0 or more".to_string())
 }
 
 /// Results cannot be written at all: the folder is to blame, unless the disk is.
@@ -143,7 +195,12 @@ pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
 }
 
 fn disk_failure(path: &Path, error: &io::Error) -> Failure {
-    let help = "what was written before is complete; make room and run again";
+    let help = match error.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            "what was written before is complete; make room, and go on with --resume"
+        }
+        _ => "what was written before is complete; go on with --resume when that is mended",
+    };
     Failure::Machine(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
 }
 
@@ -187,15 +244,15 @@ fn print_blas(kernel_before: Option<&str>) {
 
 fn print_verdict(report: &RunReport, increments: usize) {
     let totals = &report.totals;
-    let done = report.increments.iter().filter(|record| record.status == Status::Converged).count();
-    // Where an increment was interrupted nothing was reached yet.
-    let reached = report.increments.iter().filter(|record| record.status != Status::Interrupted);
-    let worst = reached.map(|record| record.kkt.worst()).reduce(|a, b| if b.1.is_nan() || b.1 > a.1 { b } else { a });
-    say!("\nverdict      {}, {done} of {increments} increments", report.status);
+    say!("\nverdict      {}, {} of {increments} increments", report.status, totals.converged);
     if !report.explanation.reason.is_empty() {
         say!("             {}", report.explanation.reason);
     }
-    let Some((law, error)) = worst else { return };
+    // Where the first increment was interrupted nothing was reached yet.
+    if totals.converged == 0 && matches!(report.status, Status::Interrupted | Status::OutOfMemory) {
+        return;
+    }
+    let (law, error) = totals.kkt.worst();
     say!("error        {error:.1e} at most ({law}); backward error of the solves {:.1e}", totals.backward_error);
     let units = &report.units;
     let unit = units.name(Quantity::Force);
@@ -213,7 +270,7 @@ fn print_verdict(report: &RunReport, increments: usize) {
             say!("             of it on {} ({}) {unit}", on.obstacle, components(&on.force));
         }
     }
-    if let Some(BalanceRecord { supports, springs, balance, .. }) = report.reactions.last() {
+    if let Some(BalanceRecord { supports, springs, balance, .. }) = &report.last_reactions {
         for (kind, Acting { at, force, .. }) in
             supports.iter().map(|support| ("reaction", support)).chain(springs.iter().map(|spring| ("spring", spring)))
         {

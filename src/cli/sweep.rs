@@ -9,8 +9,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 use stickslip::report::write_file;
-use stickslip::scene::{Override, Scene};
-use stickslip::sweep::{Outcome, Row, Sweep, Variation, combinations, fingerprint};
+use stickslip::scene::{Origin, Override, Scene};
+use stickslip::sweep::{Outcome, Row, Sweep, Variation, combinations};
 
 use super::progress::bar;
 use super::run::write_failure;
@@ -157,11 +157,15 @@ fn tasks(args: &SweepArgs) -> Result<Vec<Task>, Failure> {
 /// The fingerprint and the text of the scene with `overrides`.
 fn one(args: &SweepArgs, overrides: &[Override]) -> Result<(String, String), Failure> {
     let scene = Scene::read(&args.scene.scene, overrides)?;
-    let fingerprint = fingerprint(&scene, &version()).map_err(|(file, error)| {
+    Ok((origin(&scene)?.fingerprint(), scene.text().to_string()))
+}
+
+/// What results of `scene` are of.
+pub(super) fn origin(scene: &Scene) -> Result<Origin, Failure> {
+    Ok(Origin::new(scene, &version()).map_err(|(file, error)| {
         let message = format!("{}: the file cannot be read: {error}", file.display());
         scene.error_at("mesh.file", message, "name an existing file, relative to the scene file")
-    })?;
-    Ok((fingerprint, scene.text().to_string()))
+    })?)
 }
 
 /// The tables of a sweep, by the kind of file.

@@ -5,6 +5,8 @@
 //! node does not have, as the second in two dimensions, is 0, and everything is as if it were not
 //! there.
 
+use serde::{Deserialize, Serialize};
+
 /// `x₊ = max(x, 0)`; NaN stays NaN, where `f64::max` would make it 0.
 pub fn positive(x: f64) -> f64 {
     if x <= 0.0 { 0.0 } else { x }
@@ -56,7 +58,7 @@ fn trial(p: [f64; 2], slip: [f64; 2], r: f64) -> [f64; 2] {
 }
 
 /// The normal cases of (21).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum NormalCase {
     /// `p_n + r (w_n - g) ≤ 0`; row `-dp_n`.
     Open,
@@ -72,7 +74,7 @@ impl From<bool> for NormalCase {
 }
 
 /// The tangential cases of (21), where the pressure is `p_n`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum TangentialCase {
     /// `pressure ≤ 0`; rows `-dp_T`.
     NoPressure,

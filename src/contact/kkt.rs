@@ -5,14 +5,14 @@
 //! largest external or contact force, displacements with the largest displacement or interference,
 //! of the history so far: after full unloading there is nothing else to compare rounding with.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::coulomb::{direction, length, positive, project};
 use crate::problem::error::{expect_finite, expect_value};
 use crate::problem::{ContactProblem, Increment, ProblemError, State};
 
 /// What forces and displacements are compared with.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct KktScales {
     /// The largest external nodal force or contact force, N.
     pub force: f64,
@@ -93,7 +93,7 @@ fn relative(value: f64, scale: f64) -> f64 {
 }
 
 /// The violation of each law, the largest over all nodes.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct KktErrors {
     /// `|K u + Cᵀ p - f|`, relative to the force scale.
@@ -328,7 +328,7 @@ pub(crate) fn rounding_level(problem: &ContactProblem, state: &State, scales: &K
 }
 
 /// What a contact node does at the end of an increment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ContactStatus {
     /// Apart from the obstacle.

@@ -3,7 +3,7 @@
 //! Gaps and normals are those of the undeformed body. What that neglects is seen afterwards: the deformed
 //! node has an exact distance from the moved obstacle, along its normal, beside the linearised one.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::motion::ObstacleMotion;
 use super::obstacle::PlacedObstacle;
@@ -21,7 +21,7 @@ const SOLVED: f64 = 1e-10;
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A contact node whose linearised distance from the obstacle is wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct RangeLeft {
     /// The number of the node in the mesh, from 0.

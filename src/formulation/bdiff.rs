@@ -2,7 +2,10 @@
 
 mod changes;
 mod free;
+mod kept;
 mod tangent;
+
+pub use kept::Linearization;
 
 use super::mixed::{MixedMatrix, TangentialRow};
 use super::natural::Pressure;

@@ -1,6 +1,7 @@
 //! BN along a history: every increment starts from the last solution, in the default setting on the tangent there.
 
 use super::increment_error::{IncrementErrors, Rate};
+use super::memory::{Memory, take_over};
 use super::settings::{FirstGuess, HistorySettings};
 use super::tangent;
 use super::task::{IncrementSolver, Observe, Task};
@@ -206,6 +207,36 @@ impl IncrementSolver for BnMethod<'_> {
 
     fn increment_errors(&mut self) -> Option<&mut IncrementErrors> {
         self.errors.as_mut()
+    }
+
+    fn memory(&self, linear: &Direct) -> Memory {
+        Memory {
+            unknowns: self.z.clone(),
+            rest: self.rest.clone(),
+            last: self.last.clone(),
+            errors: self.errors.clone(),
+            linearization: Some(self.formulation.linearization()),
+            is_factored: self.bn.has_factors(linear),
+            ..Memory::default()
+        }
+    }
+
+    fn recall(&mut self, memory: Memory, linear: &mut Direct) -> Result<bool, LinearError> {
+        let Memory { unknowns, rest, last, errors, linearization, is_factored, .. } = memory;
+        let n = self.z.len();
+        let errors_fit = match (&self.errors, &errors) {
+            (Some(own), Some(kept)) => own.fit(kept),
+            (own, kept) => own.is_none() && kept.is_none(),
+        };
+        let last_fits = last.as_ref().is_none_or(|ends| ends.iter().all(|z| z.len() == n));
+        if !(take_over(&mut self.z, &unknowns) && take_over(&mut self.rest, &rest) && last_fits && errors_fit) {
+            return Ok(false);
+        }
+        (self.last, self.errors) = (last, errors);
+        if !linearization.is_some_and(|kept| self.formulation.linearize_as(&kept)) {
+            return Ok(false);
+        }
+        Ok(!is_factored || self.bn.factor(&self.formulation, linear)?)
     }
 }
 

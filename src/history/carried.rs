@@ -5,11 +5,13 @@
 //! solution. A free motion strains nothing, so the equations are the same from any place on its way: the unknowns are
 //! displacements from where the body has been carried, and the obstacles come the other way instead.
 
+use serde::{Deserialize, Serialize};
+
 use crate::problem::{ContactProblem, State};
 use crate::sparse::{Csr, sum};
 
 /// A free motion of the body, in what it does to displacements and contact nodes.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Carried {
     /// The displacements, n_u, m; empty while the body has stayed.
     u: Vec<f64>,
@@ -37,6 +39,13 @@ impl Carried {
         }
         let moved = |map: &Csr| map.mul(&u);
         Carried { w_n: moved(problem.c_n()), w_t: problem.tangential_maps().map(moved), u }
+    }
+
+    /// Whether it is one of `problem`.
+    pub(super) fn fits(&self, problem: &ContactProblem) -> bool {
+        let [w_t, w_o] = &self.w_t;
+        let contacts = [&self.w_n, w_t, w_o].iter().all(|w| w.len() == problem.contacts());
+        contacts && [0, problem.displacements()].contains(&self.u.len())
     }
 
     /// Whether the body has moved at all.

@@ -1,6 +1,7 @@
 //! Why a history cannot be run, or not go on.
 
 use super::Method;
+use crate::checkpoint::CheckpointError;
 use crate::events::PathError;
 use crate::linear::LinearError;
 use crate::problem::ProblemError;
@@ -22,6 +23,9 @@ pub enum Error {
     /// The linear algebra cannot go on.
     #[error(transparent)]
     Linear(#[from] LinearError),
+    /// A checkpoint is damaged, or that of another run.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
     /// An exact path cannot be followed.
     #[error(transparent)]
     Path(PathError),

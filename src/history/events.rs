@@ -115,7 +115,10 @@ impl ExactHistory<'_> {
                 for event in &step.events {
                     self.observer.event(underway.index, event);
                 }
-                self.outcome.events.extend(step.events);
+                self.outcome.event_count += step.events.len();
+                if self.settings.keeps_records {
+                    self.outcome.events.extend(step.events);
+                }
                 underway.friction_work += step.friction_work;
                 match step.stop {
                     Stop::Lost(lost) if self.jumps() => {
@@ -230,7 +233,10 @@ impl ExactHistory<'_> {
         for (node, (from, to)) in before.into_iter().zip(walk.statuses()).enumerate().filter(|(_, (a, b))| a != *b) {
             let event = Event { time, node, from, to: *to };
             self.observer.event(underway.index, &event);
-            self.outcome.events.push(event);
+            self.outcome.event_count += 1;
+            if self.settings.keeps_records {
+                self.outcome.events.push(event);
+            }
         }
         underway.kkt = underway.kkt.max(&record.kkt);
         underway.friction_work += record.friction_work;
@@ -316,7 +322,7 @@ impl ExactHistory<'_> {
         } else {
             self.outcome.violation = Some(Violation::worst(problem, &increment, &state, &scales));
         }
-        self.outcome.records.push(record);
+        self.outcome.push(record, self.settings.keeps_records);
         flow
     }
 }

@@ -13,7 +13,7 @@
 //!
 //! So an increment costs one solve for the rate, with the factors at its start, and one for `e`, with those at its end.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::condense::Condensed;
 use crate::contact::coulomb::{TangentialCase, length, positive};
@@ -31,7 +31,7 @@ const CORNER: f64 = 0.9;
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// What the increments of a history do to its work of friction and to its tangential forces, estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct IncrementError {
     /// The work that friction dissipated as the increments have it, J; in two dimensions J per m of depth.
@@ -49,7 +49,7 @@ pub struct IncrementError {
 }
 
 /// What the increments so far have done, and the end of the last one.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct IncrementErrors {
     scaling: Scaling,
     /// Whether no node slides in a plane.
@@ -70,7 +70,7 @@ pub struct IncrementErrors {
 }
 
 /// A contact node at the end of an increment, in the units of the scaling.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Node {
     closed: bool,
     case: TangentialCase,
@@ -161,6 +161,13 @@ impl IncrementErrors {
             None => (0..all.len()).map(now).unzip(),
         };
         *self = IncrementErrors { force: forces, gap, nodes, change: Vec::new(), ..*before };
+    }
+
+    /// Whether those that were put away are of the same problem.
+    pub(super) fn fit(&self, kept: &IncrementErrors) -> bool {
+        let sizes = |of: &IncrementErrors| [of.force.len(), of.gap.len(), of.nodes.len()];
+        let known = sizes(kept)[0] + 3 * sizes(kept)[1];
+        sizes(self) == sizes(kept) && [0, known].contains(&kept.change.len())
     }
 
     /// What has come out so far.

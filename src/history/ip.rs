@@ -1,5 +1,6 @@
 //! IP along a history: the paper's starting points.
 
+use super::memory::{Memory, take_over};
 use super::method::Start;
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
@@ -107,6 +108,14 @@ impl IncrementSolver for IpMethod {
 
     fn unknowns(&mut self) -> &mut Vec<f64> {
         &mut self.z
+    }
+
+    fn memory(&self, _linear: &Direct) -> Memory {
+        Memory { unknowns: self.z.clone(), ..Memory::default() }
+    }
+
+    fn recall(&mut self, memory: Memory, _linear: &mut Direct) -> Result<bool, LinearError> {
+        Ok(take_over(&mut self.z, &memory.unknowns))
     }
 }
 

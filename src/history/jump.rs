@@ -85,12 +85,14 @@ impl Edge<'_> {
             times: &[time],
             settings,
             observer: &mut (),
-            outcome: HistoryOutcome::begun(problem, 1),
+            outcome: HistoryOutcome::begun(problem),
             position,
             start: Instant::now(),
             begun: None,
             done: Statistics::default(),
             joined: 0,
+            is_ready: true,
+            saved: None,
         };
         match means {
             Means::Whole(linear) => {

@@ -5,7 +5,7 @@
 //! step or two.
 
 use super::task::{Observe, Task};
-use crate::formulation::{Assembled, Bdiff, Conventions};
+use crate::formulation::{Assembled, Bdiff, Conventions, Linearization};
 use crate::linear::{Direct, LinearError};
 use crate::nonlinear::{Armijo, Bn, End, Outcome};
 use crate::problem::{ContactProblem, Increment};
@@ -61,6 +61,16 @@ impl NewtonEnd {
     /// Linearises at a `z` that begins with `(u, p_t, p_n)`.
     pub(super) fn linearize(&mut self, z: &[f64]) {
         self.formulation.linearize(&z[..self.z.len()]);
+    }
+
+    /// The last linearisation, to be put away.
+    pub(super) fn linearization(&self) -> Linearization {
+        self.formulation.linearization()
+    }
+
+    /// Linearises as it was; whether that is one of this problem.
+    pub(super) fn linearize_as(&mut self, kept: &Linearization) -> bool {
+        self.formulation.linearize_as(kept)
     }
 
     /// What the last linearisation wrote.

@@ -1,6 +1,7 @@
 //! Watching a history.
 
 use super::IncrementRecord;
+use crate::checkpoint::Checkpoint;
 use crate::contact::ContactStatus;
 use crate::events::Event;
 use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
@@ -50,6 +51,10 @@ pub trait Observer {
     fn increment(&mut self, _step: &Step<'_>) -> Flow {
         Flow::Continue
     }
+
+    /// Between two increments, and after the last: where the history can be taken up again. `here` makes the checkpoint, which
+    /// costs a copy of the state. Increments that are solved together have one such place, after all of them.
+    fn rest(&mut self, _here: &dyn Fn() -> Checkpoint) {}
 }
 
 /// An observer that only lets things happen.

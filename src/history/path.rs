@@ -14,6 +14,7 @@ pub(super) use bundle::Judged;
 use super::carried::Carried;
 use super::held::HeldBody;
 use super::increment_error::{IncrementError, IncrementErrors};
+use super::memory::Memory;
 use super::position::{Position, Underway};
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
@@ -139,6 +140,16 @@ impl<'a> Path<'a> {
     /// What the increments so far leave.
     pub(super) fn increment_error(&mut self) -> Option<IncrementError> {
         self.method.increment_errors().map(|errors| errors.found())
+    }
+
+    /// What the method knows between two increments.
+    pub(super) fn memory(&self, linear: &Direct) -> Memory {
+        self.method.memory(linear)
+    }
+
+    /// Gives the method back what it knew; whether it knows that it did.
+    pub(super) fn recall(&mut self, memory: Memory, linear: &mut Direct) -> Result<bool, LinearError> {
+        self.method.recall(memory, linear)
     }
 
     /// From where the next part starts.

@@ -1,5 +1,7 @@
 //! How far a history has come.
 
+use serde::{Deserialize, Serialize};
+
 use super::carried::Carried;
 use super::increment_error::IncrementErrors;
 use crate::contact::{KktErrors, KktScales};
@@ -7,7 +9,7 @@ use crate::nonlinear::Outcome;
 use crate::problem::{ContactProblem, State};
 
 /// How far a history has come: all that one stage of it leaves to the next.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Position {
     /// The time reached; `None` stands for the unloaded body.
     pub reached: Option<f64>,
@@ -26,10 +28,13 @@ pub(super) struct Position {
     pub w_t: Vec<f64>,
     pub w_o: Vec<f64>,
     /// The increment that the last stage could not end.
+    #[serde(skip)]
     pub underway: Option<Underway>,
     /// What the increments left until the last stage ended, and the contact nodes that it had.
+    #[serde(skip)]
     pub errors: Option<(IncrementErrors, Vec<usize>)>,
     /// Where the next part begins its iterations, if not at the state reached: near its end.
+    #[serde(skip)]
     pub estimate: Option<State>,
 }
 
@@ -68,6 +73,15 @@ impl Position {
             errors: None,
             estimate: None,
         }
+    }
+}
+
+impl Position {
+    /// Whether it is one of `problem`, by what a `state` must be.
+    pub(super) fn fits(&self, problem: &ContactProblem, state: impl Fn(&State) -> bool) -> bool {
+        let contacts = problem.contacts();
+        let all = [&self.w_n, &self.w_t, &self.w_o].iter().all(|w| w.len() == contacts);
+        all && self.state.as_ref().is_none_or(state) && self.carried.fits(problem)
     }
 }
 

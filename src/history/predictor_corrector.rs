@@ -1,5 +1,6 @@
 //! The predictor–corrector method along a history: where an increment starts.
 
+use super::memory::{Memory, take_over};
 use super::newton_end::NewtonEnd;
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Response, Task};
@@ -196,5 +197,16 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
 
     fn unknowns(&mut self) -> &mut Vec<f64> {
         &mut self.z
+    }
+
+    fn memory(&self, _linear: &Direct) -> Memory {
+        let linearization = Some(self.end.linearization());
+        Memory { unknowns: self.z.clone(), rest: self.rest.clone(), linearization, ..Memory::default() }
+    }
+
+    fn recall(&mut self, memory: Memory, _linear: &mut Direct) -> Result<bool, LinearError> {
+        let Memory { unknowns, rest, linearization, .. } = memory;
+        let end = linearization.is_some_and(|kept| self.end.linearize_as(&kept));
+        Ok(take_over(&mut self.z, &unknowns) && take_over(&mut self.rest, &rest) && end)
     }
 }

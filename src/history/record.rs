@@ -2,14 +2,14 @@
 
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::contact::{ContactStatus, KktErrors};
 use crate::linear::{LinearError, Statistics};
 use crate::nonlinear::{Outcome, Stop};
 
 /// The verdict on an increment and on a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
@@ -66,7 +66,7 @@ impl fmt::Display for Status {
 }
 
 /// How many contact nodes are in each status.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct ContactCounts {
     /// Apart from the obstacle.
@@ -78,7 +78,7 @@ pub struct ContactCounts {
 }
 
 /// Where the wall time of an increment went, s.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Seconds {
     /// Residuals, merits and Jacobian values.
@@ -101,7 +101,7 @@ impl Seconds {
 }
 
 /// One increment, as reported.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct IncrementRecord {
     /// Its number, from 1.
@@ -113,13 +113,13 @@ pub struct IncrementRecord {
     /// How many parts of it converged: 1 if it did not have to be halved.
     pub parts: usize,
     /// The ends of these parts, s; empty if it did not have to be halved.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub part_ends: Vec<f64>,
     /// How many contact nodes joined the condensed equations in it, where these do not hold all.
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub joined: usize,
     /// How many jumps over the end of a quasi-static motion there are in it.
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub jumps: usize,
     /// Whether another method solved it, or a part of it, in place of the one asked for.
     pub rescued: bool,
@@ -165,6 +165,31 @@ impl IncrementRecord {
             friction_work: 0.0,
             strain_energy: 0.0,
             seconds: Seconds::default(),
+        }
+    }
+}
+
+/// What the increments of a history add up to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tally {
+    /// The increments that were reached, the one included that did not converge.
+    pub increments: usize,
+    /// Those that converged.
+    pub converged: usize,
+    /// Linear systems solved by the method.
+    pub iterations: usize,
+    /// The largest errors of all that were judged: one that was interrupted is not.
+    pub kkt: KktErrors,
+}
+
+impl Tally {
+    /// Takes an increment in.
+    pub(super) fn add(&mut self, record: &IncrementRecord) {
+        self.increments += 1;
+        self.converged += usize::from(record.status == Status::Converged);
+        self.iterations += record.iterations;
+        if record.status != Status::Interrupted {
+            self.kkt = self.kkt.max(&record.kkt);
         }
     }
 }

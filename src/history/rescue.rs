@@ -3,6 +3,7 @@
 
 use super::bn::BnMethod;
 use super::increment_error::IncrementErrors;
+use super::memory::Memory;
 use super::predictor_corrector::PredictorCorrectorMethod;
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
@@ -46,7 +47,7 @@ impl IncrementSolver for Rescued<'_> {
         if left == 0 || matches!(attempt.stop, Stop::Met | Stop::Interrupted) {
             return Ok(attempt);
         }
-        let rescue = rescue.get_or_insert_with(|| PredictorCorrectorMethod::beside(problem, bn.assembled(), settings));
+        let rescue = rescue.get_or_insert_with(|| rescue_of(problem, bn, settings));
         rescue.limit(left);
         rescue.go_on_from(&last);
         let mut rescued = rescue.solve(task, linear, observe)?;
@@ -76,4 +77,27 @@ impl IncrementSolver for Rescued<'_> {
     fn increment_errors(&mut self) -> Option<&mut IncrementErrors> {
         self.bn.increment_errors()
     }
+
+    fn memory(&self, linear: &Direct) -> Memory {
+        let rescue = self.rescue.as_ref().map(|rescue| Box::new(rescue.memory(linear)));
+        Memory { rescue, ..self.bn.memory(linear) }
+    }
+
+    fn recall(&mut self, mut memory: Memory, linear: &mut Direct) -> Result<bool, LinearError> {
+        if let Some(memory) = memory.rescue.take() {
+            let rescue = self.rescue.insert(rescue_of(self.problem, &self.bn, &self.settings));
+            if !rescue.recall(*memory, linear)? {
+                return Ok(false);
+            }
+        }
+        self.bn.recall(memory, linear)
+    }
+}
+
+fn rescue_of<'a>(
+    problem: &'a ContactProblem,
+    bn: &BnMethod<'_>,
+    settings: &HistorySettings,
+) -> PredictorCorrectorMethod<'a> {
+    PredictorCorrectorMethod::beside(problem, bn.assembled(), settings)
 }

@@ -2,6 +2,7 @@
 
 use super::error::Error;
 use super::method::{Method, Start};
+use crate::checkpoint::Checkpoint;
 use crate::formulation::Conventions;
 use crate::loading::Loading;
 use crate::problem::ContactProblem;
@@ -29,6 +30,12 @@ pub struct HistorySettings {
     /// has them all, asks for them. `None` stands for all, and so does any set with the constants of the paper or in a body that
     /// contact alone holds.
     pub working_set: Option<Vec<usize>>,
+    /// Whether the outcome has the records of all increments, and the events on an exact path, and not only of the last two: of
+    /// millions they need gigabytes, and an observer sees each as it comes.
+    pub keeps_records: bool,
+    /// From where it goes on, instead of from the unloaded body: what an observer was offered in [`super::Observer::rest`] of a run of the
+    /// same problem, loading, times so far, settings and linear system.
+    pub from: Option<Checkpoint>,
 }
 
 /// The contact forces from which BN starts its first increment.
@@ -82,6 +89,8 @@ impl HistorySettings {
             max_iterations: MAX_ITERATIONS,
             halvings: if method.is_of_paper() { 0 } else { HALVINGS },
             working_set: None,
+            keeps_records: true,
+            from: None,
         })
     }
 

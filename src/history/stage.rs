@@ -7,6 +7,7 @@ use super::observer::{Observer, Step};
 use super::path::{Judged, Path, Walk};
 use super::position::Position;
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
+use super::saved::{Done, RunOf, Saved, SavedStage};
 use super::settings::HistorySettings;
 use super::system::statistics;
 use super::task::Algorithm;
@@ -14,6 +15,7 @@ use super::told::{Told, record};
 use super::walked::Walked;
 use super::working_set::WorkingSet;
 use super::{Error, HistoryOutcome};
+use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::condense::{Condensation, Condensed};
 use crate::contact::{Violation, rounding_level, statuses_of};
 use crate::linear::{Dense, Direct, LinearError, Statistics};
@@ -39,6 +41,10 @@ pub(super) struct Stages<'a> {
     pub done: Statistics,
     /// The contact nodes that have joined since the last increment ended.
     pub joined: usize,
+    /// Whether observers know that the first increment can begin.
+    pub is_ready: bool,
+    /// The stage that was on the way when the history was put away, until it is taken up.
+    pub saved: Option<SavedStage>,
 }
 
 impl Stages<'_> {
@@ -50,10 +56,14 @@ impl Stages<'_> {
         let all = self.problem.contacts();
         let asked_for = self.settings.working_set.as_ref().filter(|_| self.problem.free_motions().is_empty());
         let mut nodes = asked_for.filter(|nodes| nodes.len() < all).cloned();
+        let mut resumes = self.saved.is_some();
+        if let Some(saved) = &mut self.saved {
+            nodes = saved.nodes.take();
+        }
         loop {
             let part = nodes.take().and_then(|nodes| Some((algorithm.of_nodes(&nodes)?, nodes)));
             let held = part.as_ref().map_or(all, |(_, nodes)| nodes.len());
-            if part.is_some() || self.outcome.working_set.is_some() {
+            if !std::mem::take(&mut resumes) && (part.is_some() || self.outcome.working_set.is_some()) {
                 let first = WorkingSet { first: held, last: held, all, grown: 0 };
                 let grown = |before: WorkingSet| WorkingSet { last: held, grown: before.grown + 1, ..before };
                 self.outcome.working_set = Some(self.outcome.working_set.map_or(first, grown));
@@ -127,7 +137,7 @@ impl Stages<'_> {
                 return Ok(None);
             }
         };
-        if self.outcome.records.is_empty() && self.begun.is_none() {
+        if !std::mem::replace(&mut self.is_ready, true) {
             self.outcome.setup_seconds = self.start.elapsed().as_secs_f64();
             self.observer.ready();
         }
@@ -136,8 +146,15 @@ impl Stages<'_> {
 
         // How many increments go together: more and more, as long as all is well.
         let mut together = 1;
-        while outcome.records.len() < times.len() {
-            let (first, to_come) = (outcome.records.len() + 1, &times[outcome.records.len()..]);
+        if let Some(SavedStage { memory, together: many, .. }) = self.saved.take() {
+            if !path.recall(memory, linear)? {
+                return Err(CheckpointError::Other { what: "the method" }.into());
+            }
+            together = many.clamp(1, path.together());
+        }
+        while outcome.tally.increments < times.len() {
+            let done = outcome.tally.increments;
+            let (first, to_come) = (done + 1, &times[done..]);
             let most = together.min(to_come.len());
             let many = (1..most).find(|&k| observer.waits_for(first + k - 1)).unwrap_or(most);
             let mut told = Told { problem, index: first, observer: &mut *observer };
@@ -146,7 +163,7 @@ impl Stages<'_> {
                 Err(error) => return outcome.end_by(error).map(|()| None),
             };
             loop {
-                let index = outcome.records.len() + 1;
+                let index = outcome.tally.increments + 1;
                 told.index = index;
                 let Judged { time, walk, began, work: [before, after], seconds } =
                     match path.judge(&mut bundle, linear, &mut told) {
@@ -177,7 +194,7 @@ impl Stages<'_> {
                     let step = Step { record: &record, increment, state, statuses: &statuses };
                     (told.observer.increment(&step), state.clone())
                 });
-                outcome.records.push(record);
+                outcome.push(record, settings.keeps_records);
                 outcome.linear = statistics(*linear.statistics(), body, path.at.worst_backward_error);
                 if status != Status::Converged || index == times.len() {
                     outcome.rounding = rounding_level(problem, &attempt.state, &attempt.scales);
@@ -201,6 +218,20 @@ impl Stages<'_> {
                 }
             }
             together = if bundle.sound { path.together().min(2 * together) } else { 1 };
+            observer.rest(&|| {
+                let saved = Saved {
+                    run: RunOf::new(problem, settings),
+                    outcome: Done::of(outcome),
+                    position: path.at.clone(),
+                    stage: SavedStage {
+                        memory: path.memory(linear),
+                        nodes: condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec),
+                        together,
+                    },
+                    statistics: *linear.statistics(),
+                };
+                Checkpoint::new(outcome.tally.increments, outcome.reached, &saved)
+            });
         }
         Ok(None)
     }

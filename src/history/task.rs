@@ -1,6 +1,7 @@
 //! What a history asks of a method, and what it gives: the seam at which a method of one's own goes in.
 
 use super::increment_error::IncrementErrors;
+use super::memory::Memory;
 use crate::contact::{KktScales, judge};
 use crate::formulation::Layout;
 use crate::linear::{Direct, LinearError};
@@ -100,6 +101,23 @@ pub trait IncrementSolver {
     /// What its increments leave, to be kept and put back with its unknowns; `None` of a method that does not estimate that.
     fn increment_errors(&mut self) -> Option<&mut IncrementErrors> {
         None
+    }
+
+    /// All that its next increment depends on; `linear` is what it solves with.
+    fn memory(&self, linear: &Direct) -> Memory {
+        let _ = linear;
+        Memory::of_state(self.state())
+    }
+
+    /// Becomes as it was when it had this `memory`, with factors if it had some; whether that is one of such a method.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on.
+    fn recall(&mut self, memory: Memory, linear: &mut Direct) -> Result<bool, LinearError> {
+        let _ = linear;
+        let (length, state) = (self.state().u.len(), memory.into_state());
+        let state = state.filter(|state| state.u.len() == length);
+        Ok(state.map(|state| self.go_on_from(&state)).is_some())
     }
 }
 

@@ -4,14 +4,14 @@
 //! penetrate and the laws of the others hold. The verdict is that of all contact nodes, always; where it is that nodes which are left
 //! out penetrate, they join, with the nearest others. None ever leaves.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::walked::Attempt;
 use crate::nonlinear::Stop;
 use crate::problem::{ContactProblem, Increment};
 
 /// The contact nodes that the condensed equations of a history held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct WorkingSet {
     /// How many they held at first.

@@ -3,13 +3,15 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use serde::{Deserialize, Serialize};
+
 use super::error::expect_length;
 use super::refine::{self, SolveInfo, Workspace};
 use super::{Dense, FactorInfo, LinearError, LinearSolver, SparseLu};
 use crate::sparse::{Pattern, SystemMatrix};
 
 /// What a [`Direct`] solver has done so far.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Symbolic analyses.
     pub analyses: usize,

@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use super::Model;
 use crate::contact::ContactStatus;
 use crate::problem::State;
 
 /// A contact node that has slid past the facets that were in front of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Slid {
     /// The number of the contact node.
     pub contact: usize,

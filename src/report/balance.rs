@@ -1,14 +1,14 @@
 //! The forces that act on the body, and what they leave of each other.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::warnings::{Warning, WarningKind};
-use crate::history::{IncrementRecord, Status, Step};
+use crate::history::Step;
 use crate::model::{Balance, Model, Wrench};
 
 /// What acts on the body beside contact, at the end of an increment. Loads, supports and springs act on the body, contact forces
 /// ([`super::ForceRecord`]) on the obstacles: the first three less the last is what `balance` measures.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct BalanceRecord {
     /// The increment, from 1.
@@ -18,7 +18,7 @@ pub struct BalanceRecord {
     /// The force of each support on the body, its reaction. What several supports hold in the same direction they share evenly.
     pub supports: Vec<Acting>,
     /// The force of each spring or foundation on the body.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<Acting>,
     /// The force of each load.
     pub loads: Vec<Acting>,
@@ -31,7 +31,7 @@ pub struct BalanceRecord {
 }
 
 /// A force on the body.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Acting {
     /// The boundary, or the point.
@@ -67,25 +67,39 @@ impl BalanceRecord {
 /// More of the forces may be left than the error of each node, whose signs add up: so many tolerances count as none.
 const BALANCED: f64 = 100.0;
 
-/// The warning where forces as large as those of this run leave more of each other than the `tolerance` lets expect: beside what the
-/// stiffness makes of large displacements they are lost in its rounding, which the errors of a state cannot tell. What did
-/// not converge is in balance with nothing, and its verdict says so.
-pub(super) fn unbalanced(records: &[BalanceRecord], increments: &[IncrementRecord], tolerance: f64) -> Option<Warning> {
-    let converged = |index| increments.iter().any(|one| one.index == index && one.status == Status::Converged);
-    let records: Vec<&BalanceRecord> = records.iter().filter(|record| converged(record.index)).collect();
-    let largest = records.iter().fold(0.0_f64, |m, record| m.max(record.size));
-    let share = |record: &BalanceRecord| record.balance * record.size / largest;
-    let worst = records.into_iter().max_by(|a, b| share(a).total_cmp(&share(b)))?;
-    (share(worst) > BALANCED * tolerance).then(|| Warning {
-        kind: WarningKind::Unbalanced,
-        message: format!(
-            "at t = {} s all forces on the body leave {:.1e} of their sizes: they are so small beside the stiffness and the \
-             displacements of the body that rounding counts, and may be as wrong; let the body move less, or let supports, \
-             and not contact or springs, carry it along",
-            worst.time,
-            share(worst)
-        ),
-    })
+/// Watches what is left of the balance over a history.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct BalanceWatch {
+    /// The largest sum of the sizes of forces, N.
+    largest: f64,
+    /// The most that forces have left of each other, N, and when, s.
+    worst: Option<[f64; 2]>,
+}
+
+impl BalanceWatch {
+    /// Looks at the end of an increment that converged. What did not is in balance with nothing, and its verdict says so.
+    pub fn see(&mut self, record: &BalanceRecord) {
+        let left = record.balance * record.size;
+        self.largest = self.largest.max(record.size);
+        if self.worst.is_none_or(|[worst, _]| left >= worst || left.is_nan()) {
+            self.worst = Some([left, record.time]);
+        }
+    }
+
+    /// The warning where forces as large as those of this run leave more of each other than the `tolerance` lets expect: beside
+    /// what the stiffness makes of large displacements they are lost in its rounding, which the errors of a state cannot tell.
+    pub(super) fn unbalanced(&self, tolerance: f64) -> Option<Warning> {
+        let [left, time] = self.worst?;
+        let share = left / self.largest;
+        (share > BALANCED * tolerance).then(|| Warning {
+            kind: WarningKind::Unbalanced,
+            message: format!(
+                "at t = {time} s all forces on the body leave {share:.1e} of their sizes: they are so small beside the stiffness and the \
+                 displacements of the body that rounding counts, and may be as wrong; let the body move less, or let supports, \
+                 and not contact or springs, carry it along"
+            ),
+        })
+    }
 }
 
 impl Acting {

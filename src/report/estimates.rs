@@ -1,6 +1,6 @@
 //! What the mesh cannot tell, as a report has it.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::companion::CompanionEstimate;
 use super::peak::{LargestPressure, Peak};
@@ -38,15 +38,21 @@ pub struct Estimates {
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimateWatch {
     graph: ContactGraph,
+    peak_of: PeakOf,
+    seen: Seen,
+}
+
+/// What the increments so far have shown.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Seen {
     /// Of each contact surface the state with the largest force.
     heaviest: Vec<Heaviest>,
-    peak_of: PeakOf,
     peak: Option<Peak>,
     strained: Option<Strained>,
 }
 
 /// The largest strain energy so far, J, and the displacements and normal contact forces (N) then.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Strained {
     energy: f64,
     time: f64,
@@ -55,7 +61,7 @@ struct Strained {
 }
 
 /// The largest force on a contact surface so far, N, and what makes it up; 0 before anything touches.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 struct Heaviest {
     force: f64,
     time: f64,
@@ -91,7 +97,28 @@ impl EstimateWatch {
     pub fn new(model: &Model) -> Self {
         let graph = ContactGraph::new(model);
         let heaviest = vec![Heaviest::default(); graph.surfaces().len()];
-        EstimateWatch { graph, heaviest, peak_of: PeakOf::of(model), peak: None, strained: None }
+        EstimateWatch { graph, peak_of: PeakOf::of(model), seen: Seen { heaviest, ..Seen::default() } }
+    }
+
+    /// What the increments so far have shown, to be put away.
+    pub fn seen(&self) -> &Seen {
+        &self.seen
+    }
+
+    /// Goes on with what others have `seen` of the same model; whether they are.
+    pub fn go_on_with(&mut self, model: &Model, seen: Seen) -> bool {
+        let contacts = model.contacts.len();
+        let heaviest =
+            |of: &Heaviest| [0, contacts].contains(&of.state.p_n.len()) && of.statuses.len() == of.state.p_n.len();
+        let strained = |of: &Strained| of.u.len() == model.problem.displacements() && of.p_n.len() == contacts;
+        let fits = seen.heaviest.len() == self.seen.heaviest.len()
+            && seen.heaviest.iter().all(heaviest)
+            && seen.peak.as_ref().is_none_or(|peak| peak.fits(model))
+            && seen.strained.as_ref().is_none_or(strained);
+        if fits {
+            self.seen = seen;
+        }
+        fits
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
@@ -99,7 +126,7 @@ impl EstimateWatch {
         if step.record.status != Status::Converged {
             return;
         }
-        for (heaviest, force) in self.heaviest.iter_mut().zip(self.graph.forces(&step.state.p_n)) {
+        for (heaviest, force) in self.seen.heaviest.iter_mut().zip(self.graph.forces(&step.state.p_n)) {
             if force > heaviest.force {
                 (heaviest.force, heaviest.time) = (force, step.record.time);
                 heaviest.state.p_n.clone_from(&step.state.p_n);
@@ -109,9 +136,9 @@ impl EstimateWatch {
                 heaviest.statuses.extend_from_slice(step.statuses);
             }
         }
-        Peak::see(&mut self.peak, model, &self.graph, self.peak_of, step.record.time, step.state);
+        Peak::see(&mut self.seen.peak, model, &self.graph, self.peak_of, step.record.time, step.state);
         let (energy, time) = (step.record.strain_energy, step.record.time);
-        match &mut self.strained {
+        match &mut self.seen.strained {
             Some(strained) if strained.energy >= energy => {}
             Some(strained) => {
                 (strained.energy, strained.time) = (energy, time);
@@ -120,19 +147,19 @@ impl EstimateWatch {
             }
             None => {
                 let (u, p_n) = (step.state.u.clone(), step.state.p_n.clone());
-                self.strained = Some(Strained { energy, time, u, p_n });
+                self.seen.strained = Some(Strained { energy, time, u, p_n });
             }
         }
     }
 
     /// The largest contact pressure, if anything was pressed.
     pub fn largest_pressure(&self, model: &Model) -> Option<LargestPressure> {
-        self.peak.as_ref().map(|peak| peak.told(model, &self.graph))
+        self.seen.peak.as_ref().map(|peak| peak.told(model, &self.graph))
     }
 
     /// What was found of the mesh.
     pub fn estimates(&self, model: &Model) -> Estimates {
-        let elements = self.strained.as_ref().map(|Strained { time, u, p_n, .. }| {
+        let elements = self.seen.strained.as_ref().map(|Strained { time, u, p_n, .. }| {
             let pressed: Vec<usize> = self.graph.isolated(p_n).map(|i| model.contacts[i].node).collect();
             ElementEstimate::new(model, &model.thermal_factors(*time), &model.displaced(*time, u), &pressed)
         });
@@ -141,7 +168,7 @@ impl EstimateWatch {
             (*force > 0.0).then(|| ContactEstimate::new(model, &self.graph, k, *time, state, statuses)).flatten()
         };
         Estimates {
-            contact: self.heaviest.iter().enumerate().filter_map(contact).collect(),
+            contact: self.seen.heaviest.iter().enumerate().filter_map(contact).collect(),
             locking: elements.as_ref().and_then(|elements| elements.locking),
             discretisation: elements
                 .as_ref()

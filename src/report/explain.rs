@@ -97,12 +97,10 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
         }
         Status::Converged | Status::OutOfMemory | Status::Unsupported => violated,
     };
-    let before = record.index.checked_sub(2).map_or(0.0, |k| outcome.records[k].time);
-    let reached = match outcome.reached {
-        t if t > before && !matches!(solver.method, Method::Events { .. }) => {
-            format!("; smaller parts of it converged until t = {t} s")
-        }
-        _ => String::new(),
+    let reached = match solver.method {
+        Method::Events { .. } => String::new(),
+        _ if record.parts == 0 => String::new(),
+        _ => format!("; smaller parts of it converged until t = {} s", outcome.reached),
     };
     format!("increment {} (t = {} s): {why}{reached}", record.index, record.time)
 }

@@ -1,8 +1,12 @@
 //! The folder of a run's results, filled while the run goes on.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read, Seek, Write};
-use std::path::{Path, PathBuf};
+mod directory;
+mod table;
+
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
 
 use super::balance::BalanceRecord;
 use super::contact_line::ContactLine;
@@ -13,92 +17,252 @@ use super::probe::ProbeTable;
 use super::resultant::ForceRecord;
 use super::run::RunReport;
 use super::vtu::Grid;
-use super::{file_names, increments, plot, pvd};
+use super::{file_names, increments, lists, plot, pvd};
+use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::events::Event;
-use crate::history::{IncrementRecord, Step};
+use crate::history::{IncrementRecord, Status, Step};
 use crate::model::Model;
+use crate::scene::Origin;
 use crate::units::UnitSystem;
+pub use directory::write_file;
+use directory::{Directory, Locked};
+use table::Table;
+
+/// The file from which a run goes on.
+const CHECKPOINT: &str = ".checkpoint";
+
+/// A folder that is locked, before anything is written there.
+#[derive(Debug)]
+pub struct Claim {
+    place: Locked,
+    kept: Option<(Checkpoint, Kept)>,
+}
+
+/// What a folder needs to go on from a checkpoint.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Kept {
+    origin: Origin,
+    /// The linear algebra, by its word.
+    linear: String,
+    /// The tables with what they held, bytes.
+    tables: Vec<(String, u64)>,
+    /// The files of fields, each with its time, s.
+    fields: Vec<(f64, String)>,
+    /// The verdict, if the run has come to its end.
+    ended: Option<Status>,
+}
 
 /// A folder that takes the results of one run: `increments.csv` and `forces.csv` grow line by line, contact lines
-/// and plots come as they are reached, `run.json` at the end.
+/// and plots come as they are reached, `run.json` at the end. What was there of an earlier run stays until the first increment is
+/// done.
 #[derive(Debug)]
 pub struct ResultFolder {
-    path: PathBuf,
+    place: Locked,
     /// The units of what is written.
     units: UnitSystem,
-    increments: File,
-    forces: File,
+    increments: Table,
+    forces: Table,
     /// The table of events, from the first one on.
-    events: Option<File>,
+    events: Option<Table>,
     /// Boundaries with contact, and how the names of their files end.
     boundaries: Vec<(String, String)>,
     /// The probes, each with its table.
-    probes: Vec<(ProbeTable, File)>,
+    probes: Vec<(ProbeTable, Table)>,
+    /// The lists of the report.
+    lists: [Table; 3],
     /// The files of fields so far, each with its time, s.
     fields: Vec<(f64, String)>,
+    /// What a run must be to go on from here, with its linear algebra by its word.
+    of: (Origin, String),
 }
 
-impl ResultFolder {
-    /// Makes the folder if need be, removes what an earlier run left there under the names used
-    /// here, and opens the two tables. How files are called is settled here, before anything is solved.
+impl Claim {
+    /// Makes the folder if need be, and locks it: nobody else writes there as long as this lives, or the folder that comes of it.
     ///
     /// # Errors
-    /// When the folder cannot be made or written, or holds files of these names that no run wrote.
-    pub fn create(path: &Path, model: &Model, probes: Vec<ProbeTable>) -> io::Result<Self> {
-        if path.exists() && !path.is_dir() {
-            return Err(io::ErrorKind::NotADirectory.into());
+    /// When the folder cannot be made or written, when another run writes there ([`io::ErrorKind::ResourceBusy`]), and when it holds files
+    /// with the names of results that no run wrote.
+    pub fn new(path: &Path) -> io::Result<Self> {
+        let place = Locked::open(path, may_take)?;
+        for (name, is_folder) in place.directory.names()? {
+            if is_folder && (is_ours(&name) || name == CHECKPOINT) {
+                let message = format!("{} is a folder, where a file of results goes", path.join(name).display());
+                return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
+            }
         }
-        fs::create_dir_all(path)?;
-        let mut earlier: Vec<_> = fs::read_dir(path)?
-            .filter_map(Result::ok)
-            .filter(|entry| entry.file_name().to_str().is_some_and(is_ours))
-            .map(|entry| entry.path())
-            .collect();
-        if let Some(folder) = earlier.iter().find(|path| path.is_dir()) {
-            let message = format!("{} is a folder, where a file of results goes", folder.display());
-            return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
-        }
-        earlier.retain(|path| path.is_file());
-        let mut found = vec![0; increments::FIRST_COLUMNS.len()];
-        let read = File::open(path.join("increments.csv")).and_then(|mut file| file.read_exact(&mut found));
-        let ours = read.is_ok() && found == increments::FIRST_COLUMNS.as_bytes();
-        if let Some(file) = earlier.first().filter(|_| !ours) {
-            let message = format!("{} is there already, and no run of stickslip wrote it", file.display());
-            return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
-        }
-        let table = |name: &str| OpenOptions::new().create(true).write(true).truncate(true).open(path.join(name));
-        let mut increments = table("increments.csv")?;
-        for file in earlier.iter().filter(|file| file.file_name() != Some("increments.csv".as_ref())) {
-            fs::remove_file(file)?;
-        }
-        increments.write_all(increments::header().as_bytes())?;
-        let several = model.contact_boundaries.iter().any(|boundary| boundary.obstacles.len() > 1);
-        let mut forces = table("forces.csv")?;
-        forces.write_all(increments::forces_header(model.mesh.dimension, several).as_bytes())?;
-        let boundaries = || model.contact_boundaries.iter().map(|boundary| boundary.name.as_str());
-        let boundaries = boundaries().map(String::from).zip(file_names::file_names(boundaries())).collect();
-        let names = file_names::file_names(probes.iter().map(|probe| probe.name.as_str()));
-        let probes = probes.into_iter().zip(names).map(|(probe, name)| {
-            let mut file = table(&format!("probe_{name}.csv"))?;
-            file.write_all(probe.header().as_bytes())?;
-            Ok((probe, file))
+        let kept = place.directory.read(CHECKPOINT).and_then(|mut file| {
+            let mut bytes = Vec::new();
+            file.read_to_end(&mut bytes).map(|_| bytes)
         });
-        let probes = probes.collect::<io::Result<_>>()?;
-        let (path, units) = (path.to_path_buf(), model.units());
-        Ok(ResultFolder { path, units, increments, forces, events: None, boundaries, probes, fields: Vec::new() })
+        let kept = match kept {
+            Ok(bytes) => {
+                Checkpoint::from_bytes(&bytes).and_then(|checkpoint| Ok((checkpoint.part(2)?, checkpoint))).ok()
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) => return Err(error),
+        };
+        Ok(Claim { place, kept: kept.map(|(kept, checkpoint)| (checkpoint, kept)) })
     }
 
-    /// Where the results are.
+    /// Where the folder is.
     pub fn path(&self) -> &Path {
-        &self.path
+        self.place.directory.path()
     }
 
-    /// Appends the record of an increment.
+    /// The report that is there.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn report(&self) -> io::Result<impl Read> {
+        self.place.directory.read("run.json")
+    }
+
+    /// Where a run was left here, if one was; what it was of; its linear algebra, by its word; and its verdict, if it came to
+    /// its end.
+    pub fn left(&self) -> Option<(&Checkpoint, &Origin, &str, Option<Status>)> {
+        let (checkpoint, kept) = self.kept.as_ref()?;
+        Some((checkpoint, &kept.origin, &kept.linear, kept.ended))
+    }
+
+    /// The folder of a new run of `model`. How files are called is settled here, before anything is solved. `origin` and `linear` say
+    /// what may go on from it.
     ///
     /// # Errors
     /// When the disk refuses.
-    pub fn add_increment(&mut self, record: &IncrementRecord) -> io::Result<()> {
-        append(&mut self.increments, &increments::line(record, &self.units))
+    pub fn begin(
+        self,
+        model: &Model,
+        probes: Vec<ProbeTable>,
+        origin: Origin,
+        linear: String,
+    ) -> io::Result<ResultFolder> {
+        let mut place = self.place;
+        let several = model.contact_boundaries.iter().any(|boundary| boundary.obstacles.len() > 1);
+        let mut table = |name: &str, header: &str| Table::new(name, place.table(name)?, header);
+        let increments = table("increments.csv", &increments::header())?;
+        let forces = table("forces.csv", &increments::forces_header(model.mesh.dimension, several))?;
+        let names = file_names::file_names(probes.iter().map(|probe| probe.name.as_str()));
+        let probes = probes.into_iter().zip(names).map(|(probe, name)| {
+            let file = table(&format!("probe_{name}.csv"), &probe.header())?;
+            Ok((probe, file))
+        });
+        let probes = probes.collect::<io::Result<_>>()?;
+        let lists = [table(lists::FILES[0], "")?, table(lists::FILES[1], "")?, table(lists::FILES[2], "")?];
+        Ok(ResultFolder {
+            place,
+            units: model.units(),
+            increments,
+            forces,
+            events: None,
+            boundaries: names_of_boundaries(model),
+            probes,
+            lists,
+            fields: Vec::new(),
+            of: (origin, linear),
+        })
+    }
+
+    /// The folder of the run of `model` that was left here: its tables as they were at the checkpoint.
+    ///
+    /// # Errors
+    /// When the disk refuses, and [`CheckpointError::Damaged`] when a table is shorter than it was, or not there.
+    pub fn resume(self, model: &Model, probes: Vec<ProbeTable>) -> io::Result<ResultFolder> {
+        let Claim { mut place, kept } = self;
+        let (_, Kept { origin, linear, tables, fields, .. }) = kept.ok_or_else(damaged)?;
+        place.go_on();
+        let table = |name: &str| {
+            let length =
+                tables.iter().find(|(known, _)| known == name).map(|(_, length)| *length).ok_or_else(damaged)?;
+            Table::cut(name, place.directory.edit(name, false)?, length)?.ok_or_else(damaged)
+        };
+        let (increments, forces) = (table("increments.csv")?, table("forces.csv")?);
+        let events = tables.iter().any(|(name, _)| name == "events.csv").then(|| table("events.csv")).transpose()?;
+        let names = file_names::file_names(probes.iter().map(|probe| probe.name.as_str()));
+        let probes =
+            probes.into_iter().zip(names).map(|(probe, name)| Ok((probe, table(&format!("probe_{name}.csv"))?)));
+        let probes = probes.collect::<io::Result<_>>()?;
+        let lists = [table(lists::FILES[0])?, table(lists::FILES[1])?, table(lists::FILES[2])?];
+        // What it says is no longer true from here on.
+        place.directory.remove("run.json")?;
+        Ok(ResultFolder {
+            place,
+            units: model.units(),
+            increments,
+            forces,
+            events,
+            boundaries: names_of_boundaries(model),
+            probes,
+            lists,
+            fields,
+            of: (origin, linear),
+        })
+    }
+}
+
+impl ResultFolder {
+    /// Where the results are.
+    pub fn path(&self) -> &Path {
+        self.place.directory.path()
+    }
+
+    /// Takes the record of an increment, and the forces at its end if it converged: those on the obstacles, and what else acts on
+    /// the body. The results of an earlier run go. What else is written of the increment comes before this, so that of what is
+    /// listed all is there, whatever ends the program.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_increment(
+        &mut self,
+        record: &IncrementRecord,
+        forces: &[ForceRecord],
+        reactions: Option<&BalanceRecord>,
+    ) -> io::Result<()> {
+        let [of_increments, of_forces, of_reactions] = &mut self.lists;
+        forces.iter().try_for_each(|force| of_forces.append(&lists::line(force, &self.units)?))?;
+        if let Some(reactions) = reactions {
+            of_reactions.append(&lists::line(reactions, &self.units)?)?;
+            self.forces.append(&increments::forces_lines(forces, reactions, &self.units))?;
+        }
+        of_increments.append(&lists::line(record, &self.units)?)?;
+        self.increments.append(&increments::line(record, &self.units))?;
+        if record.status == Status::Interrupted {
+            // It has reached nothing.
+            return Ok(());
+        }
+        self.place.publish(&["run.json", CHECKPOINT], is_ours)
+    }
+
+    /// Leaves the place from which the run can be taken up. All that was written so far is brought to the disk before.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn keep(&mut self, checkpoint: Checkpoint) -> io::Result<()> {
+        self.sync()?;
+        self.write_checkpoint(checkpoint, None)
+    }
+
+    fn write_checkpoint(&mut self, checkpoint: Checkpoint, ended: Option<Status>) -> io::Result<()> {
+        let (origin, linear) = self.of.clone();
+        let tables = self.tables().map(|table| (table.name().to_string(), table.length())).collect();
+        let bytes = checkpoint.with(&Kept { origin, linear, tables, fields: self.fields.clone(), ended }).to_bytes();
+        self.place.directory.write(CHECKPOINT, |file| {
+            file.write_all(&bytes)?;
+            directory::ignore_unsupported(file.sync_data())
+        })?;
+        self.place.directory.sync()
+    }
+
+    /// All tables that grow.
+    fn tables(&self) -> impl Iterator<Item = &Table> {
+        let probes = self.probes.iter().map(|(_, table)| table);
+        [&self.increments, &self.forces].into_iter().chain(&self.events).chain(probes).chain(&self.lists)
+    }
+
+    /// Brings all that was written to the disk.
+    fn sync(&mut self) -> io::Result<()> {
+        self.tables().try_for_each(|table| directory::ignore_unsupported(table.sync()))?;
+        self.place.sync_files()?;
+        self.place.directory.sync()
     }
 
     /// Appends a contact node that changes its status in increment `index` to `events.csv`.
@@ -108,19 +272,11 @@ impl ResultFolder {
     pub fn add_event(&mut self, model: &Model, index: usize, event: &Event) -> io::Result<()> {
         let line = increments::event_line(model, index, event);
         if let Some(events) = &mut self.events {
-            return append(events, &line);
+            return events.append(&line);
         }
-        let path = self.path.join("events.csv");
-        let events = self.events.insert(OpenOptions::new().create(true).write(true).truncate(true).open(path)?);
-        append(events, &(increments::events_header(model.mesh.dimension) + &line))
-    }
-
-    /// Appends the forces of an increment: those on the obstacles, and what else acts on the body.
-    ///
-    /// # Errors
-    /// When the disk refuses.
-    pub fn add_forces(&mut self, contact: &[ForceRecord], balance: &BalanceRecord) -> io::Result<()> {
-        append(&mut self.forces, &increments::forces_lines(contact, balance, &self.units))
+        let header = increments::events_header(model.mesh.dimension);
+        let file = self.place.table("events.csv")?;
+        self.events.insert(Table::new("events.csv", file, &header)?).append(&line)
     }
 
     /// Writes a contact line as CSV and, in two dimensions, as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`; with
@@ -128,7 +284,7 @@ impl ResultFolder {
     ///
     /// # Errors
     /// When the disk refuses.
-    pub fn add_contact_line(&self, line: &ContactLine, title: &str) -> io::Result<()> {
+    pub fn add_contact_line(&mut self, line: &ContactLine, title: &str) -> io::Result<()> {
         let name = self.contact_name(line.index, None, line.boundary.as_deref());
         self.write(&format!("{name}.csv"), &line.to_csv())?;
         if line.dimension == 2 && line.points.len() > 1 {
@@ -141,7 +297,7 @@ impl ResultFolder {
     ///
     /// # Errors
     /// When the disk refuses.
-    pub fn add_part(&self, line: &ContactLine, part: usize) -> io::Result<()> {
+    pub fn add_part(&mut self, line: &ContactLine, part: usize) -> io::Result<()> {
         self.write(
             &format!("{}.csv", self.contact_name(line.index, Some(part), line.boundary.as_deref())),
             &line.to_csv(),
@@ -153,33 +309,55 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_probes(&mut self, model: &Model, step: &Step<'_>) -> io::Result<()> {
-        self.probes.iter_mut().try_for_each(|(probe, file)| append(file, &probe.lines(model, step)))
+        self.probes.iter_mut().try_for_each(|(probe, table)| table.append(&probe.lines(model, step)))
     }
 
     /// Writes the picture of the deformed body, `deformed_NNNN.svg`.
     ///
     /// # Errors
     /// When the disk refuses.
-    pub fn add_deformed(&self, body: &DeformedBody, title: &str) -> io::Result<()> {
+    pub fn add_deformed(&mut self, body: &DeformedBody, title: &str) -> io::Result<()> {
         self.write(&format!("deformed_{:04}.svg", body.index), &body.to_svg(title).map_err(io::Error::other)?)
     }
 
-    /// Writes the report as `run.json`, after what it shows of the history as `forces.svg` and `iterations.svg`.
+    /// Writes the report, whose lists are here, as `run.json`, after what it shows of the history as `forces.svg` and
+    /// `iterations.svg`; and brings all to the disk. A run that has not come to its end can be taken up all the same.
     ///
     /// # Errors
     /// When the disk refuses.
-    pub fn add_report(&self, report: &RunReport) -> io::Result<()> {
+    pub fn add_report(&mut self, report: &RunReport) -> io::Result<()> {
+        if !self.place.is_published() && report.status == Status::Interrupted && self.report().is_ok() {
+            // Those of an earlier run tell more.
+            return Ok(());
+        }
+        self.place.publish(&["run.json", CHECKPOINT], is_ours)?;
         for (name, chart) in history_charts(report) {
             self.write(&format!("{name}.svg"), &chart.to_svg().map_err(io::Error::other)?)?;
         }
-        self.write("run.json", &report.to_json().map_err(io::Error::other)?)
+        let lists = lists::FILES.map(|name| self.place.directory.read(name));
+        self.place.write("run.json", |file| lists::write(report, lists, file))?;
+        self.sync()?;
+        if report.status == Status::Converged {
+            let end = Checkpoint::new(report.totals.converged, 0.0, &()).with(&());
+            self.write_checkpoint(end, Some(report.status))?;
+            lists::FILES.iter().try_for_each(|name| self.place.directory.remove(name))?;
+        }
+        Ok(())
+    }
+
+    /// The report as it was written.
+    ///
+    /// # Errors
+    /// When it is not there.
+    pub fn report(&self) -> io::Result<impl Read> {
+        self.place.directory.read("run.json")
     }
 
     /// Writes the picture of a contact surface, `contact_NNNN.svg` as for a line.
     ///
     /// # Errors
     /// When the disk refuses.
-    pub fn add_contact_surface(&self, surface: &ContactSurface, title: &str) -> io::Result<()> {
+    pub fn add_contact_surface(&mut self, surface: &ContactSurface, title: &str) -> io::Result<()> {
         let name = self.contact_name(surface.index, None, surface.boundary.as_deref());
         self.write(&format!("{name}.svg"), &surface.to_svg(title).map_err(io::Error::other)?)
     }
@@ -200,8 +378,8 @@ impl ResultFolder {
     ///
     /// # Errors
     /// When the disk refuses.
-    pub fn write(&self, name: &str, text: &str) -> io::Result<()> {
-        write_file(&self.path, name, text)
+    pub fn write(&mut self, name: &str, text: &str) -> io::Result<()> {
+        self.place.write(name, |file| file.write_all(text.as_bytes()))
     }
 
     /// The name of the files of a contact boundary in an increment; the boundary is named if there are several.
@@ -213,29 +391,28 @@ impl ResultFolder {
     }
 }
 
-/// Appends whole lines.
-fn append(table: &mut File, lines: &str) -> io::Result<()> {
-    let complete = table.stream_position()?;
-    let written = table.write_all(lines.as_bytes());
-    if written.is_err() {
-        // A full disk may have taken part of them; what stands before is kept.
-        let _ = table.set_len(complete);
-    }
-    written
+fn names_of_boundaries(model: &Model) -> Vec<(String, String)> {
+    let boundaries = || model.contact_boundaries.iter().map(|boundary| boundary.name.as_str());
+    boundaries().map(String::from).zip(file_names::file_names(boundaries())).collect()
 }
 
-/// Writes a whole file into a folder; a reader never sees half of it.
-///
-/// # Errors
-/// When the disk refuses.
-pub fn write_file(folder: &Path, name: &str, text: &str) -> io::Result<()> {
-    let partial = folder.join(format!(".{name}.partial"));
-    let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, folder.join(name)));
-    if written.is_err() {
-        // What is left of a failed write is of no use; that it stays is no second error.
-        let _ = fs::remove_file(&partial);
+fn damaged() -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, CheckpointError::Damaged)
+}
+
+/// An error where files with the names of results are there, and no run wrote them. Runs of earlier versions left no marker, but
+/// this table.
+fn may_take(directory: &Directory) -> io::Result<()> {
+    let names = directory.names()?;
+    let Some((first, _)) = names.iter().find(|(name, _)| is_ours(name)) else { return Ok(()) };
+    let mut found = vec![0; increments::FIRST_COLUMNS.len()];
+    let read = directory.read("increments.csv").and_then(|mut file| file.read_exact(&mut found));
+    if read.is_ok() && found == increments::FIRST_COLUMNS.as_bytes() {
+        return Ok(());
     }
-    written
+    let message =
+        format!("{} is there already, and no run of stickslip wrote it", directory.path().join(first).display());
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, message))
 }
 
 /// Whether a run writes a file of this name.

@@ -1,9 +1,12 @@
 //! A history as charts: the forces on the obstacles over time, and the iterations that each increment took.
 
+use serde::{Deserialize, Serialize};
+
 use super::chart::{Axis, Chart, Curve, Panel, Scale};
 use super::resultant::ForceRecord;
 use super::run::RunReport;
 use super::svg::{Dash, Line, Marker};
+use super::thinned::Thinned;
 use crate::history::{IncrementRecord, Status};
 use crate::units::Quantity;
 
@@ -21,51 +24,89 @@ const MOST_MARKERS: usize = 60;
 const MOST_TICKS: usize = 300;
 const MOST_TICKS_UPWARDS: usize = 60;
 
+/// What the charts of a history show, gathered while it goes on.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct HistoryCurves {
+    increments: usize,
+    boundaries: Vec<ForceCurves>,
+    iterations: Thinned,
+    backtracks: Thinned,
+    failed: Thinned,
+    halved: Thinned,
+    rescued: Thinned,
+}
+
+/// The forces at a boundary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct ForceCurves {
+    boundary: String,
+    /// The boundary in front of it, if that is one.
+    opposite: Option<String>,
+    /// Each component over time, N.
+    components: Vec<Thinned>,
+}
+
+impl HistoryCurves {
+    /// Takes in an increment, and the forces at its end if it converged.
+    pub fn add(&mut self, record: &IncrementRecord, forces: &[ForceRecord]) {
+        self.increments += 1;
+        let x = record.index as f64;
+        let iterations = [x, record.iterations as f64];
+        self.iterations.push(iterations);
+        self.backtracks.push([x, record.backtracks as f64]);
+        let marked = [
+            (&mut self.failed, record.status != Status::Converged),
+            (&mut self.halved, record.parts > 1),
+            (&mut self.rescued, record.rescued),
+        ];
+        marked.into_iter().filter(|(_, is)| *is).for_each(|(curve, _)| curve.push(iterations));
+        for ForceRecord { time, resultant, .. } in forces {
+            let known = self.boundaries.iter().position(|of| of.boundary == resultant.boundary);
+            let place = known.unwrap_or_else(|| {
+                self.boundaries.push(ForceCurves {
+                    boundary: resultant.boundary.clone(),
+                    opposite: resultant.opposite.as_ref().map(|of| of.boundary.clone()),
+                    components: vec![Thinned::default(); resultant.force.len()],
+                });
+                self.boundaries.len() - 1
+            });
+            let components = &mut self.boundaries[place].components;
+            components.iter_mut().zip(&resultant.force).for_each(|(curve, force)| curve.push([*time, *force]));
+        }
+    }
+}
+
 /// The charts of a report, each with the stem of a file name: `forces`, if contact forces were found, and `iterations`, if there
 /// was any increment.
 pub fn history_charts(report: &RunReport) -> Vec<(&'static str, Chart)> {
-    // An increment that failed is the last one.
-    let failed = report.increments.iter().find(|record| record.status != Status::Converged).map(|record| record.index);
-    let found: Vec<&ForceRecord> = report.forces.iter().filter(|record| Some(record.index) != failed).collect();
     let mut charts = Vec::new();
-    if !found.is_empty() {
-        charts.push(("forces", forces(report, &found)));
+    if !report.curves.boundaries.is_empty() {
+        charts.push(("forces", forces(report)));
     }
-    if !report.increments.is_empty() {
+    if report.curves.increments > 0 {
         charts.push(("iterations", iterations(report)));
     }
     charts
 }
 
 fn few(report: &RunReport, marker: Marker) -> Option<Marker> {
-    (report.increments.len() <= MOST_MARKERS).then_some(marker)
+    (report.curves.increments <= MOST_MARKERS).then_some(marker)
 }
 
 /// The force of the body on the obstacle in front of each boundary, from the undeformed body on.
-fn forces(report: &RunReport, found: &[&ForceRecord]) -> Chart {
-    let mut boundaries: Vec<&str> = Vec::new();
-    for record in found {
-        if !boundaries.contains(&record.resultant.boundary.as_str()) {
-            boundaries.push(&record.resultant.boundary);
-        }
-    }
-    let told = |force: f64| report.units.of_si(Quantity::Force, force);
-    let panel = |boundary: &&str| {
-        let on_this = |record: &&&ForceRecord| record.resultant.boundary == **boundary;
-        let records: Vec<&ForceRecord> = found.iter().filter(on_this).copied().collect();
-        let dimension = records.first().map_or(0, |record| record.resultant.force.len());
-        let curve = |(c, (label, colour, dash)): (usize, (&str, [u8; 3], Dash))| Curve {
+fn forces(report: &RunReport) -> Chart {
+    let boundaries = &report.curves.boundaries;
+    let told = |[time, force]: [f64; 2]| [time, report.units.of_si(Quantity::Force, force)];
+    let panel = |of: &ForceCurves| {
+        let curve = |((label, colour, dash), component): ((&str, [u8; 3], Dash), &Thinned)| Curve {
             label: label.to_string(),
-            points: [[0.0, 0.0]]
-                .into_iter()
-                .chain(records.iter().map(|record| [record.time, told(record.resultant.force[c])]))
-                .collect(),
+            points: [[0.0, 0.0]].into_iter().chain(component.points().into_iter().map(told)).collect(),
             line: Some(Line { dash, width: 1.8 }),
             marker: few(report, Marker::Disc),
             colour,
         };
-        let curves = COMPONENTS.into_iter().take(dimension).enumerate().map(curve).collect();
-        Panel { title: if boundaries.len() > 1 { (*boundary).to_string() } else { String::new() }, curves }
+        let curves = COMPONENTS.into_iter().zip(&of.components).map(curve).collect();
+        Panel { title: if boundaries.len() > 1 { of.boundary.clone() } else { String::new() }, curves }
     };
     let unit = match (report.units.per_depth, report.units.is_si()) {
         (true, true) => "N per m of depth".to_string(),
@@ -74,11 +115,9 @@ fn forces(report: &RunReport, found: &[&ForceRecord]) -> Chart {
     Chart {
         title: report.title.clone(),
         subtitle: match &boundaries[..] {
-            [one] => match found.iter().find_map(|record| record.resultant.opposite.as_ref()) {
-                Some(of) => format!("force of {one} on {}", of.boundary),
-                None => format!("force of the body on the obstacle at {one}"),
-            },
-            _ if found.iter().any(|record| record.resultant.opposite.is_some()) => {
+            [ForceCurves { boundary, opposite: Some(of), .. }] => format!("force of {boundary} on {of}"),
+            [ForceCurves { boundary, .. }] => format!("force of the body on the obstacle at {boundary}"),
+            _ if boundaries.iter().any(|of| of.opposite.is_some()) => {
                 "force of the body on what is in front of each boundary".to_string()
             }
             _ => "force of the body on the obstacle at each boundary".to_string(),
@@ -97,30 +136,27 @@ fn counts(highest: usize, most_ticks: usize) -> Scale {
 
 /// Iterations and shortened steps of each increment.
 fn iterations(report: &RunReport) -> Chart {
-    let points = |count: fn(&IncrementRecord) -> usize, wanted: fn(&IncrementRecord) -> bool| {
-        let records = report.increments.iter().filter(|record| wanted(record));
-        records.map(|record| [record.index as f64, count(record) as f64]).collect::<Vec<_>>()
-    };
-    let line = |label: &str, dash, colour, marker, points| Curve {
+    let line = |label: &str, dash, colour, marker, of: &Thinned| Curve {
         label: label.into(),
-        points,
+        points: of.points(),
         line: Some(Line { dash, width: 1.6 }),
         marker: few(report, marker),
         colour,
     };
-    let mark = |label: &str, marker, points| Curve {
+    let mark = |label: &str, marker, of: &Thinned| Curve {
         label: label.into(),
-        points,
+        points: of.points(),
         line: None,
         marker: Some(marker),
         colour: [200, 50, 32],
     };
+    let HistoryCurves { increments, iterations, backtracks, failed, halved, rescued, .. } = &report.curves;
     let mut curves = vec![
-        mark("did not converge", Marker::Circle, points(|r| r.iterations, |r| r.status != Status::Converged)),
-        mark("halved", Marker::Square, points(|r| r.iterations, |r| r.parts > 1)),
-        mark("solved by ip", Marker::Triangle, points(|r| r.iterations, |r| r.rescued)),
-        line("iterations", Dash::Solid, BLACK, Marker::Disc, points(|r| r.iterations, |_| true)),
-        line("shortened steps", Dash::Dashed, [0, 90, 181], Marker::Circle, points(|r| r.backtracks, |_| true)),
+        mark("did not converge", Marker::Circle, failed),
+        mark("halved", Marker::Square, halved),
+        mark("solved by ip", Marker::Triangle, rescued),
+        line("iterations", Dash::Solid, BLACK, Marker::Disc, iterations),
+        line("shortened steps", Dash::Dashed, [0, 90, 181], Marker::Circle, backtracks),
     ];
     curves.retain(|curve| curve.points.iter().any(|point| point[1] > 0.0));
     let highest = curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]).fold(0.0, f64::max);
@@ -131,7 +167,7 @@ fn iterations(report: &RunReport) -> Chart {
             "{} {}, {}: {} iterations, {} factorisations",
             report.method, report.setting, report.solver, totals.iterations, totals.factorizations
         ),
-        x: Axis { label: "increment".into(), scale: counts(report.increments.len(), MOST_TICKS) },
+        x: Axis { label: "increment".into(), scale: counts(*increments, MOST_TICKS) },
         y: Axis { label: "linear systems, steps".into(), scale: counts(highest as usize, MOST_TICKS_UPWARDS) },
         columns: 1,
         panels: vec![Panel { title: String::new(), curves }],

@@ -24,7 +24,7 @@ pub struct LargestPressure {
 }
 
 /// The largest pressure so far, and what it belongs to.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Peak {
     /// Pa.
     pressure: f64,
@@ -63,6 +63,13 @@ impl Peak {
             p_n.clone_from(&state.p_n);
             *before = Some(Peak { pressure, at, time, p_n });
         }
+    }
+
+    /// Whether it is one of a model with so many contact nodes.
+    pub(super) fn fits(&self, model: &Model) -> bool {
+        let [boundary, i] = self.at;
+        let nodes = model.contact_boundaries.get(boundary).map(|boundary| &boundary.nodes);
+        nodes.is_some_and(|nodes| nodes.contains(&i)) && self.p_n.len() == model.contacts.len()
     }
 
     /// What there is to tell of it.

@@ -2,10 +2,11 @@
 
 use serde::Serialize;
 
-use super::balance::{BalanceRecord, unbalanced};
+use super::balance::{BalanceRecord, BalanceWatch};
 use super::companion::ChosenIncrements;
 use super::estimates::Estimates;
 use super::explain::Explanation;
+use super::history_chart::HistoryCurves;
 use super::increment_warnings;
 use super::pairs::PairRecord;
 use super::peak::LargestPressure;
@@ -16,7 +17,7 @@ use super::unknowns::{LeftOut, Unknowns};
 use super::validity::{LargestDisplacement, Validity};
 use super::warnings::{Warning, WarningKind};
 use crate::auto::{Choice, Faster};
-use crate::contact::RangeLeft;
+use crate::contact::{KktErrors, RangeLeft};
 use crate::events::{Jump, Lost};
 use crate::history::{HistoryOutcome, IncrementRecord, Method, Solver, Status, WorkingSet};
 use crate::linear::blas::Blas;
@@ -92,7 +93,7 @@ pub struct RunReport {
     /// How many increments a first run asked for, where nobody said it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chosen_increments: Option<ChosenIncrements>,
-    /// One record per increment.
+    /// One record per increment; none where they go elsewhere as they are made, see [`Run::solve_to`](crate::run::Run::solve_to).
     pub increments: Vec<IncrementRecord>,
     /// What became of the exact path, where that was followed.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -114,6 +115,12 @@ pub struct RunReport {
     /// The critical friction at the end of the last converged increment, where it was asked for, or where an exact path is lost.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical_friction: Option<CriticalFriction>,
+    /// What else acts on the body at the end of the last converged increment.
+    #[serde(skip)]
+    pub last_reactions: Option<BalanceRecord>,
+    /// What [`super::history_charts`] draws.
+    #[serde(skip)]
+    pub curves: HistoryCurves,
 }
 
 /// What became of an exact path in time.
@@ -169,7 +176,7 @@ fn jumps(jumps: &[Jump]) -> Option<Warning> {
 impl ExactPath {
     fn of(method: Method, outcome: &HistoryOutcome) -> Option<Self> {
         let Method::Events { .. } = method else { return None };
-        Some(ExactPath { events: outcome.events.len(), jumps: outcome.jumps.clone(), lost: outcome.lost })
+        Some(ExactPath { events: outcome.event_count, jumps: outcome.jumps.clone(), lost: outcome.lost })
     }
 }
 
@@ -202,6 +209,10 @@ impl BodyRecord {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Totals {
+    /// Increments that converged.
+    pub converged: usize,
+    /// The largest error of each law in any increment.
+    pub kkt: KktErrors,
     /// Linear systems solved by the method.
     pub iterations: usize,
     /// Numerical factorisations, that of the held body included.
@@ -261,10 +272,18 @@ pub struct Facts<'a> {
     pub largest_pressure: Option<LargestPressure>,
     /// What the mesh leaves open.
     pub estimates: Estimates,
-    /// The resultants at the end of each increment.
+    /// The records of the increments, if they are to be in the report.
+    pub increments: Vec<IncrementRecord>,
+    /// The resultants at the end of each.
     pub forces: Vec<ForceRecord>,
     /// What else acts on the body then.
     pub reactions: Vec<BalanceRecord>,
+    /// The same at the end of the last one that converged.
+    pub last_reactions: Option<BalanceRecord>,
+    /// What is left of the balance.
+    pub balance: BalanceWatch,
+    /// The history as it is drawn.
+    pub curves: HistoryCurves,
     /// The critical friction at the end, where it was asked for.
     pub critical_friction: Option<CriticalFriction>,
     /// What would have been much faster.
@@ -284,11 +303,11 @@ impl RunReport {
         warnings.extend(facts.estimates.warnings(model));
         let increments = facts.estimates.increments.iter();
         warnings.extend(
-            increments.flat_map(|found| increment_warnings::warnings(found, outcome.records.len(), &model.units())),
+            increments.flat_map(|found| increment_warnings::warnings(found, outcome.tally.increments, &model.units())),
         );
         warnings.extend(curved_gaps(solver.method, model, outcome));
         warnings.extend(jumps(&outcome.jumps));
-        warnings.extend(unbalanced(&facts.reactions, &outcome.records, solver.tolerance));
+        warnings.extend(facts.balance.unbalanced(solver.tolerance));
         let blas = Blas::loaded();
         warnings.extend(blas.as_ref().and_then(Warning::of_blas));
         RunReport {
@@ -316,10 +335,12 @@ impl RunReport {
             left_out: LeftOut::all(model, facts.condensed, facts.working_set),
             working_set: outcome.working_set,
             chosen_increments: None,
-            increments: outcome.records.clone(),
+            increments: facts.increments,
             exact_path: ExactPath::of(solver.method, outcome),
             totals: Totals {
-                iterations: outcome.records.iter().map(|record| record.iterations).sum(),
+                converged: outcome.tally.converged,
+                kkt: outcome.tally.kkt,
+                iterations: outcome.tally.iterations,
                 factorizations: outcome.linear.factorizations,
                 symbolic_analyses: outcome.linear.analyses,
                 cpu_seconds: measured.cpu_seconds,
@@ -336,6 +357,8 @@ impl RunReport {
             forces: facts.forces,
             reactions: facts.reactions,
             critical_friction: facts.critical_friction,
+            last_reactions: facts.last_reactions,
+            curves: facts.curves,
         }
     }
 
@@ -346,13 +369,22 @@ impl RunReport {
     /// None that the types allow; serde's signature has one.
     pub fn to_json(&self) -> serde_json::Result<String> {
         if self.units.is_si() {
-            return serde_json::to_string_pretty(self);
+            serde_json::to_string_pretty(self)
+        } else {
+            serde_json::to_string_pretty(&self.to_value()?)
         }
+    }
+
+    /// The same as a value.
+    pub(super) fn to_value(&self) -> serde_json::Result<serde_json::Value> {
         let mut report = serde_json::to_value(self)?;
+        if self.units.is_si() {
+            return Ok(report);
+        }
         quantities::tell(&mut report, &self.units);
         if let Some(keys) = report.as_object_mut() {
             keys.insert("units".to_string(), serde_json::to_value(UnitNames::of(&self.units))?);
         }
-        serde_json::to_string_pretty(&report)
+        Ok(report)
     }
 }

@@ -1,6 +1,6 @@
 //! Whether a solution stays where its equations hold: small displacements, and gaps linearised in the undeformed state.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::warnings::{Warning, WarningKind};
 use crate::contact::{ContactStatus, RangeLeft};
@@ -22,7 +22,7 @@ const BEYOND_THE_END: f64 = 0.05;
 const ACROSS_FACETS: f64 = 0.25;
 
 /// Watches the converged increments of a history.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Validity {
     /// The largest displacement, if there was any increment.
     pub largest: Option<LargestDisplacement>,
@@ -41,7 +41,7 @@ pub struct Validity {
 }
 
 /// The largest displacement of a history.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct LargestDisplacement {
     /// The length of the displacement, m.
@@ -57,6 +57,17 @@ impl Validity {
     pub fn new(model: &Model) -> Self {
         let touched = vec![false; model.contacts.len()];
         Validity { largest: None, range_left: None, beyond: None, slid: None, neutral: None, steepest: None, touched }
+    }
+
+    /// Whether it is one of `model`.
+    pub(crate) fn fits(&self, model: &Model) -> bool {
+        let contacts = model.contacts.len();
+        let is_contact = |i: Option<usize>| i.is_none_or(|i| i < contacts);
+        self.touched.len() == contacts
+            && is_contact(self.steepest.map(|(i, _)| i))
+            && is_contact(self.slid.map(|(slid, _)| slid.contact))
+            && self.beyond.is_none_or(|(pair, ..)| pair < model.pairs.len())
+            && self.neutral.as_ref().is_none_or(|(motion, _)| motion.weights.len() == model.rigid_motions.len())
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.

@@ -1,8 +1,8 @@
 //! The increments of a companion run: fewer, or where there are few already more, and among them the same corners of the history.
 
-use crate::events::Event;
+use super::watch::tangential_forces;
 use crate::history::{Observer, Status, Step};
-use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
+use crate::nonlinear::{Flow, IterationRecord};
 use crate::problem::State;
 
 /// The companion has so many times fewer increments.
@@ -83,51 +83,29 @@ pub(super) fn equal_parts(end: f64, kinks: &[f64]) -> (usize, usize) {
     (parts, ((shortest / end * parts as f64).round() as usize).max(1))
 }
 
-/// Keeps the contact forces at the ends of some increments, and passes on what is seen.
-pub(super) struct Keep<'a> {
+/// Keeps the tangential forces at the ends of some increments of a companion run. The observer of the run sees nothing of it but
+/// iterations, at which it may stop it.
+pub(super) struct Quiet<'a> {
     pub observer: &'a mut dyn Observer,
-    /// Whether the observer sees nothing but iterations, at which it may stop the run.
-    pub quiet: bool,
     /// The increments, ascending from 1.
     pub numbers: &'a [usize],
     pub states: Vec<State>,
 }
 
-impl Observer for Keep<'_> {
-    fn ready(&mut self) {
-        self.observer.ready();
-    }
-
-    fn waits_for(&mut self, index: usize) -> bool {
-        !self.quiet && self.observer.waits_for(index)
-    }
-
-    fn linear_system(&mut self, index: usize, system: &LinearSystem<'_>) -> Flow {
-        if self.quiet { Flow::Continue } else { self.observer.linear_system(index, system) }
+impl Observer for Quiet<'_> {
+    fn waits_for(&mut self, _index: usize) -> bool {
+        false
     }
 
     fn iteration(&mut self, index: usize, record: &IterationRecord) -> Flow {
         self.observer.iteration(index, record)
     }
 
-    fn event(&mut self, index: usize, event: &Event) {
-        if !self.quiet {
-            self.observer.event(index, event);
-        }
-    }
-
-    fn part(&mut self, part: &Step<'_>) {
-        if !self.quiet {
-            self.observer.part(part);
-        }
-    }
-
     fn increment(&mut self, step: &Step<'_>) -> Flow {
         if step.record.status == Status::Converged && self.numbers.binary_search(&step.record.index).is_ok() {
-            let State { p_t, p_o, .. } = step.state;
-            self.states.push(State { p_t: p_t.clone(), p_o: p_o.clone(), ..State::default() });
+            self.states.push(tangential_forces(step.state));
         }
-        if self.quiet { Flow::Continue } else { self.observer.increment(step) }
+        Flow::Continue
     }
 }
 

@@ -1,6 +1,6 @@
 //! Results as arrays: what is known at the end of each increment that is wanted.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::contact::ContactStatus;
 use crate::history::{IncrementRecord, Observer, Step};
@@ -26,7 +26,7 @@ enum Wanted {
 }
 
 /// An increment with its data and its result, SI units throughout.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordedIncrement {
     /// Number, time, verdict, errors, counts.
     #[serde(flatten)]

@@ -1,12 +1,14 @@
 //! Motions along which an equilibrium is one of many.
 
+use serde::{Deserialize, Serialize};
+
 use crate::contact::ContactStatus;
 use crate::null_space::null_space;
 use crate::problem::{ContactProblem, Increment, State};
 
 /// A free motion that an equilibrium leaves open: closed nodes move along their obstacles, without friction, and sticking
 /// ones not at all. No force changes along it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NeutralMotion {
     /// The weights of the problem's free motions in it, so that no displacement in it is larger than 1.
     pub weights: Vec<f64>,

@@ -2,17 +2,19 @@
 
 use std::io;
 
+use stickslip::checkpoint::Checkpoint;
 use stickslip::events::Event;
-use stickslip::history::{Observer, Status, Step};
+use stickslip::history::{IncrementRecord, Observer, Status, Step};
 use stickslip::linear;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Flow, IterationRecord};
 use stickslip::report::{BalanceRecord, ContactLine, ContactSurface, DeformedBody, ForceRecord, ResultFolder, fields};
-use stickslip::run::RecordedIncrement;
+use stickslip::run::{Ledger, RecordedIncrement};
 use stickslip::scene::Output;
 
 use super::super::interrupt;
 use super::super::progress::Progress;
+use super::pace::Pace;
 
 /// Feeds the display and the folder of results.
 pub(super) struct Watcher<'a> {
@@ -23,6 +25,8 @@ pub(super) struct Watcher<'a> {
     pub wanted: Vec<usize>,
     pub folder: Option<ResultFolder>,
     pub progress: Progress,
+    /// When checkpoints are left.
+    pub pace: Pace,
     pub failed_write: Option<io::Error>,
 }
 
@@ -59,19 +63,13 @@ impl Watcher<'_> {
     }
 
     fn add(&mut self, step: &Step<'_>) -> io::Result<()> {
-        let Some(folder) = &mut self.folder else { return Ok(()) };
         let converged = step.record.status == Status::Converged;
         if converged {
-            folder.add_forces(&ForceRecord::all(self.model, step), &BalanceRecord::new(self.model, step))?;
             self.probe(step)?;
         }
         // What a failed increment reached is worth a look, too; one that was interrupted has reached nothing.
         let is_failure = !converged && step.record.status != Status::Interrupted;
-        if is_failure || converged && self.is_wanted(step) {
-            self.write(step)?;
-        }
-        // Last, so that of what is listed all is there, whatever ends the program.
-        self.folder.as_mut().map_or(Ok(()), |folder| folder.add_increment(step.record))
+        if is_failure || converged && self.is_wanted(step) { self.write(step) } else { Ok(()) }
     }
 
     fn is_wanted(&self, step: &Step<'_>) -> bool {
@@ -103,7 +101,8 @@ impl Observer for Watcher<'_> {
     }
 
     fn part(&mut self, part: &Step<'_>) {
-        if let (Some(folder), true) = (&self.folder, self.is_wanted(part) && self.failed_write.is_none()) {
+        let is_wanted = self.is_wanted(part);
+        if let (Some(folder), true) = (&mut self.folder, is_wanted && self.failed_write.is_none()) {
             let mut lines = ContactLine::all(self.model, part).into_iter();
             self.failed_write = lines.try_for_each(|line| folder.add_part(&line, part.record.parts)).err();
         }
@@ -115,5 +114,21 @@ impl Observer for Watcher<'_> {
         }
         self.progress.increment(step.record);
         if self.failed_write.is_none() { Flow::Continue } else { Flow::Stop }
+    }
+
+    fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+        if let (Some(folder), None) = (&mut self.folder, &self.failed_write)
+            && self.pace.is_due()
+        {
+            self.failed_write = self.pace.keep(|| folder.keep(here())).err();
+        }
+    }
+}
+
+impl Ledger for Watcher<'_> {
+    fn add(&mut self, record: &IncrementRecord, forces: &[ForceRecord], reactions: Option<&BalanceRecord>) {
+        if let (Some(folder), None) = (&mut self.folder, &self.failed_write) {
+            self.failed_write = folder.add_increment(record, forces, reactions).err();
+        }
     }
 }

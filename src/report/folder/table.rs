@@ -1,0 +1,56 @@
+//! A table that grows by whole lines.
+
+use std::fs::File;
+use std::io::{self, Seek, SeekFrom, Write};
+
+#[derive(Debug)]
+pub(super) struct Table {
+    name: String,
+    file: File,
+    /// The bytes of the whole lines.
+    length: u64,
+}
+
+impl Table {
+    /// A new one in an empty file.
+    pub(super) fn new(name: &str, file: File, header: &str) -> io::Result<Self> {
+        let mut table = Table { name: name.to_string(), file, length: 0 };
+        table.append(header)?;
+        Ok(table)
+    }
+
+    /// One that goes on behind so many bytes of a file; `None` if there are fewer.
+    pub(super) fn cut(name: &str, mut file: File, length: u64) -> io::Result<Option<Self>> {
+        if file.metadata()?.len() < length {
+            return Ok(None);
+        }
+        file.set_len(length)?;
+        file.seek(SeekFrom::Start(length))?;
+        Ok(Some(Table { name: name.to_string(), file, length }))
+    }
+
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub(super) fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// Appends whole lines.
+    pub(super) fn append(&mut self, lines: &str) -> io::Result<()> {
+        let written = self.file.write_all(lines.as_bytes());
+        if written.is_err() {
+            // A full disk may have taken part of them; what stands before is kept.
+            let _ = self.file.set_len(self.length).and_then(|()| self.file.seek(SeekFrom::Start(self.length)));
+        } else {
+            self.length += lines.len() as u64;
+        }
+        written
+    }
+
+    /// Brings the lines to the disk.
+    pub(super) fn sync(&self) -> io::Result<()> {
+        self.file.sync_data()
+    }
+}
