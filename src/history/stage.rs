@@ -151,6 +151,8 @@ impl Stages<'_> {
                 return Err(CheckpointError::Other { what: "the method" }.into());
             }
             together = many.clamp(1, path.together());
+            // As it was, should nothing be left to solve.
+            outcome.linear.factor = statistics(self.done, body, 0.0).factor;
         }
         while outcome.tally.increments < times.len() {
             let done = outcome.tally.increments;
