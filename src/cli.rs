@@ -5,7 +5,7 @@
 
 /// Prints a line on standard output.
 macro_rules! say {
-    ($($arg:tt)*) => { crate::cli::output::line(format_args!($($arg)*)) };
+    ($($arg:tt)*) => { super::output::line(format_args!($($arg)*)) };
 }
 
 #[cfg(feature = "umfpack")]
@@ -30,7 +30,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use stickslip::model::ModelError;
 use stickslip::run::RunError;
-use stickslip::scene::{Override, Scene, SceneError};
+use stickslip::scene::{Origin, Override, Scene, SceneError};
 
 /// Quasi-static elastic contact with Coulomb friction.
 #[derive(Parser)]
@@ -112,6 +112,14 @@ impl SceneArgs {
         let options = options.iter().filter_map(|(key, value)| Some(Override::value(key, (*value)?)));
         self.overrides.iter().cloned().chain(options).collect()
     }
+}
+
+/// What results of `scene` are of.
+fn origin(scene: &Scene) -> Result<Origin, Failure> {
+    Ok(Origin::new(scene, &version()).map_err(|(file, error)| {
+        let message = format!("{}: the file cannot be read: {error}", file.display());
+        scene.error_at("mesh.file", message, "name an existing file, relative to the scene file")
+    })?)
 }
 
 /// Why a command ended without a result.

@@ -26,17 +26,15 @@ use stickslip::scene::{Origin, Scene};
 use stickslip::units::Quantity;
 
 use super::progress::Progress;
-use super::sweep::origin;
-use super::{Failure, SceneArgs, interrupt, threads, uniqueness};
+use super::{Failure, SceneArgs, interrupt, origin, output, threads, uniqueness};
 use increments::{IncrementArgs, explain};
 use pace::Pace;
 use resume::Left;
 use watcher::Watcher;
 
+/// Where the results go, and how they may be gone on with.
 #[derive(Args)]
-pub(super) struct RunArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
+struct ResultArgs {
     /// Write contact lines, records, plots and the report into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -47,6 +45,14 @@ pub(super) struct RunArgs {
     /// time
     #[arg(long, value_name = "SECONDS", requires = "out", value_parser = seconds)]
     checkpoint_every: Option<Duration>,
+}
+
+#[derive(Args)]
+pub(super) struct RunArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    results: ResultArgs,
     /// Print the report as one JSON object and nothing else
     #[arg(long)]
     json: bool,
@@ -73,7 +79,7 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         say!("increments   {}", explain(chosen));
     }
     let origin = origin(&scene)?;
-    let claim = args.out.as_deref().map(|path| Claim::new(path).map_err(|error| write_failure(path, &error)));
+    let claim = args.results.out.as_deref().map(|path| Claim::new(path).map_err(|error| write_failure(path, &error)));
     let claim = claim.transpose()?;
     let left = match &claim {
         None => None,
@@ -119,7 +125,7 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         wanted: scene.output.increments(run.times()),
         folder,
         progress: Progress::new(run.times().len(), done, !args.json),
-        pace: Pace::new(args.checkpoint_every),
+        pace: Pace::new(args.results.checkpoint_every),
         failed_write: None,
     };
     if left.is_none() {

@@ -9,12 +9,12 @@ use std::process::ExitCode;
 
 use clap::Args;
 use stickslip::report::write_file;
-use stickslip::scene::{Origin, Override, Scene};
+use stickslip::scene::{Override, Scene};
 use stickslip::sweep::{Outcome, Row, Sweep, Variation, combinations};
 
 use super::progress::bar;
 use super::run::write_failure;
-use super::{Cli, Failure, SceneArgs, interrupt, threads, version};
+use super::{Cli, Failure, SceneArgs, interrupt, origin, threads};
 use processes::{Ended, Processes};
 
 #[derive(Args)]
@@ -158,14 +158,6 @@ fn tasks(args: &SweepArgs) -> Result<Vec<Task>, Failure> {
 fn one(args: &SweepArgs, overrides: &[Override]) -> Result<(String, String), Failure> {
     let scene = Scene::read(&args.scene.scene, overrides)?;
     Ok((origin(&scene)?.fingerprint(), scene.text().to_string()))
-}
-
-/// What results of `scene` are of.
-pub(super) fn origin(scene: &Scene) -> Result<Origin, Failure> {
-    Ok(Origin::new(scene, &version()).map_err(|(file, error)| {
-        let message = format!("{}: the file cannot be read: {error}", file.display());
-        scene.error_at("mesh.file", message, "name an existing file, relative to the scene file")
-    })?)
 }
 
 /// The tables of a sweep, by the kind of file.

@@ -9,6 +9,7 @@ use super::settings::HistorySettings;
 use super::{HistoryOutcome, IncrementError, WorkingSet};
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::contact::KktScales;
+use crate::formulation::Layout;
 use crate::linear::Statistics;
 use crate::problem::{ContactProblem, State};
 
@@ -35,7 +36,6 @@ pub(super) struct RunOf {
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Done {
     tally: Tally,
-    /// The last record, to tell from when the next increment goes on.
     state: State,
     scales: KktScales,
     reached: f64,
@@ -54,9 +54,9 @@ pub(super) struct SavedStage {
 }
 
 impl RunOf {
-    pub(super) fn new(problem: &ContactProblem, settings: &HistorySettings) -> Self {
+    pub(super) fn new(layout: &Layout, settings: &HistorySettings) -> Self {
         let method = format!("{:?}", (settings.method, settings.scaling));
-        RunOf { method, displacements: problem.displacements(), contacts: problem.contacts() }
+        RunOf { method, displacements: layout.displacements(), contacts: layout.contacts() }
     }
 }
 
@@ -75,7 +75,7 @@ impl Done {
 
     pub(super) fn resume(self, begun: HistoryOutcome) -> HistoryOutcome {
         let Done { tally, state, scales, reached, working_set, increment_error } = self;
-        HistoryOutcome { tally, state, scales, reached, working_set, increment_error, ..begun }
+        HistoryOutcome { tally, state, reached, scales, working_set, increment_error, ..begun }
     }
 }
 
@@ -89,7 +89,7 @@ impl Saved {
     ) -> Result<Self, CheckpointError> {
         let saved: Saved = checkpoint.part(0)?;
         let other = |what| Err(CheckpointError::Other { what });
-        let now = RunOf::new(problem, settings);
+        let now = RunOf::new(&Layout::new(problem), settings);
         if saved.run != now {
             return other(if saved.run.method == now.method { "the mesh or its contact" } else { "the method" });
         }

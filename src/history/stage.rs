@@ -146,11 +146,8 @@ impl Stages<'_> {
 
         // How many increments go together: more and more, as long as all is well.
         let mut together = 1;
-        if let Some(SavedStage { memory, together: many, .. }) = self.saved.take() {
-            if !path.recall(memory, linear)? {
-                return Err(CheckpointError::Other { what: "the method" }.into());
-            }
-            together = many.clamp(1, path.together());
+        if let Some(saved) = self.saved.take() {
+            together = path.take_up(saved, linear)?;
             // As it was, should nothing be left to solve.
             outcome.linear.factor = statistics(self.done, body, 0.0).factor;
         }
@@ -220,26 +217,43 @@ impl Stages<'_> {
                 }
             }
             together = if bundle.sound { path.together().min(2 * together) } else { 1 };
-            observer.rest(&|| {
-                let saved = Saved {
-                    run: RunOf::new(problem, settings),
-                    outcome: Done::of(outcome),
-                    position: path.at.clone(),
-                    stage: SavedStage {
-                        memory: path.memory(linear),
-                        nodes: condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec),
-                        together,
-                    },
-                    statistics: *linear.statistics(),
-                };
-                Checkpoint::new(outcome.tally.increments, outcome.reached, &saved)
-            });
+            observer.rest(&|| outcome.checkpoint(settings, &path, condensed, linear, together));
         }
         Ok(None)
     }
 }
 
+impl Path<'_> {
+    /// Takes a stage up that was put away: the method is as it was then. How many increments go together.
+    fn take_up(&mut self, saved: SavedStage, linear: &mut Direct) -> Result<usize, Error> {
+        if !self.recall(saved.memory, linear)? {
+            return Err(CheckpointError::Other { what: "the method" }.into());
+        }
+        Ok(saved.together.clamp(1, self.together()))
+    }
+}
+
 impl HistoryOutcome {
+    /// Where the history can be taken up after the increments so far, of which the next go so many together.
+    fn checkpoint(
+        &self,
+        settings: &HistorySettings,
+        path: &Path<'_>,
+        condensed: Option<&Condensed>,
+        linear: &Direct,
+        together: usize,
+    ) -> Checkpoint {
+        let nodes = condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec);
+        let saved = Saved {
+            run: RunOf::new(&self.layout, settings),
+            outcome: Done::of(self),
+            position: path.at.clone(),
+            stage: SavedStage { memory: path.memory(linear), nodes, together },
+            statistics: *linear.statistics(),
+        };
+        Checkpoint::new(self.tally.increments, self.reached, &saved)
+    }
+
     /// The end that an error of the linear algebra makes: want of memory is a verdict.
     fn end_by(&mut self, error: LinearError) -> Result<(), Error> {
         match error {

@@ -1,13 +1,10 @@
 //! A history as charts: the forces on the obstacles over time, and the iterations that each increment took.
 
-use serde::{Deserialize, Serialize};
-
 use super::chart::{Axis, Chart, Curve, Panel, Scale};
-use super::resultant::ForceRecord;
+use super::history_curves::{ForceCurves, HistoryCurves};
 use super::run::RunReport;
 use super::svg::{Dash, Line, Marker};
 use super::thinned::Thinned;
-use crate::history::{IncrementRecord, Status};
 use crate::units::Quantity;
 
 const BLACK: [u8; 3] = [0, 0, 0];
@@ -23,58 +20,6 @@ const MOST_MARKERS: usize = 60;
 /// Up to this count each number has a tick of its own.
 const MOST_TICKS: usize = 300;
 const MOST_TICKS_UPWARDS: usize = 60;
-
-/// What the charts of a history show, gathered while it goes on.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct HistoryCurves {
-    increments: usize,
-    boundaries: Vec<ForceCurves>,
-    iterations: Thinned,
-    backtracks: Thinned,
-    failed: Thinned,
-    halved: Thinned,
-    rescued: Thinned,
-}
-
-/// The forces at a boundary.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct ForceCurves {
-    boundary: String,
-    /// The boundary in front of it, if that is one.
-    opposite: Option<String>,
-    /// Each component over time, N.
-    components: Vec<Thinned>,
-}
-
-impl HistoryCurves {
-    /// Takes in an increment, and the forces at its end if it converged.
-    pub fn add(&mut self, record: &IncrementRecord, forces: &[ForceRecord]) {
-        self.increments += 1;
-        let x = record.index as f64;
-        let iterations = [x, record.iterations as f64];
-        self.iterations.push(iterations);
-        self.backtracks.push([x, record.backtracks as f64]);
-        let marked = [
-            (&mut self.failed, record.status != Status::Converged),
-            (&mut self.halved, record.parts > 1),
-            (&mut self.rescued, record.rescued),
-        ];
-        marked.into_iter().filter(|(_, is)| *is).for_each(|(curve, _)| curve.push(iterations));
-        for ForceRecord { time, resultant, .. } in forces {
-            let known = self.boundaries.iter().position(|of| of.boundary == resultant.boundary);
-            let place = known.unwrap_or_else(|| {
-                self.boundaries.push(ForceCurves {
-                    boundary: resultant.boundary.clone(),
-                    opposite: resultant.opposite.as_ref().map(|of| of.boundary.clone()),
-                    components: vec![Thinned::default(); resultant.force.len()],
-                });
-                self.boundaries.len() - 1
-            });
-            let components = &mut self.boundaries[place].components;
-            components.iter_mut().zip(&resultant.force).for_each(|(curve, force)| curve.push([*time, *force]));
-        }
-    }
-}
 
 /// The charts of a report, each with the stem of a file name: `forces`, if contact forces were found, and `iterations`, if there
 /// was any increment.

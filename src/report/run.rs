@@ -6,7 +6,7 @@ use super::balance::{BalanceRecord, BalanceWatch};
 use super::companion::ChosenIncrements;
 use super::estimates::Estimates;
 use super::explain::Explanation;
-use super::history_chart::HistoryCurves;
+use super::history_curves::HistoryCurves;
 use super::increment_warnings;
 use super::pairs::PairRecord;
 use super::peak::LargestPressure;

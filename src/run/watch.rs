@@ -125,7 +125,9 @@ impl<'a, 'b> Watch<'a, 'b> {
         let forces = if converged { ForceRecord::all(self.model, step) } else { Vec::new() };
         let reactions = converged.then(|| BalanceRecord::new(self.model, step));
         self.curves.add(step.record, &forces);
-        reactions.iter().for_each(|reactions| self.balance.see(reactions));
+        if let Some(reactions) = &reactions {
+            self.balance.see(reactions);
+        }
         match self.audience {
             Audience::Ledger(ledger) => ledger.add(step.record, &forces, reactions.as_ref()),
             Audience::Observer(_) => {

@@ -49,12 +49,10 @@ impl Origin {
             changes.push(format!("stickslip was {}, and is {}", earlier.program, self.program));
         }
         if self.text != earlier.text {
-            let [mut before, mut after] = [&earlier.text, &self.text].map(|text| text.lines());
-            let differs = (1..).map(|k| (k, before.next(), after.next())).find(|(_, before, after)| before != after);
-            if let Some((k, before, after)) = differs {
-                let told = |line: Option<&str>| line.map_or("nothing".to_string(), |line| format!("`{}`", line.trim()));
-                changes.push(format!("line {k} of the scene was {}, and is {}", told(before), told(after)));
-            }
+            let [before, after] = [&earlier.text, &self.text].map(|text| text.lines().collect::<Vec<_>>());
+            let k = before.iter().zip(&after).take_while(|(before, after)| before == after).count();
+            let told = |lines: &[&str]| lines.get(k).map_or("nothing".to_string(), |line| format!("`{}`", line.trim()));
+            changes.push(format!("line {} of the scene was {}, and is {}", k + 1, told(&before), told(&after)));
         }
         for (file, hash) in &self.files {
             if !earlier.files.iter().any(|(_, before)| before == hash) {

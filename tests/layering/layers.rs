@@ -6,6 +6,7 @@ use crate::source::{Sources, code, is_program, module};
 
 /// Every module of the library and the modules it uses: no more, and none that it does not use.
 pub const MAY_USE: &[(&str, &[&str])] = &[
+    ("checkpoint", &[]),
     ("fault", &[]),
     ("formula", &[]),
     ("input", &[]),
@@ -31,6 +32,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     (
         "history",
         &[
+            "checkpoint",
             "condense",
             "contact",
             "events",
@@ -89,6 +91,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
         "report",
         &[
             "auto",
+            "checkpoint",
             "contact",
             "description",
             "estimate",
@@ -111,6 +114,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
         "run",
         &[
             "auto",
+            "checkpoint",
             "contact",
             "events",
             "formulation",
@@ -126,7 +130,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "uniqueness",
         ],
     ),
-    ("sweep", &["input", "report", "scene", "units"]),
+    ("sweep", &["report", "scene", "units"]),
     (
         "compare",
         &[

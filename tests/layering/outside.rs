@@ -16,6 +16,7 @@ pub const LIBRARY: &[Places] = &[
     ("clap", &["cli.rs", "cli/"]),
     ("clap_complete", &["cli/shell.rs"]),
     ("clap_mangen", &["cli/shell.rs"]),
+    ("crc32fast", &["checkpoint.rs"]),
     (
         "faer",
         &["events/coordinates.rs", "events/dictionary.rs", "linear/", "problem/contact_stiffness.rs", "uniqueness.rs"],
@@ -39,7 +40,8 @@ pub const LIBRARY: &[Places] = &[
     ),
     ("pulp", &["linear/cholesky/sweep.rs", "sparse/lanes.rs"]),
     ("rayon", &[]),
-    ("rustix", &["report/usage.rs"]),
+    ("rmp_serde", &["checkpoint.rs"]),
+    ("rustix", &["report/folder/directory.rs", "report/usage.rs"]),
     (
         "schemars",
         &[
@@ -57,14 +59,14 @@ pub const LIBRARY: &[Places] = &[
         ],
     ),
     ("serde", &[]),
-    ("serde_json", &["cli/", "report/quantities.rs", "report/run.rs", "report/schema.rs"]),
+    ("serde_json", &["cli/", "report/lists.rs", "report/quantities.rs", "report/run.rs", "report/schema.rs"]),
     ("signal_hook", &["cli/interrupt.rs"]),
     ("thiserror", &[]),
     ("toml", &["scene/"]),
     ("toml_edit", &["compare/mesh.rs", "scene/"]),
     // What OpenBLAS has read there is part of what it is.
     ("std::env", &["cli.rs", "cli/", "linear/blas/loaded.rs"]),
-    ("std::fs", &["cli/", "input.rs", "linear/blas/loaded.rs", "report/folder.rs", "report/usage.rs"]),
+    ("std::fs", &["cli/", "input.rs", "linear/blas/loaded.rs", "report/folder/", "report/lists.rs", "report/usage.rs"]),
     ("std::net", &[NOWHERE]),
     ("std::panic", &["cli/bug.rs", "jobs.rs"]),
     ("std::process", &["main.rs", "cli.rs", "cli/"]),

@@ -23,12 +23,12 @@ impl Left {
     /// What `claim` has for a scene of this `origin`, if the run is to go on from there; an error where something has changed.
     pub(super) fn of(claim: &Claim, origin: &Origin, args: &RunArgs) -> Result<Option<Self>, Failure> {
         let Some((checkpoint, earlier, linear, ended)) = claim.left() else {
-            if args.resume && !args.json {
+            if args.results.resume && !args.json {
                 say!("resume       nothing was left to go on from: the run begins");
             }
             return Ok(None);
         };
-        if !args.resume {
+        if !args.results.resume {
             if ended.is_none() && !args.json {
                 say!(
                     "unfinished   a run was left here after {} increments: --resume goes on with it, this run takes its place",
@@ -62,7 +62,7 @@ impl Left {
 /// Tells of a run that has come to its end before, by its own report.
 pub(super) fn told_again(claim: &Claim, args: &RunArgs, status: Status) -> Result<ExitCode, Failure> {
     if args.json {
-        print(claim.report().map_err(unreadable)?)?;
+        print(claim.report().map_err(|error| unreadable(&error))?)?;
     } else {
         say!("resume       nothing is left to do: the run here is complete");
         say!("\nverdict      {status}\nresults      {}", claim.path().display());
@@ -73,7 +73,7 @@ pub(super) fn told_again(claim: &Claim, args: &RunArgs, status: Status) -> Resul
 /// Prints a report, as a folder has it or as it is.
 pub(super) fn print_json(report: &RunReport, folder: Option<&ResultFolder>) -> Result<(), Failure> {
     if let Some(folder) = folder {
-        return print(folder.report().map_err(unreadable)?);
+        return print(folder.report().map_err(|error| unreadable(&error))?);
     }
     let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     say!("{json}");
@@ -82,12 +82,12 @@ pub(super) fn print_json(report: &RunReport, folder: Option<&ResultFolder>) -> R
 
 fn print(report: impl Read) -> Result<(), Failure> {
     for line in BufReader::new(report).lines() {
-        say!("{}", line.map_err(unreadable)?);
+        say!("{}", line.map_err(|error| unreadable(&error))?);
     }
     Ok(())
 }
 
-fn unreadable(error: io::Error) -> Failure {
+fn unreadable(error: &io::Error) -> Failure {
     let help = "run without --resume to begin anew";
     Failure::Machine(miette::miette!(help = help, "run.json cannot be read: {error}"))
 }

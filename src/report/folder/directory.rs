@@ -10,7 +10,10 @@ use std::io::{self, Write};
 use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
 
-use rustix::fs::{AtFlags, CWD, Dir, FileType, Mode, OFlags, fstat, openat, renameat, statat, unlinkat};
+use rustix::fs::{
+    AtFlags, CWD, Dir, FileType, FlockOperation, Mode, OFlags, flock, fstat, fsync, openat, renameat, statat, unlinkat,
+};
+use rustix::io::Errno;
 
 /// The file that says that a folder is one of results. Whoever writes there holds its lock.
 pub(super) const MARKER: &str = ".stickslip";
@@ -102,7 +105,7 @@ impl Directory {
     /// Removes a file, if it is there.
     pub(super) fn remove(&self, name: &str) -> io::Result<()> {
         match unlinkat(&self.handle, name, AtFlags::empty()) {
-            Err(rustix::io::Errno::NOENT) => Ok(()),
+            Err(Errno::NOENT) => Ok(()),
             removed => Ok(removed?),
         }
     }
@@ -121,7 +124,7 @@ impl Directory {
 
     /// Brings the names of files to the disk.
     pub(super) fn sync(&self) -> io::Result<()> {
-        ignore_unsupported(rustix::fs::fsync(&self.handle).map_err(io::Error::from))
+        ignore_unsupported(fsync(&self.handle).map_err(io::Error::from))
     }
 
     /// An error that tells if the folder is gone.
@@ -152,11 +155,10 @@ impl Locked {
             Err(error) => return Err(error),
         };
         let marker = directory.edit(MARKER, true)?;
-        match marker.try_lock() {
-            Ok(()) => {}
-            Err(fs::TryLockError::WouldBlock) => return Err(busy()),
+        match flock(&marker, FlockOperation::NonBlockingLockExclusive) {
+            Err(Errno::WOULDBLOCK) => return Err(busy()),
             // Some network file systems know no locks.
-            Err(fs::TryLockError::Error(error)) => ignore_unsupported(Err(error))?,
+            locked => ignore_unsupported(locked.map_err(io::Error::from))?,
         }
         // Whoever had it may have removed it in between.
         let here = statat(&directory.handle, MARKER, AtFlags::SYMLINK_NOFOLLOW).map(|stat| stat.st_ino);

@@ -1,0 +1,241 @@
+//! What a run writes, and when.
+
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+use super::directory::{self, Locked};
+use super::kept::Kept;
+use super::names::{CHECKPOINT, is_ours};
+use super::table::Table;
+use crate::checkpoint::Checkpoint;
+use crate::events::Event;
+use crate::history::{IncrementRecord, Status, Step};
+use crate::model::Model;
+use crate::report::balance::BalanceRecord;
+use crate::report::contact_line::ContactLine;
+use crate::report::contact_surface::ContactSurface;
+use crate::report::deformed::DeformedBody;
+use crate::report::history_chart::history_charts;
+use crate::report::probe::ProbeTable;
+use crate::report::resultant::ForceRecord;
+use crate::report::run::RunReport;
+use crate::report::vtu::Grid;
+use crate::report::{increments, lists, plot, pvd};
+use crate::scene::Origin;
+use crate::units::UnitSystem;
+
+/// A folder that takes the results of one run: `increments.csv` and `forces.csv` grow line by line, contact lines
+/// and plots come as they are reached, `run.json` at the end. What was there of an earlier run stays until the first increment is
+/// done.
+#[derive(Debug)]
+pub struct ResultFolder {
+    pub(super) place: Locked,
+    /// The units of what is written.
+    pub(super) units: UnitSystem,
+    pub(super) increments: Table,
+    pub(super) forces: Table,
+    /// The table of events, from the first one on.
+    pub(super) events: Option<Table>,
+    /// Boundaries with contact, and how the names of their files end.
+    pub(super) boundaries: Vec<(String, String)>,
+    /// The probes, each with its table.
+    pub(super) probes: Vec<(ProbeTable, Table)>,
+    /// The lists of the report.
+    pub(super) lists: [Table; 3],
+    /// The files of fields so far, each with its time, s.
+    pub(super) fields: Vec<(f64, String)>,
+    /// What a run must be to go on from here, with its linear algebra by its word.
+    pub(super) of: (Origin, String),
+}
+
+impl ResultFolder {
+    /// Where the results are.
+    pub fn path(&self) -> &Path {
+        self.place.directory.path()
+    }
+
+    /// Takes the record of an increment, and the forces at its end if it converged: those on the obstacles, and what else acts on
+    /// the body. The results of an earlier run go. What else is written of the increment comes before this, so that of what is
+    /// listed all is there, whatever ends the program.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_increment(
+        &mut self,
+        record: &IncrementRecord,
+        forces: &[ForceRecord],
+        reactions: Option<&BalanceRecord>,
+    ) -> io::Result<()> {
+        let [of_increments, of_forces, of_reactions] = &mut self.lists;
+        forces.iter().try_for_each(|force| of_forces.append(&lists::line(force, &self.units)?))?;
+        if let Some(reactions) = reactions {
+            of_reactions.append(&lists::line(reactions, &self.units)?)?;
+            self.forces.append(&increments::forces_lines(forces, reactions, &self.units))?;
+        }
+        of_increments.append(&lists::line(record, &self.units)?)?;
+        self.increments.append(&increments::line(record, &self.units))?;
+        if record.status == Status::Interrupted {
+            // It has reached nothing.
+            return Ok(());
+        }
+        self.place.publish(&["run.json", CHECKPOINT], is_ours)
+    }
+
+    /// Leaves the place from which the run can be taken up. All that was written so far is brought to the disk before.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn keep(&mut self, checkpoint: Checkpoint) -> io::Result<()> {
+        self.sync()?;
+        self.write_checkpoint(checkpoint, None)
+    }
+
+    fn write_checkpoint(&mut self, checkpoint: Checkpoint, ended: Option<Status>) -> io::Result<()> {
+        let (origin, linear) = self.of.clone();
+        let tables = self.tables().map(|table| (table.name().to_string(), table.length())).collect();
+        let bytes = checkpoint.with(&Kept { origin, linear, tables, fields: self.fields.clone(), ended }).to_bytes();
+        self.place.directory.write(CHECKPOINT, |file| {
+            file.write_all(&bytes)?;
+            directory::ignore_unsupported(file.sync_data())
+        })?;
+        self.place.directory.sync()
+    }
+
+    /// All tables that grow.
+    fn tables(&self) -> impl Iterator<Item = &Table> {
+        let probes = self.probes.iter().map(|(_, table)| table);
+        [&self.increments, &self.forces].into_iter().chain(&self.events).chain(probes).chain(&self.lists)
+    }
+
+    /// Brings all that was written to the disk.
+    fn sync(&mut self) -> io::Result<()> {
+        self.tables().try_for_each(|table| directory::ignore_unsupported(table.sync()))?;
+        self.place.sync_files()?;
+        self.place.directory.sync()
+    }
+
+    /// Appends a contact node that changes its status in increment `index` to `events.csv`.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_event(&mut self, model: &Model, index: usize, event: &Event) -> io::Result<()> {
+        let line = increments::event_line(model, index, event);
+        if let Some(events) = &mut self.events {
+            return events.append(&line);
+        }
+        let header = increments::events_header(model.mesh.dimension);
+        let file = self.place.table("events.csv")?;
+        self.events.insert(Table::new("events.csv", file, &header)?).append(&line)
+    }
+
+    /// Writes a contact line as CSV and, in two dimensions, as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`; with
+    /// the boundary's name behind the number if there are several, made fit for a file.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_contact_line(&mut self, line: &ContactLine, title: &str) -> io::Result<()> {
+        let name = self.contact_name(line.index, None, line.boundary.as_deref());
+        self.write(&format!("{name}.csv"), &line.to_csv())?;
+        if line.dimension == 2 && line.points.len() > 1 {
+            self.write(&format!("{name}.svg"), &plot::contact_stresses(line, title).map_err(io::Error::other)?)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a contact line at the end of part `part` of its increment, `contact_NNNN-P.csv`.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_part(&mut self, line: &ContactLine, part: usize) -> io::Result<()> {
+        self.write(
+            &format!("{}.csv", self.contact_name(line.index, Some(part), line.boundary.as_deref())),
+            &line.to_csv(),
+        )
+    }
+
+    /// Appends what the points of a probe have come to at the end of `step` to `probe_NAME.csv`.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_probes(&mut self, model: &Model, step: &Step<'_>) -> io::Result<()> {
+        self.probes.iter_mut().try_for_each(|(probe, table)| table.append(&probe.lines(model, step)))
+    }
+
+    /// Writes the picture of the deformed body, `deformed_NNNN.svg`.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_deformed(&mut self, body: &DeformedBody, title: &str) -> io::Result<()> {
+        self.write(&format!("deformed_{:04}.svg", body.index), &body.to_svg(title).map_err(io::Error::other)?)
+    }
+
+    /// Writes the report, whose lists are here, as `run.json`, after what it shows of the history as `forces.svg` and
+    /// `iterations.svg`; and brings all to the disk. A run that has not come to its end can be taken up all the same.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_report(&mut self, report: &RunReport) -> io::Result<()> {
+        if !self.place.is_published() && report.status == Status::Interrupted && self.report().is_ok() {
+            // Those of an earlier run tell more.
+            return Ok(());
+        }
+        self.place.publish(&["run.json", CHECKPOINT], is_ours)?;
+        for (name, chart) in history_charts(report) {
+            self.write(&format!("{name}.svg"), &chart.to_svg().map_err(io::Error::other)?)?;
+        }
+        let lists = lists::FILES.map(|name| self.place.directory.read(name));
+        self.place.write("run.json", |file| lists::write(report, lists, file))?;
+        self.sync()?;
+        if report.status == Status::Converged {
+            let end = Checkpoint::new(report.totals.converged, 0.0, &()).with(&());
+            self.write_checkpoint(end, Some(report.status))?;
+            lists::FILES.iter().try_for_each(|name| self.place.directory.remove(name))?;
+        }
+        Ok(())
+    }
+
+    /// The report as it was written.
+    ///
+    /// # Errors
+    /// When it is not there.
+    pub fn report(&self) -> io::Result<impl Read> {
+        self.place.directory.read("run.json")
+    }
+
+    /// Writes the picture of a contact surface, `contact_NNNN.svg` as for a line.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_contact_surface(&mut self, surface: &ContactSurface, title: &str) -> io::Result<()> {
+        let name = self.contact_name(surface.index, None, surface.boundary.as_deref());
+        self.write(&format!("{name}.svg"), &surface.to_svg(title).map_err(io::Error::other)?)
+    }
+
+    /// Writes the fields at the end of increment `index`, at `time` (s), as `fields_NNNN.vtu`, and then the series of
+    /// all so far as `fields.pvd`, which so never names a file that is not there.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_fields(&mut self, index: usize, time: f64, grid: &Grid) -> io::Result<()> {
+        let name = format!("fields_{index:04}.vtu");
+        self.write(&name, &grid.to_vtu())?;
+        self.fields.push((time, name));
+        self.write("fields.pvd", &pvd::series(&self.fields))
+    }
+
+    /// Writes a whole file; a reader never sees half of it.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn write(&mut self, name: &str, text: &str) -> io::Result<()> {
+        self.place.write(name, |file| file.write_all(text.as_bytes()))
+    }
+
+    /// The name of the files of a contact boundary in an increment; the boundary is named if there are several.
+    fn contact_name(&self, index: usize, part: Option<usize>, boundary: Option<&str>) -> String {
+        let file = boundary.and_then(|name| self.boundaries.iter().find(|(boundary, _)| boundary == name));
+        let boundary = file.map_or(String::new(), |(_, file)| format!("_{file}"));
+        let part = part.map_or(String::new(), |part| format!("-{part}"));
+        format!("contact_{index:04}{part}{boundary}")
+    }
+}
