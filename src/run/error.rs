@@ -40,8 +40,13 @@ pub enum RunError {
 impl RunError {
     /// Whether the input is to blame; otherwise it is the machine, or the library.
     pub fn is_of_the_input(&self) -> bool {
-        use history::Error::{NoWeight, Problem};
-        matches!(self, RunError::Model(_) | RunError::SlidesInAPlane | RunError::History(Problem(_) | NoWeight { .. }))
+        use history::Error::{Checkpoint, NoWeight, Problem};
+        let of_history = |error: &history::Error| matches!(error, Problem(_) | NoWeight { .. } | Checkpoint(_));
+        match self {
+            RunError::Model(_) | RunError::SlidesInAPlane => true,
+            RunError::NoRoom { .. } => false,
+            RunError::History(error) => of_history(error),
+        }
     }
 }
 
@@ -62,10 +67,11 @@ impl From<LinearError> for RunError {
 }
 
 fn remedy(error: &history::Error) -> &'static str {
-    use history::Error::{Linear, NoWeight, Problem};
+    use history::Error::{Checkpoint, Linear, NoWeight, Problem};
     match error {
         Linear(LinearError::OutOfMemory { .. }) => "use a coarser mesh or a machine with more memory",
         Problem(_) | NoWeight { .. } => "mend the array",
+        Checkpoint(_) => "go on with the run as it was begun, or begin anew",
         _ => "this is not the scene's fault; please report it",
     }
 }

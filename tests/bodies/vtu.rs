@@ -8,8 +8,9 @@ use crate::common;
 use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Step, System};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
-use stickslip::report::{Grid, ResultFolder, fields};
-use stickslip::scene::Scene;
+use stickslip::report::{Claim, Grid, ResultFolder, fields};
+use stickslip::run::Run;
+use stickslip::scene::{Origin, Scene};
 use vtkio::Vtk;
 use vtkio::model::{Attribute, CellType, DataSet, Piece, UnstructuredGridPiece, VertexNumbers};
 
@@ -248,7 +249,13 @@ fn the_series_names_whole_files() {
     let scene = common::block(&["mesh.elements=[4,3]", "time.increments=2"]);
     let (model, grids) = solve(&scene);
     let path = std::env::temp_dir().join(format!("stickslip_series_{}", std::process::id()));
-    let mut folder = ResultFolder::create(&path, &model, Vec::new()).unwrap();
+    let begin = || {
+        let origin = Origin::new(&scene, "a test").unwrap();
+        Claim::new(&path).unwrap().begin(&model, Vec::new(), origin, String::new()).unwrap()
+    };
+    let undeformed = Run::new(&scene).unwrap().undeformed().record;
+    let mut folder: ResultFolder = begin();
+    folder.add_increment(&undeformed, &[], None).unwrap();
     for (k, grid) in grids.iter().enumerate() {
         folder.add_fields(k + 1, 0.5 * (k + 1) as f64, grid).unwrap();
         let series = fs::read_to_string(path.join("fields.pvd")).unwrap();
@@ -259,8 +266,12 @@ fn the_series_names_whole_files() {
         }
         assert!(series.contains(&format!("timestep=\"{}\"", 0.5 * (k + 1) as f64)));
     }
-    // A new run removes them.
-    ResultFolder::create(&path, &model, Vec::new()).unwrap();
+    // A new run removes them, when it has something in their place; until then nobody else may write there.
+    assert_eq!(Claim::new(&path).unwrap_err().kind(), std::io::ErrorKind::ResourceBusy);
+    drop(folder);
+    let mut folder = begin();
+    assert!(path.join("fields.pvd").exists());
+    folder.add_increment(&undeformed, &[], None).unwrap();
     assert!(!path.join("fields.pvd").exists() && !path.join("fields_0001.vtu").exists());
     fs::remove_dir_all(path).unwrap();
 }

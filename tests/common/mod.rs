@@ -11,6 +11,8 @@ pub mod random;
 pub mod rings;
 pub mod round;
 pub mod scratch;
+#[cfg(feature = "cli")]
+pub mod whole;
 
 use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver};
 use stickslip::linear::Direct;

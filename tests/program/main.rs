@@ -16,6 +16,7 @@ mod events;
 mod examples;
 mod names;
 mod outputs;
+mod resume;
 mod schema;
 mod solvability;
 mod start;

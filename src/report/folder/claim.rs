@@ -119,7 +119,8 @@ impl Claim {
         let table = |name: &str| {
             let length =
                 tables.iter().find(|(known, _)| known == name).map(|(_, length)| *length).ok_or_else(damaged)?;
-            Table::cut(name, place.directory.edit(name, false)?, length)?.ok_or_else(damaged)
+            let table = place.directory.edit(name, false).and_then(|file| Table::cut(name, file, length));
+            table.map_err(|error| io::Error::new(error.kind(), format!("{name}: {error}")))
         };
         let (increments, forces) = (table("increments.csv")?, table("forces.csv")?);
         let events = tables.iter().any(|(name, _)| name == "events.csv").then(|| table("events.csv")).transpose()?;

@@ -19,14 +19,15 @@ impl Table {
         Ok(table)
     }
 
-    /// One that goes on behind so many bytes of a file; `None` if there are fewer.
-    pub(super) fn cut(name: &str, mut file: File, length: u64) -> io::Result<Option<Self>> {
+    /// One that goes on behind so many bytes of a file, which must be there.
+    pub(super) fn cut(name: &str, mut file: File, length: u64) -> io::Result<Self> {
         if file.metadata()?.len() < length {
-            return Ok(None);
+            let message = "it is shorter than when the run was left; run without --resume to begin anew";
+            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
         }
         file.set_len(length)?;
         file.seek(SeekFrom::Start(length))?;
-        Ok(Some(Table { name: name.to_string(), file, length }))
+        Ok(Table { name: name.to_string(), file, length })
     }
 
     pub(super) fn name(&self) -> &str {

@@ -1,0 +1,101 @@
+//! Folders of results: whether each file in them is whole, and whether two have the same results.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+/// What differs from one run of the same scene to another: times, and what a run that was taken up factors once more.
+const OF_THE_RUN: [&str; 10] = [
+    "cpu_seconds",
+    "wall_seconds",
+    "setup_seconds",
+    "peak_rss_bytes",
+    "factorizations",
+    "symbolic_analyses",
+    "seconds",
+    "blas",
+    "solver_choice",
+    "faster_solver",
+];
+
+/// The files of a folder that are meant to be seen, by name.
+pub fn files(folder: &Path) -> BTreeMap<String, String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().map(|entry| entry.unwrap());
+    let named = entries.map(|entry| (entry.file_name().into_string().unwrap(), entry.path()));
+    let seen = named.filter(|(name, _)| !name.starts_with('.'));
+    seen.map(|(name, path)| (name, fs::read_to_string(path).unwrap())).collect()
+}
+
+/// Panics unless each file is whole: tables of whole lines, pictures and reports to their end; and unless the report, if it is
+/// there, and the table of increments tell of the same.
+#[track_caller]
+pub fn assert_whole(folder: &Path) {
+    let files = files(folder);
+    for (name, text) in &files {
+        match name.rsplit_once('.').map(|(_, kind)| kind) {
+            Some("csv") => {
+                let columns = |line: &str| line.split(',').count();
+                let header = text.lines().next().map_or(0, columns);
+                assert!(text.ends_with('\n') && text.lines().all(|line| columns(line) == header), "{name}: {text}");
+            }
+            Some("svg") => assert!(text.trim_end().ends_with("</svg>"), "{name} ends in the middle"),
+            Some("json") => {
+                let report: Value = serde_json::from_str(text).unwrap_or_else(|error| panic!("{name}: {error}"));
+                let listed = report["increments"].as_array().unwrap().len();
+                assert_eq!(listed + 1, files["increments.csv"].lines().count(), "{name} and increments.csv");
+            }
+            _ => panic!("what is {name}?"),
+        }
+    }
+}
+
+/// The results of a folder, without what differs from run to run.
+pub fn results(folder: &Path) -> BTreeMap<String, String> {
+    let mut files = files(folder);
+    for (name, text) in &mut files {
+        *text = match name.as_str() {
+            "run.json" => {
+                let mut report: Value = serde_json::from_str(text).unwrap();
+                leave_out(&mut report);
+                serde_json::to_string_pretty(&report).unwrap()
+            }
+            "increments.csv" => {
+                // The four times.
+                let kept = |line: &str| {
+                    let fields = line.split(',').enumerate().filter(|(k, _)| !(16..20).contains(k));
+                    fields.map(|(_, field)| field).collect::<Vec<_>>().join(",")
+                };
+                assert_eq!(text.lines().next().unwrap().split(',').nth(16), Some("seconds_assembly"));
+                text.lines().map(kept).collect::<Vec<_>>().join("\n")
+            }
+            // The subtitle counts factorisations.
+            "iterations.svg" => text.lines().filter(|line| !line.contains("factorisations")).collect(),
+            _ => continue,
+        }
+    }
+    files
+}
+
+fn leave_out(value: &mut Value) {
+    match value {
+        Value::Object(keys) => {
+            OF_THE_RUN.iter().for_each(|key| drop(keys.remove(*key)));
+            keys.values_mut().for_each(leave_out);
+        }
+        Value::Array(values) => values.iter_mut().for_each(leave_out),
+        _ => {}
+    }
+}
+
+/// Panics unless both folders have the same results, to the last letter.
+#[track_caller]
+pub fn assert_same(one: &Path, other: &Path) {
+    let (one, other) = (results(one), results(other));
+    assert_eq!(one.keys().collect::<Vec<_>>(), other.keys().collect::<Vec<_>>());
+    for (name, text) in &one {
+        let differs = text.lines().zip(other[name].lines()).find(|(a, b)| a != b);
+        assert!(*text == other[name], "{name}: {differs:?}");
+    }
+}
