@@ -35,9 +35,11 @@ impl Folder {
         self.0.join(name).display().to_string()
     }
 
+    /// All names but those that every folder of results has, and nobody looks at.
     pub fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.0.join(folder)).unwrap();
         let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.retain(|name| ![".stickslip", ".checkpoint"].contains(&name.as_str()));
         names.sort();
         names
     }

@@ -173,28 +173,6 @@ fn a_folder_that_cannot_be_made_is_status_2() {
     assert_eq!(fs::read_to_string(&scene).unwrap(), small());
 }
 
-/// `/dev/full` refuses every byte as a full disk does; links to it stand for the files of a run.
-#[cfg(target_os = "linux")]
-#[test]
-fn a_full_disk_is_status_3() {
-    for (file, left) in
-        [("increments.csv", None), (".contact_0002.csv.partial", Some(1)), (".run.json.partial", Some(4))]
-    {
-        let (folder, scene) = Folder::with_scene(&small());
-        fs::create_dir(folder.join("out")).unwrap();
-        std::os::unix::fs::symlink("/dev/full", folder.join("out/") + file).unwrap();
-        let output = stickslip(&["run", &scene, "--json", "--out", &folder.join("out")]);
-        assert_exit(&output, 3);
-        assert_eq!(json(&output)["status"], "machine-failure");
-        assert!(stderr(&output).contains("make room"), "{}", stderr(&output));
-        // What was written before is whole, and nothing pretends to be the report.
-        if let Some(rows) = left {
-            assert_eq!(csv(&folder.0.join("out/increments.csv")).1.len(), rows, "{file}");
-        }
-        assert!(!folder.names("out").iter().any(|name| name.contains("run.json") || name.contains("partial")));
-    }
-}
-
 /// Nor does a full disk behind standard output or standard error: the files of the run are all there.
 #[cfg(target_os = "linux")]
 #[test]

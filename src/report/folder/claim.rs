@@ -30,12 +30,7 @@ impl Claim {
     /// with the names of results that no run wrote.
     pub fn new(path: &Path) -> io::Result<Self> {
         let place = Locked::open(path, may_take)?;
-        for (name, is_folder) in place.directory.names()? {
-            if is_folder && (is_ours(&name) || name == CHECKPOINT) {
-                let message = format!("{} is a folder, where a file of results goes", path.join(name).display());
-                return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
-            }
-        }
+        refuse_folders(&place.directory)?;
         let kept = place.directory.read(CHECKPOINT).and_then(|mut file| {
             let mut bytes = Vec::new();
             file.read_to_end(&mut bytes).map(|_| bytes)
@@ -158,6 +153,7 @@ fn damaged() -> io::Error {
 /// An error where files with the names of results are there, and no run wrote them. Runs of earlier versions left no marker, but
 /// this table.
 fn may_take(directory: &Directory) -> io::Result<()> {
+    refuse_folders(directory)?;
     let names = directory.names()?;
     let Some((first, _)) = names.iter().find(|(name, _)| is_ours(name)) else { return Ok(()) };
     let mut found = vec![0; increments::FIRST_COLUMNS.len()];
@@ -167,5 +163,16 @@ fn may_take(directory: &Directory) -> io::Result<()> {
     }
     let message =
         format!("{} is there already, and no run of stickslip wrote it", directory.path().join(first).display());
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, message))
+}
+
+/// An error where a folder has the name of a file of results.
+fn refuse_folders(directory: &Directory) -> io::Result<()> {
+    let names = directory.names()?;
+    let Some((name, _)) = names.iter().find(|(name, is_folder)| *is_folder && (is_ours(name) || name == CHECKPOINT))
+    else {
+        return Ok(());
+    };
+    let message = format!("{} is a folder, where a file of results goes", directory.path().join(name).display());
     Err(io::Error::new(io::ErrorKind::AlreadyExists, message))
 }
