@@ -15,6 +15,7 @@ mod check;
 mod compare;
 mod init;
 mod interrupt;
+mod memory;
 mod output;
 mod progress;
 mod run;
@@ -200,6 +201,7 @@ fn program() -> clap::Command {
 
 pub(crate) fn main() -> ExitCode {
     let json = std::env::args_os().any(|argument| argument == "--json");
+    memory::end_in_order(json);
     let matches = program().try_get_matches();
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
@@ -213,6 +215,10 @@ pub(crate) fn main() -> ExitCode {
     let code = match bug::caught(|| cli.run()) {
         Ok(Ok(code)) => code,
         Ok(Err(failure)) => output::failure(&failure, json),
+        // Not all that lacks memory ends with a word of it.
+        Err(_) if memory::is_short() => {
+            output::failure(&Failure::Machine(miette::miette!(help = memory::HELP, "{}", memory::MESSAGE)), json)
+        }
         Err(bug) => {
             output::note(&bug);
             if json {
