@@ -51,6 +51,8 @@ fn go_on_with_one_thread() {
     use super::output;
 
     const THREADS: &str = "OPENBLAS_NUM_THREADS";
+    // glibc maps 64 MiB for each thread to take its memory from, unless all take it from one place.
+    const ARENAS: &str = "MALLOC_ARENA_MAX";
     let one = std::env::var_os(THREADS).is_some_and(|threads| threads == "1");
     let several = || Blas::loaded().is_some_and(|blas| blas.library == "OpenBLAS" && blas.threads > Some(1));
     let left = || Budget::of_process().filter(|budget| budget.source.counts_what_is_mapped());
@@ -60,7 +62,7 @@ fn go_on_with_one_thread() {
     }
     let mut arguments = std::env::args_os();
     let name = arguments.next().unwrap_or_default();
-    let error = Command::new("/proc/self/exe").arg0(name).args(arguments).env(THREADS, "1").exec();
+    let error = Command::new("/proc/self/exe").arg0(name).args(arguments).env(THREADS, "1").env(ARENAS, "1").exec();
     if blas_is_stuck() {
         output::note(&format!(
             "out of memory: the BLAS has no room for its threads, and the program cannot start itself again: {error}\n\

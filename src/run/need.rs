@@ -10,6 +10,9 @@ use crate::model::Model;
 /// Bytes that mesh, assembly and the patterns and values of all formulations take for an entry of the lower triangle of the stiffness.
 const BODY_BYTES: f64 = 160.0;
 
+/// What the program takes before it has a mesh, bytes.
+const PROGRAM_BYTES: f64 = 25e6;
+
 /// Bytes of the records of an increment, where they are kept.
 const RECORD_BYTES: f64 = 2000.0;
 
@@ -20,7 +23,7 @@ const MOST_FILL: usize = 64;
 /// The memory of a run, bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Need {
-    /// Mesh, stiffness, contact and the equations.
+    /// The program, mesh, stiffness, contact and the equations.
     pub body: f64,
     /// The factors and, where the system is condensed, the Schur complement, at most.
     pub factors: f64,
@@ -49,7 +52,7 @@ impl Need {
             LinearAlgebra::Whole(_) => (cost::sparse(&sizes, &work, false).bytes, 16.0 * entries),
             LinearAlgebra::Condensed(_) => (cost::condensed(&sizes, &work).bytes, 8.0 * entries),
         };
-        let body = BODY_BYTES * problem.stiffness().lower().values().len() as f64;
+        let body = PROGRAM_BYTES + BODY_BYTES * problem.stiffness().lower().values().len() as f64;
         Need { body, factors, history: RECORD_BYTES * records as f64, least }
     }
 
@@ -142,7 +145,7 @@ mod tests {
         for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
             let need = Need::of(&model, linear, 100).unwrap();
             assert!(need.least > 1e5 && need.factors > need.least && need.history == 2e5, "{need:?}");
-            assert!(need.bytes() as f64 > need.body + need.factors);
+            assert!(need.body > PROGRAM_BYTES && need.bytes() as f64 > need.body + need.factors);
             assert!(Need::check(&model, linear, budget(need.least as u64 + 1)).is_ok());
             assert!(matches!(
                 Need::check(&model, linear, budget(need.least as u64 - 1)),

@@ -21,8 +21,8 @@ pub const LIBRARY: &[Places] = &[
         &["events/coordinates.rs", "events/dictionary.rs", "linear/", "problem/contact_stiffness.rs", "uniqueness.rs"],
     ),
     ("indicatif", &["cli/progress.rs"]),
-    ("libc", &["linear/process.rs"]),
-    ("libloading", &["linear/blas/loaded.rs", "linear/process.rs"]),
+    ("libc", &["linear/blas/room.rs", "linear/process.rs", "linear/process/allocator.rs"]),
+    ("libloading", &["linear/blas/loaded.rs", "linear/blas/room.rs", "linear/process.rs"]),
     (
         "miette",
         &[
@@ -58,17 +58,17 @@ pub const LIBRARY: &[Places] = &[
     ),
     ("serde", &[]),
     ("serde_json", &["cli/", "report/quantities.rs", "report/run.rs", "report/schema.rs"]),
-    ("signal_hook", &["cli/interrupt.rs"]),
+    ("signal_hook", &["cli/interrupt.rs", "cli/memory.rs"]),
     ("thiserror", &[]),
     ("toml", &["scene/"]),
     ("toml_edit", &["compare/mesh.rs", "scene/"]),
     // What OpenBLAS has read there is part of what it is.
     ("std::env", &["cli.rs", "cli/", "linear/blas/loaded.rs"]),
-    ("std::fs", &["cli/", "input.rs", "linear/blas/loaded.rs", "report/folder.rs", "report/usage.rs"]),
+    ("std::fs", &["cli/", "input.rs", "linear/blas/loaded.rs", "linear/blas/room.rs", "memory.rs", "report/folder.rs"]),
     ("std::net", &[NOWHERE]),
     ("std::panic", &["cli/bug.rs", "jobs.rs"]),
     ("std::process", &["main.rs", "cli.rs", "cli/"]),
-    ("std::thread", &["cli/sweep/processes.rs", "cli/threads.rs", "jobs.rs"]),
+    ("std::thread", &["cli/interrupt.rs", "cli/sweep/processes.rs", "cli/threads.rs", "jobs.rs"]),
 ];
 
 /// The same of the studies, which use the library as any other crate does.

@@ -125,11 +125,6 @@ fn of_openblas(process: &Library, blas: Blas) -> Blas {
     }
 }
 
-/// The threads of OpenBLAS, if that is the BLAS of this process.
-pub(super) fn openblas_threads(process: &Library) -> Option<usize> {
-    KINDS.iter().find(|kind| kind.name == OPENBLAS).and_then(|kind| threads(process, kind))
-}
-
 fn threads(process: &Library, kind: &Kind) -> Option<usize> {
     // SAFETY (both): the symbols are the libraries' documented functions, which take nothing and return the number of threads
     // as a C int (OpenBLAS, MKL) or as a 64-bit integer (BLIS).

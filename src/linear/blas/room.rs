@@ -35,7 +35,7 @@ pub(in crate::linear) fn prepare() -> Result<(), LinearError> {
         return Ok(());
     }
     let process = Library::this();
-    if is_openblas(&process) {
+    if openblas_threads(&process).is_some() {
         let left = LEFT.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1)).is_ok();
         if !left && !can_map(BUFFER) {
             return Err(LinearError::OutOfMemory { step: "the BLAS, which takes 128 MiB for itself" });
@@ -60,12 +60,16 @@ pub(super) fn left_behind(buffers: usize) {
 /// Whether a thread that OpenBLAS has started when it was loaded asks for its buffer in vain. It does so for ever, and whoever waits for
 /// its end waits for ever, too, such as the end of the process.
 pub(in crate::linear) fn is_stuck(process: &Library) -> bool {
-    let workers = super::loaded::openblas_threads(process).map_or(0, |threads| threads - 1);
+    let workers = openblas_threads(process).map_or(0, |threads| threads - 1);
     workers > mapped_buffers() && !can_map(BUFFER)
 }
 
-fn is_openblas(process: &Library) -> bool {
-    super::loaded::openblas_threads(process).is_some()
+/// The threads of OpenBLAS, if that is the BLAS of this process.
+fn openblas_threads(process: &Library) -> Option<usize> {
+    // SAFETY: OpenBLAS' documented function takes nothing and returns the number of threads as a C int.
+    let count = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(b"openblas_get_num_threads\0") }.ok()?;
+    // SAFETY: see above.
+    Some(usize::try_from(unsafe { count() }).unwrap_or(1).max(1))
 }
 
 /// How many buffers of OpenBLAS this process can hold among what it has mapped.
