@@ -24,7 +24,7 @@ const TIME: Duration = Duration::from_secs(60);
 fn ended(mut command: Command, folder: &Folder) -> Ended {
     let words = PathBuf::from(folder.join("words"));
     let file = std::fs::File::create(&words).unwrap();
-    let mut child =
+    let child =
         command.env_remove("RUST_BACKTRACE").stdout(file.try_clone().unwrap()).stderr(file).stdin(Stdio::null());
     let mut child = child.spawn().unwrap();
     let start = Instant::now();
@@ -99,6 +99,53 @@ fn check_tells_the_need_and_whose_limit_it_is() {
     let many = ended(limited(2000, &["run", &scene, "--json", "--set", "time.increments=2000000"]), &folder);
     assert_eq!(many.code, Some(3), "{}", many.words);
     assert!(many.words.contains("the records of so many increments need 4.0 GB"), "{}", many.words);
+}
+
+/// Many triangles in one place, each a body by itself: what is in the same place is not compared with all that is there, in time or in
+/// memory.
+#[test]
+fn a_stack_of_nodes_is_told_soon() {
+    use std::fmt::Write;
+    const TRIANGLES: usize = 20_000;
+    let nodes = 3 * TRIANGLES;
+    let (folder, scene) = Folder::with_scene(
+        "mesh = { kind = \"gmsh\", file = \"m.msh\" }\nmaterial = { young = 1e9, poisson = 0.3 }\n\
+         support = [{ boundary = \"top\", fix = [\"x\", \"y\"] }]\ntime = { end = 1, increments = 2 }\n",
+    );
+    let mut mesh =
+        String::from("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n1 0 0 0 1 1 1 0 0\n$EndEntities\n");
+    writeln!(mesh, "$Nodes\n1 {nodes} 1 {nodes}\n2 1 0 {nodes}").unwrap();
+    (1..=nodes).for_each(|node| writeln!(mesh, "{node}").unwrap());
+    mesh += &"0 0 0\n1 0 0\n0 1 0\n".repeat(TRIANGLES);
+    writeln!(mesh, "$EndNodes\n$Elements\n1 {TRIANGLES} 1 {TRIANGLES}\n2 1 2 {TRIANGLES}").unwrap();
+    (0..TRIANGLES).for_each(|k| writeln!(mesh, "{} {} {} {}", k + 1, 3 * k + 1, 3 * k + 2, 3 * k + 3).unwrap());
+    mesh += "$EndElements\n";
+    std::fs::write(folder.join("m.msh"), mesh).unwrap();
+    let check = ended(limited(1000, &["check", &scene]), &folder);
+    assert_eq!(check.code, Some(2), "{}", check.words);
+    assert!(check.words.contains("both have a node at"), "{}", check.words);
+}
+
+/// The first Ctrl-C ends a set-up, in which nobody looks for one.
+#[test]
+fn a_set_up_is_interrupted_by_the_first_request() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let words = folder.join("words");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .args(["run", &scene, "--set", "mesh.elements=[1200,1200]"])
+        .stdout(std::fs::File::create(&words).unwrap())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let begun = || std::fs::read_to_string(&words).unwrap().contains("set-up       mesh");
+    while !begun() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let start = Instant::now();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
+    assert!(!std::fs::read_to_string(&words).unwrap().contains("verdict"));
 }
 
 /// The library that refuses memory, compiled into `folder`; none where there is no compiler of C.
