@@ -209,10 +209,13 @@ pub(crate) fn main() -> ExitCode {
             if json && error.use_stderr() {
                 output::failure_as_json("bad-input", &error.render().to_string());
             }
+            memory::exits();
             error.exit()
         }
     };
     let code = match bug::caught(|| cli.run()) {
+        // What lacked memory has been read in part, and is not to blame.
+        Ok(Err(Failure::Input(report))) if memory::is_short() => output::failure(&Failure::Machine(report), json),
         Ok(Ok(code)) => code,
         Ok(Err(failure)) => output::failure(&failure, json),
         // Not all that lacks memory ends with a word of it.
@@ -227,6 +230,7 @@ pub(crate) fn main() -> ExitCode {
             ExitCode::from(3)
         }
     };
+    memory::exits();
     // Whatever the command found: who reads it has not got it.
     if output::failed() { ExitCode::from(3) } else { code }
 }

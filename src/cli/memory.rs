@@ -1,5 +1,6 @@
 //! What the program does where memory is refused.
 
+pub(super) use stickslip::linear::process::exits;
 use stickslip::linear::process::{Last, memory_was_refused, say_last};
 
 /// A refusal that cannot be passed on, in words.

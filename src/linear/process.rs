@@ -6,7 +6,7 @@
 
 mod allocator;
 
-pub use allocator::{Last, OrderlyEnd, memory_was_refused, say_last};
+pub use allocator::{Last, OrderlyEnd, exits, memory_was_refused, say_last};
 
 use std::ffi::c_int;
 

@@ -22,16 +22,31 @@ pub struct Last {
 }
 
 static LAST: OnceLock<Last> = OnceLock::new();
+static ENDS: AtomicBool = AtomicBool::new(false);
 static REFUSED: AtomicBool = AtomicBool::new(false);
 
 /// Before [`say_last`] was called.
 const UNTOLD: Last = Last { out_of_memory: "out of memory\n", output: "", aborted: "aborted\n", status: 3 };
 
-/// Chooses what is said and by what status the process ends where it is aborted: by Rust where memory is refused that it cannot do
-/// without, or by a library of C that finds no way to go on. Only the first choice counts.
+/// Chooses what is said and by what status the process ends where it is aborted, by Rust where memory is refused that it cannot do
+/// without, or where a library of C finds no way to go on and aborts or exits. Only the first choice counts. From then on [`exits`] comes
+/// before an exit that is meant.
 pub fn say_last(last: Last) {
     if LAST.set(last).is_ok() {
         arm();
+        // SAFETY: the function may be called at the end of the process, and does only what it may in a handler of a signal.
+        unsafe { libc::atexit(unless_meant) };
+    }
+}
+
+/// The process is about to end as it should.
+pub fn exits() {
+    ENDS.store(true, Ordering::Relaxed);
+}
+
+extern "C" fn unless_meant() {
+    if !ENDS.load(Ordering::Relaxed) {
+        end(0);
     }
 }
 
