@@ -98,10 +98,10 @@ pub(super) fn has_room(nodes: Option<(usize, usize)>, budget: Option<Budget>) ->
     // The matrices alone, 16 bytes an entry, and for each unknown 27 of them in two dimensions and 81 in three; the
     // factors take more.
     let needed = (nodes as u64).saturating_mul((d * 3_usize.pow(d as u32 + 1) * 16) as u64);
-    match needed > budget.bytes {
-        true => Err(RunError::NoRoom { what: "the matrices of this mesh", needed, budget }),
-        false => Ok(()),
+    if needed > budget.bytes {
+        return Err(RunError::NoRoom { what: "the matrices of this mesh", needed, budget });
     }
+    Ok(())
 }
 
 #[cfg(test)]
