@@ -15,6 +15,7 @@ mod check;
 mod compare;
 mod init;
 mod interrupt;
+mod memory;
 mod output;
 mod progress;
 mod run;
@@ -208,6 +209,7 @@ fn program() -> clap::Command {
 
 pub(crate) fn main() -> ExitCode {
     let json = std::env::args_os().any(|argument| argument == "--json");
+    memory::end_in_order(json);
     let matches = program().try_get_matches();
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
@@ -215,12 +217,19 @@ pub(crate) fn main() -> ExitCode {
             if json && error.use_stderr() {
                 output::failure_as_json("bad-input", &error.render().to_string());
             }
+            memory::exits();
             error.exit()
         }
     };
     let code = match bug::caught(|| cli.run()) {
+        // What lacked memory has been read in part, and is not to blame.
+        Ok(Err(Failure::Input(report))) if memory::is_short() => output::failure(&Failure::Machine(report), json),
         Ok(Ok(code)) => code,
         Ok(Err(failure)) => output::failure(&failure, json),
+        // Not all that lacks memory ends with a word of it.
+        Err(_) if memory::is_short() => {
+            output::failure(&Failure::Machine(miette::miette!(help = memory::HELP, "{}", memory::MESSAGE)), json)
+        }
         Err(bug) => {
             output::note(&bug);
             if json {
@@ -229,6 +238,7 @@ pub(crate) fn main() -> ExitCode {
             ExitCode::from(3)
         }
     };
+    memory::exits();
     // Whatever the command found: who reads it has not got it.
     if output::failed() { ExitCode::from(3) } else { code }
 }

@@ -43,6 +43,7 @@ mod input;
 pub mod jobs;
 pub mod linear;
 pub mod loading;
+pub mod memory;
 pub mod mesh;
 pub mod model;
 pub mod nonlinear;

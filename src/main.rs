@@ -2,6 +2,12 @@
 
 mod cli;
 
+use stickslip::linear::process::OrderlyEnd;
+
+/// Where memory is refused the program ends with a message and a status of its own.
+#[global_allocator]
+static ALLOCATOR: OrderlyEnd = OrderlyEnd;
+
 fn main() -> std::process::ExitCode {
     cli::main()
 }

@@ -69,7 +69,7 @@ pub use svg::{Dash, Line, Marker, PlotError};
 pub use table::Table;
 pub use unit_names::{NamedUnit, UnitNames};
 pub use unknowns::{LeftOut, Unknowns};
-pub use usage::{available_bytes, cpu_seconds, peak_rss_bytes, thread_cpu_seconds};
+pub use usage::{cpu_seconds, peak_rss_bytes, thread_cpu_seconds};
 pub use validity::{LargestDisplacement, NOT_SMALL, Validity};
 pub use vtu::{Field, Grid, Values};
 pub use warnings::{Warning, WarningKind};

@@ -27,6 +27,7 @@ mod companion;
 mod discretise;
 mod error;
 mod increments;
+mod need;
 mod recording;
 mod watch;
 
@@ -36,6 +37,7 @@ use std::time::Instant;
 pub use discretise::discretise;
 pub use error::RunError;
 pub use increments::increments_for;
+pub use need::Need;
 pub use recording::{RecordedIncrement, Recording};
 
 use crate::auto::{Choice, Done, Faster, factorizations};
@@ -46,12 +48,11 @@ use crate::history::{
     self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Method, Observer, Solver, Status, System,
 };
 use crate::linear::{Direct, LinearError};
+use crate::memory::Budget;
 use crate::model::Model;
 use crate::problem::State;
 use crate::reach::{self, Reach};
-use crate::report::{
-    CompanionEstimate, Estimates, Facts, Measured, RunReport, available_bytes, cpu_seconds, peak_rss_bytes,
-};
+use crate::report::{CompanionEstimate, Estimates, Facts, Measured, RunReport, cpu_seconds, peak_rss_bytes};
 use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
 use companion::{Companion, Quiet};
@@ -127,10 +128,13 @@ impl<'a> Run<'a> {
         } else {
             Reach::default()
         };
+        let budget = Budget::of_process();
+        let left = budget.map(|budget| budget.bytes);
         let choice = match solver.linear {
             Some(linear) => Choice::named(linear),
-            None => Choice::cheapest(&model.problem, &reach, solver.method, times.len(), available_bytes())?,
+            None => Choice::cheapest(&model.problem, &reach, solver.method, times.len(), left)?,
         };
+        Need::check(&model, choice.linear, budget)?;
         let model_seconds = start.elapsed().as_secs_f64();
         let (uniqueness, companion, from) = (false, false, None);
         Ok(Run { scene, model, times, solver, choice, reach, uniqueness, companion, from, model_seconds })

@@ -13,11 +13,12 @@ use stickslip::description::{Action, Bed, Direction, Field, Held, Support, Where
 use stickslip::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::formulation::Layout;
 use stickslip::history;
+use stickslip::memory::{Budget, in_words};
 use stickslip::mesh::{CellKind, MeshSource};
 use stickslip::model::Model;
 use stickslip::problem::ProblemError;
 use stickslip::report::{PairRecord, Warning};
-use stickslip::run::{RunError, discretise};
+use stickslip::run::{Need, RunError, discretise};
 use stickslip::scene::Scene;
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 use stickslip::units::{Quantity, UnitSystem};
@@ -36,6 +37,7 @@ pub(super) struct CheckArgs {
 
 pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     let scene = args.scene.read()?;
+    let budget = Budget::of_process();
     let model = discretise(&scene)?;
     say!("{}", scene.title);
     body(&scene, &model);
@@ -59,6 +61,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         solver.max_iterations,
         solver.tolerance
     );
+    memory(&scene, &model, budget)?;
     holding(&model);
     for warning in Warning::of_model(&model) {
         say!("warning      {}", warning.message);
@@ -67,6 +70,17 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         theorem(&model);
         equilibrium(&scene, &model).map_err(history::Error::from).map_err(RunError::from)?;
     }
+    Ok(())
+}
+
+/// What a run takes of the memory, and what there is: without condensation, unless the scene asks for it.
+fn memory(scene: &Scene, model: &Model, budget: Option<Budget>) -> Result<(), RunError> {
+    let need = Need::of(model, scene.solver.linear.unwrap_or_default(), 0)?.bytes();
+    let of = budget.map_or(String::new(), |Budget { bytes, source }| {
+        let enough = if need > bytes { "; this is hardly enough" } else { "" };
+        format!(" of {} that {source} leaves{enough}", in_words(bytes))
+    });
+    say!("memory       about {}{of}", in_words(need));
     Ok(())
 }
 

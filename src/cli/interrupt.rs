@@ -1,4 +1,5 @@
-//! Ctrl-C: the first one asks the run to stop after the iteration at hand, the second ends the program.
+//! Ctrl-C: during the set-up, in which nobody looks for a request, it ends the program; later the first one asks the run to stop after
+//! the iteration at hand, and the second ends the program.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock};
@@ -8,20 +9,25 @@ use signal_hook::flag;
 
 static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
+/// Nobody has looked for a request so far.
+static UNSEEN: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| Arc::new(AtomicBool::new(true)));
+
 /// The exit status that shells give to a program that Ctrl-C ended.
 const INTERRUPTED: i32 = 130;
 
 /// From now on Ctrl-C and SIGTERM are requests.
 pub(super) fn listen() {
     for signal in [SIGINT, SIGTERM] {
-        // The order matters: a signal first sees whether another one came before, then leaves its mark.
+        // The order matters: a signal first sees whether anybody looks and whether another one came before, then leaves its mark.
         // Where this is refused, the signal ends the program, as it does everywhere; that is no failure.
-        let _ = flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&REQUESTED))
+        let _ = flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&UNSEEN))
+            .and_then(|_| flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&REQUESTED)))
             .and_then(|_| flag::register(signal, Arc::clone(&REQUESTED)));
     }
 }
 
 /// Whether the run is to stop.
 pub(super) fn requested() -> bool {
+    UNSEEN.store(false, Ordering::Relaxed);
     REQUESTED.load(Ordering::Relaxed)
 }

@@ -16,12 +16,13 @@ use stickslip::estimate::PeakOf;
 use stickslip::formulation::{Layout, NewtonSystem};
 use stickslip::history::{IncrementError, Method, Status, WorkingSet};
 use stickslip::linear::blas::Blas;
+use stickslip::memory::Budget;
 use stickslip::model::Model;
 use stickslip::report::{
     Acting, BalanceRecord, Claim, CompanionEstimate, ComponentSums, LeftOut, ProbeTable, ResultFolder, Resultant,
     RunReport, Unknowns, Warning,
 };
-use stickslip::run::Run;
+use stickslip::run::{Need, Run};
 use stickslip::scene::{Origin, Scene};
 use stickslip::units::Quantity;
 
@@ -118,6 +119,11 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         print_blas(kernel_before.as_deref());
         say!("set-up       symbolic analysis");
     }
+    // Where somebody reads all records at once, and nowhere else, they are kept.
+    let keeps = args.json && folder.is_none();
+    if keeps {
+        Need::check_records(run.times().len() - done, Budget::of_process())?;
+    }
     let mut watcher = Watcher {
         model: run.model(),
         title: &scene.title,
@@ -131,8 +137,6 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
     if left.is_none() {
         watcher.start(&run.undeformed());
     }
-    // Where somebody reads all records at once, and nowhere else, they are kept.
-    let keeps = args.json && watcher.folder.is_none();
     let report = if keeps { run.solve(&mut watcher) } else { run.solve_to(&mut watcher) };
     watcher.progress.finish();
     let Watcher { mut folder, failed_write, .. } = watcher;

@@ -6,6 +6,8 @@
 
 #[cfg(feature = "umfpack")]
 pub(super) mod loaded;
+#[cfg(feature = "umfpack")]
+pub(super) mod room;
 
 use std::fmt;
 

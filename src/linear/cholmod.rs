@@ -6,6 +6,7 @@
 use std::ffi::{c_int, c_void};
 use std::ptr::{self, NonNull};
 
+use super::blas::room;
 use super::supernodal::{Supernodal, Supernode};
 use super::{FactorInfo, LinearError, ordering, sys};
 use crate::sparse::{Csc, Pattern};
@@ -103,6 +104,7 @@ impl Session {
 
     /// Factors the symmetric matrix with this lower triangle in the given order.
     pub(super) fn factor(mut self, lower: &Csc, order: &[usize]) -> Result<Factor, LinearError> {
+        room::prepare()?;
         let mut permutation: Vec<i64> = order.iter().map(|&unknown| unknown as i64).collect();
         let common = self.common_mut();
         common.nmethods = 1;

@@ -4,13 +4,17 @@
 
 #![allow(unsafe_code)]
 
+mod allocator;
+
+pub use allocator::{Last, OrderlyEnd, exits, memory_was_refused, say_last};
+
 use std::ffi::c_int;
 
 #[cfg(feature = "umfpack")]
 use libloading::os::unix::Library;
 
 #[cfg(feature = "umfpack")]
-use super::blas::loaded;
+use super::blas::{loaded, room};
 
 /// Sets the number of BLAS threads, and of OpenMP's for this thread, and returns the name of the library that took it.
 ///
@@ -22,6 +26,14 @@ pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
     let process = Library::this();
     set_openmp(&process, threads);
     loaded::set_threads(&process, threads)
+}
+
+/// Whether a thread that OpenBLAS started when it was loaded has not got its memory and asks for it for ever. The process can then do
+/// nothing with the BLAS, and not even end in the usual way; one with `OPENBLAS_NUM_THREADS=1` in its environment has no such
+/// thread.
+#[cfg(feature = "umfpack")]
+pub fn blas_is_stuck() -> bool {
+    room::is_stuck(&Library::this())
 }
 
 /// Lets the parallel regions of CHOLMOD run in this thread, if it is the one that meets them; elsewhere nothing changes. Does nothing

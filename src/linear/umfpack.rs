@@ -11,6 +11,7 @@ use std::ffi::c_void;
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
 
+use super::blas::room;
 use super::error::expect_length;
 use super::{FactorInfo, LinearError, LinearSolver, ordering, sys};
 use crate::sparse::Pattern;
@@ -163,6 +164,7 @@ impl LinearSolver for Umfpack {
             return Err(LinearError::Order { missing: "analyze" });
         };
         expect_length("values of the matrix", pattern.len(), values.len())?;
+        room::prepare()?;
         // The old factors go first: two at a time would double the peak memory.
         self.numeric = None;
         let mut info: Info = [0.0; INFO];
@@ -235,11 +237,13 @@ fn check(status: impl Into<i64>, step: &'static str, pivot_ratio: f64) -> Result
     const OK: i64 = sys::UMFPACK_OK as i64;
     const SINGULAR: i64 = sys::UMFPACK_WARNING_singular_matrix as i64;
     const OUT_OF_MEMORY: i64 = sys::UMFPACK_ERROR_out_of_memory as i64;
+    // The orderings accept every pattern that is one, so that what they lack is memory; METIS has no other word for it.
+    const NOT_ORDERED: i64 = sys::UMFPACK_ERROR_ordering_failed as i64;
     const DIFFERENT_PATTERN: i64 = sys::UMFPACK_ERROR_different_pattern as i64;
     match status.into() {
         OK => Ok(()),
         SINGULAR => Err(LinearError::Singular { pivot_ratio }),
-        OUT_OF_MEMORY => Err(LinearError::OutOfMemory { step }),
+        OUT_OF_MEMORY | NOT_ORDERED => Err(LinearError::OutOfMemory { step }),
         DIFFERENT_PATTERN => Err(LinearError::PatternChanged),
         status => Err(LinearError::Backend { backend: "umfpack", step, status }),
     }
@@ -303,7 +307,9 @@ mod tests {
         let map = |status| check(status, "a test", 0.5);
         assert_eq!(map(0), Ok(()));
         assert_eq!(map(1), Err(LinearError::Singular { pivot_ratio: 0.5 }));
-        assert_eq!(map(-1), Err(LinearError::OutOfMemory { step: "a test" }));
+        for refused in [-1, -18] {
+            assert_eq!(map(refused), Err(LinearError::OutOfMemory { step: "a test" }));
+        }
         assert_eq!(map(-11), Err(LinearError::PatternChanged));
         assert!(matches!(map(-911), Err(LinearError::Backend { status: -911, .. })));
     }

@@ -86,7 +86,10 @@ impl Mesh {
     /// That is well where bodies touch; where they should be one, somebody forgot to join them.
     pub fn touching_nodes(&self, bodies: &Bodies) -> Vec<(usize, usize)> {
         let of = bodies.of_nodes();
-        if bodies.are_several() { self.coincident_nodes(|a, b| of[a] != of[b]) } else { Vec::new() }
+        if !bodies.are_several() {
+            return Vec::new();
+        }
+        self.pairs_in(&self.in_order(), self.near(), |a, b| of[a] != of[b])
     }
 }
 

@@ -267,7 +267,7 @@ impl Mesh {
         let numbered =
             |all: &[usize], pairs: Vec<(usize, usize)>| pairs.iter().map(|&(a, b)| (all[a], all[b])).collect();
         let of = bodies.of_nodes();
-        let coincident = self.coincident_nodes(|a, b| of[a] == of[b]);
+        let coincident = self.coincident_nodes(of);
         if !coincident.is_empty() {
             return Err(MeshFault::CoincidentNodes(numbered(numbers.nodes, coincident)));
         }
@@ -314,13 +314,36 @@ impl Mesh {
         nodes.chain(inner).any(|at| Jacobian::new(cell.kind, at, &points).determinant <= NEGLIGIBLE * size)
     }
 
-    /// Nodes in one place that are a pair for `paired`, each with the next of them: a stack of n nodes makes n - 1 pairs.
-    pub(super) fn coincident_nodes(&self, paired: impl Fn(usize, usize) -> bool) -> Vec<(usize, usize)> {
-        let near = NEGLIGIBLE * self.size();
-        // Along a direction of no lattice few nodes share a place, so few pairs have to be looked at.
+    /// Nodes of one body in one place, `of` being the bodies of all nodes: each with the next of them, so that a stack of n nodes makes
+    /// n - 1 pairs.
+    fn coincident_nodes(&self, of: &[usize]) -> Vec<(usize, usize)> {
+        // Body by body, so that in a stack of nodes of many bodies none is looked at in vain.
+        let mut order = self.in_order();
+        order.sort_by_key(|&(_, node)| of[node]);
+        let near = self.near();
+        order.chunk_by(|a, b| of[a.1] == of[b.1]).flat_map(|body| self.pairs_in(body, near, |_, _| true)).collect()
+    }
+
+    /// The nodes along a direction of no lattice, with where they are: few share a place, so few pairs have to be looked at.
+    pub(super) fn in_order(&self) -> Vec<(f64, usize)> {
         let along = |x: [f64; 3]| dot(x, [0.742, 0.534, 0.406]);
         let mut order: Vec<(f64, usize)> = self.nodes.iter().enumerate().map(|(k, &x)| (along(x), k)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        order
+    }
+
+    /// Nodes that are no farther apart are in one place, m.
+    pub(super) fn near(&self) -> f64 {
+        NEGLIGIBLE * self.size()
+    }
+
+    /// Nodes that are as `near` as in one place and a pair for `paired`, each with the next of them in this `order`.
+    pub(super) fn pairs_in(
+        &self,
+        order: &[(f64, usize)],
+        near: f64,
+        paired: impl Fn(usize, usize) -> bool,
+    ) -> Vec<(usize, usize)> {
         let mut pairs = Vec::new();
         for (k, &(s, a)) in order.iter().enumerate() {
             for &(_, b) in order[k + 1..].iter().take_while(|(t, _)| t - s <= near) {

@@ -1,10 +1,12 @@
 //! A scene to its model, if the machine has room for it and the method knows such a problem.
 
 use super::RunError;
+use super::need::has_room;
 use crate::formulation::Layout;
 use crate::history::Method;
+use crate::memory::Budget;
 use crate::model::Model;
-use crate::report::{ProbeTable, available_bytes};
+use crate::report::ProbeTable;
 use crate::scene::Scene;
 use crate::timeline::equal_increments;
 
@@ -28,7 +30,7 @@ fn chords(ends: &[f64], kinks: &[f64]) -> Vec<f64> {
 /// When the scene contradicts its mesh, as a probe outside of the body does, when its method does not know such a problem, and when the
 /// matrices would not fit into the memory that is free.
 pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
-    has_room(scene.description.mesh.nodes(), available_bytes())?;
+    has_room(scene.description.mesh.nodes(), Budget::of_process())?;
     let mut model = Model::new(scene)?;
     if let Method::Events { .. } = scene.solver.method {
         let layout = Layout::new(&model.problem);
@@ -57,30 +59,4 @@ pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
     }
     ProbeTable::all(&model, &scene.output.probes).map_err(|fault| scene.located(fault))?;
     Ok(model)
-}
-
-/// Whether so many nodes in so many dimensions, where that is known beforehand, fit into the `available` bytes. Asking
-/// first is kinder than being killed half-way.
-fn has_room(nodes: Option<(usize, usize)>, available: Option<u64>) -> Result<(), RunError> {
-    let (Some((nodes, d)), Some(available)) = (nodes, available) else { return Ok(()) };
-    // The matrices alone, 16 bytes an entry, and for each unknown 27 of them in two dimensions and 81 in three; the
-    // factors take more.
-    let needed = (nodes * d * 3_usize.pow(d as u32 + 1) * 16) as u64;
-    if needed > available { Err(RunError::NoRoom { needed, available }) } else { Ok(()) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_does_not_fit_is_refused() {
-        // Two displacements a node, 27 entries each.
-        let needed = 1_000_000 * 2 * 27 * 16;
-        assert!(has_room(Some((1_000_000, 2)), Some(needed)).is_ok());
-        let refused = has_room(Some((1_000_000, 2)), Some(needed - 1)).err().map(|error| error.to_string());
-        let words = "the matrices of this mesh need 0.9 GB and the factors more, but 0.9 GB are free";
-        assert_eq!(refused.as_deref(), Some(words));
-        assert!(has_room(None, Some(0)).is_ok() && has_room(Some((1, 3)), None).is_ok());
-    }
 }

@@ -2,6 +2,7 @@
 
 use crate::history;
 use crate::linear::LinearError;
+use crate::memory::{Budget, in_words};
 use crate::model::ModelError;
 use crate::scene::SceneError;
 
@@ -12,18 +13,16 @@ pub enum RunError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Model(#[from] ModelError),
-    /// The machine has no room for the matrices.
-    #[error(
-        "the matrices of this mesh need {:.1} GB and the factors more, but {:.1} GB are free",
-        gigabytes(*needed),
-        gigabytes(*available)
-    )]
-    #[diagnostic(help("use a coarser mesh or a machine with more memory"))]
+    /// There is no room for what the run takes.
+    #[error("{what} need {} or more, but {} leaves {}", in_words(*needed), budget.source, in_words(budget.bytes))]
+    #[diagnostic(help("{}", budget.source.remedy()))]
     NoRoom {
-        /// What the matrices alone take, bytes.
+        /// What needs it.
+        what: &'static str,
+        /// What that takes at least, bytes.
         needed: u64,
-        /// What the system can give, bytes.
-        available: u64,
+        /// What may be taken, and who says so.
+        budget: Budget,
     },
     /// The uniqueness was asked for where [`crate::uniqueness`] does not tell it.
     #[error(
@@ -56,10 +55,6 @@ impl From<SceneError> for RunError {
     }
 }
 
-fn gigabytes(bytes: u64) -> f64 {
-    bytes as f64 * 1e-9
-}
-
 impl From<LinearError> for RunError {
     fn from(error: LinearError) -> Self {
         RunError::History(error.into())
@@ -69,7 +64,9 @@ impl From<LinearError> for RunError {
 fn remedy(error: &history::Error) -> &'static str {
     use history::Error::{Checkpoint, Linear, NoWeight, Problem};
     match error {
-        Linear(LinearError::OutOfMemory { .. }) => "use a coarser mesh or a machine with more memory",
+        Linear(LinearError::OutOfMemory { .. }) => {
+            "use a coarser mesh, raise the memory limit, or use a machine with more memory"
+        }
         Problem(_) | NoWeight { .. } => "mend the array",
         Checkpoint(_) => "go on with the run as it was begun, or begin anew",
         _ => "this is not the scene's fault; please report it",

@@ -47,7 +47,10 @@ impl Pattern {
             starts[column + 1] += starts[column];
         }
         let mut next = starts.clone();
-        let mut found = vec![0_i64; starts[columns]];
+        // Far more than the columns, and the first of what grows with a mesh to be refused.
+        let mut found = Vec::new();
+        found.try_reserve_exact(starts[columns]).map_err(|_| MatrixError::TooLarge { rows, columns })?;
+        found.resize(starts[columns], 0_i64);
         visit(&mut |row, column| {
             if fault.is_some() {
                 return;

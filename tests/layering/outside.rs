@@ -22,8 +22,8 @@ pub const LIBRARY: &[Places] = &[
         &["events/coordinates.rs", "events/dictionary.rs", "linear/", "problem/contact_stiffness.rs", "uniqueness.rs"],
     ),
     ("indicatif", &["cli/progress.rs"]),
-    ("libc", &["linear/process.rs"]),
-    ("libloading", &["linear/blas/loaded.rs", "linear/process.rs"]),
+    ("libc", &["linear/blas/room.rs", "linear/process.rs", "linear/process/allocator.rs"]),
+    ("libloading", &["linear/blas/loaded.rs", "linear/blas/room.rs", "linear/process.rs"]),
     (
         "miette",
         &[
@@ -60,13 +60,24 @@ pub const LIBRARY: &[Places] = &[
     ),
     ("serde", &[]),
     ("serde_json", &["cli/", "report/lists.rs", "report/quantities.rs", "report/run.rs", "report/schema.rs"]),
-    ("signal_hook", &["cli/interrupt.rs"]),
+    ("signal_hook", &["cli/interrupt.rs", "cli/memory.rs"]),
     ("thiserror", &[]),
     ("toml", &["scene/"]),
     ("toml_edit", &["compare/mesh.rs", "scene/"]),
     // What OpenBLAS has read there is part of what it is.
     ("std::env", &["cli.rs", "cli/", "linear/blas/loaded.rs"]),
-    ("std::fs", &["cli/", "input.rs", "linear/blas/loaded.rs", "report/folder/", "report/lists.rs", "report/usage.rs"]),
+    (
+        "std::fs",
+        &[
+            "cli/",
+            "input.rs",
+            "linear/blas/loaded.rs",
+            "linear/blas/room.rs",
+            "memory.rs",
+            "report/folder/",
+            "report/lists.rs",
+        ],
+    ),
     ("std::net", &[NOWHERE]),
     ("std::panic", &["cli/bug.rs", "jobs.rs"]),
     ("std::process", &["main.rs", "cli.rs", "cli/"]),

@@ -14,6 +14,7 @@ mod documented;
 mod documented_units;
 mod events;
 mod examples;
+mod memory_limits;
 mod names;
 mod outputs;
 mod resume;

@@ -7,7 +7,7 @@ use std::ffi::{CStr, c_char, c_int};
 
 use libloading::os::unix::Library;
 
-use super::{Blas, KERNEL_VARIABLE, UNKNOWN, Vectors, better_kernel};
+use super::{Blas, KERNEL_VARIABLE, UNKNOWN, Vectors, better_kernel, room};
 
 /// A BLAS, and by which functions it is told of threads and asked for them.
 struct Kind {
@@ -18,9 +18,11 @@ struct Kind {
     counts_in_64_bits: bool,
 }
 
+const OPENBLAS: &str = "OpenBLAS";
+
 const KINDS: [Kind; 3] = [
     Kind {
-        name: "OpenBLAS",
+        name: OPENBLAS,
         set_threads: b"openblas_set_num_threads\0",
         get_threads: b"openblas_get_num_threads\0",
         counts_in_64_bits: false,
@@ -46,7 +48,8 @@ pub(in crate::linear) fn set_threads(process: &Library, wanted: usize) -> Option
     // MKL) or as a 64-bit integer (BLIS) and return nothing; any positive number is valid.
     KINDS.iter().find_map(|kind| {
         let before = threads(process, kind)?;
-        if before == wanted {
+        // A thread of OpenBLAS that has no room for its buffer would never come to an end.
+        if before == wanted || kind.name == OPENBLAS && !room::for_threads(before, wanted) {
             return Some(kind.name);
         }
         if kind.counts_in_64_bits {
@@ -60,7 +63,7 @@ pub(in crate::linear) fn set_threads(process: &Library, wanted: usize) -> Option
             // SAFETY: see above.
             unsafe { set(count) };
         }
-        if wanted == 1 && kind.name == "OpenBLAS" {
+        if wanted == 1 && kind.name == OPENBLAS {
             end_workers(process, before);
         }
         Some(kind.name)
@@ -79,6 +82,7 @@ fn end_workers(process: &Library, threads: usize) {
         if let Ok(end) = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(b"blas_thread_shutdown_\0") } {
             // SAFETY: see above.
             unsafe { end() };
+            room::left_behind(threads.saturating_sub(1));
         }
     }
 }
@@ -98,7 +102,7 @@ pub(super) fn describe() -> Blas {
         selectable: false,
     };
     match blas.library {
-        "OpenBLAS" => of_openblas(&process, blas),
+        OPENBLAS => of_openblas(&process, blas),
         "BLIS" => {
             Blas { version: text(&process, b"bli_info_get_version_str\0"), kernel: blis_kernel(&process), ..blas }
         }

@@ -1,0 +1,157 @@
+//! What a run takes of the memory, estimated before it is taken.
+
+use super::RunError;
+use crate::history::LinearAlgebra;
+use crate::linear::cost::{self, Sizes, Work};
+use crate::linear::{Cholesky, FactorInfo, LinearError};
+use crate::memory::Budget;
+use crate::model::Model;
+
+/// Bytes that mesh, assembly and the patterns and values of all formulations take for an entry of the lower triangle of the stiffness.
+const BODY_BYTES: f64 = 160.0;
+
+/// What the program takes before it has a mesh, bytes.
+const PROGRAM_BYTES: f64 = 25e6;
+
+/// Bytes of the records of an increment, where they are kept.
+const RECORD_BYTES: f64 = 2000.0;
+
+/// No factor that fits into a machine has so many times the entries of its stiffness. An order need not be found, to tell that
+/// there is room for that.
+const MOST_FILL: usize = 64;
+
+/// The memory of a run, bytes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Need {
+    /// The program, mesh, stiffness, contact and the equations.
+    pub body: f64,
+    /// The factors and, where the system is condensed, the Schur complement, at most.
+    pub factors: f64,
+    /// Records of the history, where they are kept.
+    pub history: f64,
+    /// What the factors take for certain.
+    least: f64,
+}
+
+impl Need {
+    /// That of `model` with this linear algebra and so many increments whose records are kept, 0 where they are not.
+    ///
+    /// # Errors
+    /// When memory is short for the symbolic analysis.
+    pub fn of(model: &Model, linear: LinearAlgebra, records: usize) -> Result<Self, LinearError> {
+        Ok(Self::with(model, linear, records, Cholesky::predict(model.problem.stiffness())?))
+    }
+
+    fn with(model: &Model, linear: LinearAlgebra, records: usize, stiffness: FactorInfo) -> Self {
+        let problem = &model.problem;
+        let contact_displacements = problem.contact_displacements().len();
+        let sizes = Sizes { unknowns: problem.displacements(), contact_displacements, stiffness };
+        let work = Work { increments: 0.0, factorizations: 0.0, all_free: false };
+        let entries = stiffness.entries as f64;
+        let (factors, least) = match linear {
+            LinearAlgebra::Whole(_) => (cost::sparse(&sizes, &work, false).bytes, 16.0 * entries),
+            LinearAlgebra::Condensed(_) => (cost::condensed(&sizes, &work).bytes, 8.0 * entries),
+        };
+        let body = PROGRAM_BYTES + BODY_BYTES * problem.stiffness().lower().values().len() as f64;
+        Need { body, factors, history: RECORD_BYTES * records as f64, least }
+    }
+
+    /// All of it.
+    pub fn bytes(&self) -> u64 {
+        (self.body + self.factors + self.history) as u64
+    }
+
+    /// An error if `budget`, what is left once the model is made, has no room for the factors of a run of `model`.
+    pub(super) fn check(model: &Model, linear: LinearAlgebra, budget: Option<Budget>) -> Result<(), RunError> {
+        let Some(budget) = budget else { return Ok(()) };
+        let entries = MOST_FILL * model.problem.stiffness().lower().values().len();
+        let most = Self::with(model, linear, 0, FactorInfo { entries, ..FactorInfo::default() });
+        if most.least <= budget.bytes as f64 {
+            return Ok(());
+        }
+        match Self::of(model, linear, 0) {
+            Ok(Need { least, .. }) if least > budget.bytes as f64 => {
+                Err(RunError::NoRoom { what: "the factors of this scene", needed: least as u64, budget })
+            }
+            Ok(_) | Err(LinearError::NotBuiltIn { .. }) => Ok(()),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// An error if the records of so many increments have no room in `budget`.
+    ///
+    /// # Errors
+    /// [`RunError::NoRoom`].
+    pub fn check_records(increments: usize, budget: Option<Budget>) -> Result<(), RunError> {
+        let needed = (RECORD_BYTES * increments as f64) as u64;
+        match budget.filter(|budget| needed > budget.bytes) {
+            Some(budget) => Err(RunError::NoRoom { what: "the records of so many increments", needed, budget }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Whether so many nodes in so many dimensions, where that is known beforehand, fit into the `budget`. Asking
+/// first is kinder than being killed half-way.
+pub(super) fn has_room(nodes: Option<(usize, usize)>, budget: Option<Budget>) -> Result<(), RunError> {
+    let (Some((nodes, d)), Some(budget)) = (nodes, budget) else { return Ok(()) };
+    // The matrices alone, 16 bytes an entry, and for each unknown 27 of them in two dimensions and 81 in three; the
+    // factors take more.
+    let needed = (nodes as u64).saturating_mul((d * 3_usize.pow(d as u32 + 1) * 16) as u64);
+    if needed > budget.bytes {
+        return Err(RunError::NoRoom { what: "the matrices of this mesh", needed, budget });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::memory::Source;
+    use crate::scene::Scene;
+
+    fn budget(bytes: u64) -> Option<Budget> {
+        Some(Budget { bytes, source: Source::AddressSpace })
+    }
+
+    fn words(result: Result<(), RunError>) -> Option<String> {
+        result.err().map(|error| error.to_string())
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        // Two displacements a node, 27 entries each.
+        let needed = 1_000_000 * 2 * 27 * 16;
+        assert!(has_room(Some((1_000_000, 2)), budget(needed)).is_ok());
+        let refused = words(has_room(Some((1_000_000, 2)), budget(needed - 1)));
+        let expected = "the matrices of this mesh need 864 MB or more, but the address-space limit leaves 864 MB";
+        assert_eq!(refused.as_deref(), Some(expected));
+        assert!(has_room(None, budget(0)).is_ok() && has_room(Some((1, 3)), None).is_ok());
+        assert!(has_room(Some((usize::MAX / 4, 3)), budget(u64::MAX - 1)).is_err());
+        assert!(Need::check_records(1000, budget(2_000_000)).is_ok());
+        assert!(Need::check_records(1000, None).is_ok());
+        let refused = words(Need::check_records(10_000_000, budget(1_500_000_000)));
+        let expected =
+            "the records of so many increments need 20.0 GB or more, but the address-space limit leaves 1.5 GB";
+        assert_eq!(refused.as_deref(), Some(expected));
+    }
+
+    #[cfg(any(feature = "umfpack", feature = "faer"))]
+    #[test]
+    fn factors_are_known_before_they_are_made() {
+        let text = include_str!("../../data/scenes/block.toml");
+        let scene = Scene::parse("block.toml", text, &["mesh.elements=[20,20]".parse().unwrap()]).unwrap();
+        let model = Model::new(&scene).unwrap();
+        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+            let need = Need::of(&model, linear, 100).unwrap();
+            assert!(need.least > 1e5 && need.factors > need.least && need.history == 2e5, "{need:?}");
+            assert!(need.body > PROGRAM_BYTES && need.bytes() as f64 > need.body + need.factors);
+            assert!(Need::check(&model, linear, budget(need.least as u64 + 1)).is_ok());
+            assert!(matches!(
+                Need::check(&model, linear, budget(need.least as u64 - 1)),
+                Err(RunError::NoRoom { needed, .. }) if needed == need.least as u64
+            ));
+            assert!(Need::check(&model, linear, None).is_ok());
+        }
+    }
+}
