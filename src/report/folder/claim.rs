@@ -99,6 +99,7 @@ impl Claim {
             probes,
             lists,
             fields: Vec::new(),
+            can_be_taken_up: false,
             of: (origin, linear),
         })
     }
@@ -136,6 +137,7 @@ impl Claim {
             probes,
             lists,
             fields,
+            can_be_taken_up: true,
             of: (origin, linear),
         })
     }

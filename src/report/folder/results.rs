@@ -44,6 +44,8 @@ pub struct ResultFolder {
     pub(super) lists: [Table; 3],
     /// The files of fields so far, each with its time, s.
     pub(super) fields: Vec<(f64, String)>,
+    /// Whether there is a place from which this run can be taken up.
+    pub(super) can_be_taken_up: bool,
     /// What a run must be to go on from here, with its linear algebra by its word.
     pub(super) of: (Origin, String),
 }
@@ -87,6 +89,7 @@ impl ResultFolder {
     /// When the disk refuses.
     pub fn keep(&mut self, checkpoint: Checkpoint) -> io::Result<()> {
         self.sync()?;
+        self.can_be_taken_up = true;
         self.write_checkpoint(checkpoint, None)
     }
 
@@ -189,6 +192,8 @@ impl ResultFolder {
         if report.status == Status::Converged {
             let end = Checkpoint::new(report.totals.converged, 0.0, &()).with(&());
             self.write_checkpoint(end, Some(report.status))?;
+        }
+        if report.status == Status::Converged || !self.can_be_taken_up {
             lists::FILES.iter().try_for_each(|name| self.place.directory.remove(name))?;
         }
         Ok(())
