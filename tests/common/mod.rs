@@ -11,6 +11,7 @@ pub mod random;
 pub mod rings;
 pub mod round;
 pub mod scratch;
+pub mod vtu;
 
 use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver};
 use stickslip::linear::Direct;
