@@ -133,6 +133,8 @@ impl GapTable {
             if !(knots[0] - slack..=knots[knots.len() - 1] + slack).contains(&x) {
                 return None;
             }
+            // The slack may be longer than the first stretch: a line drawn on from there would lead anywhere.
+            let x = x.clamp(knots[0], knots[knots.len() - 1]);
             let k = knots.partition_point(|knot| *knot <= x).clamp(1, knots.len() - 1) - 1;
             Some((k, (x - knots[k]) / (knots[k + 1] - knots[k])))
         };
@@ -163,6 +165,14 @@ mod tests {
         assert!(line.at([1.0, 2.1, 0.0]).is_nan() && line.at([1.0, -0.1, 0.0]).is_nan());
         let grid = GapTable::parse("grid", "x,z,gap\n0,0,0\n0,1,2\n4,0,4\n4,1,10\n").unwrap();
         assert_eq!(grid.at([1.0, 7.0, 0.5]), 2.5);
+    }
+
+    /// However short the first stretch is beside the whole.
+    #[test]
+    fn the_rim_has_the_gap_of_its_end() {
+        let table = GapTable::parse("line", "x,gap\n0,0.5\n1e-9,0.4\n1,0.1\n").unwrap();
+        assert_eq!([table.at([-0.5e-9, 0.0, 0.0]), table.at([1.0 + 0.5e-9, 0.0, 0.0])], [0.5, 0.1]);
+        assert!(table.at([-2e-9, 0.0, 0.0]).is_nan());
     }
 
     #[test]
