@@ -3,6 +3,8 @@
 use std::io;
 use std::path::Path;
 
+use crate::fault::not_huge;
+
 /// Gaps (m) at the points of a line or of a rectangular grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GapTable {
@@ -36,7 +38,7 @@ pub enum TableError {
         header: String,
     },
     /// A line is not as many numbers as the header has names.
-    #[error("{file}:{line}: {columns} finite numbers expected, separated by commas")]
+    #[error("{file}:{line}: {columns} finite numbers expected, separated by commas, none beyond 1e50")]
     Line {
         /// The file.
         file: String,
@@ -93,7 +95,11 @@ impl GapTable {
             let row: Option<Vec<f64>> = line.split(',').map(|word| word.trim().parse().ok()).collect();
             // + 0.0 turns -0 into 0, which is the same place.
             let row = row.map(|row| row.into_iter().map(|x| x + 0.0).collect::<Vec<_>>());
-            match row.filter(|row| row.len() == names.len() && row.iter().all(|x| x.is_finite())) {
+            match row.filter(|row| {
+                row.len() == names.len()
+                    && row.iter().all(|x| x.is_finite())
+                    && not_huge("", row.iter().copied()).is_ok()
+            }) {
                 Some(row) => rows.push(row),
                 None => return Err(TableError::Line { file, line: k + 1, columns: names.len() }),
             }
@@ -183,6 +189,7 @@ mod tests {
             ("x,x,gap\n", "f:1: the header"),
             ("x,gap\n0,1\n1\n", "f:3: 2 finite numbers"),
             ("x,gap\n0,nan\n", "f:2: 2 finite numbers"),
+            ("x,gap\n0,-1e308\n1,1e308\n", "f:2: 2 finite numbers expected, separated by commas, none beyond 1e50"),
             ("x,gap\n0,1\n", "f: 1 points"),
             ("x,gap\n0,1\n0,2\n1,1\n", "f: 3 points are not every point of a grid of 2,"),
             ("x,y,gap\n0,0,1\n0,1,1\n1,0,1\n", "f: 3 points are not every point of a grid of 2 x 2,"),

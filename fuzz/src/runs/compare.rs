@@ -79,8 +79,8 @@ pub(super) fn in_other_units(case: &Case, solved: &Solved) -> Result<(), String>
     let scene = parsed(&case.text(&Telling { units: Some(units), mirrored: false }))?;
     let wrong = |wrong: String| format!("in {:?}: {wrong}", units.0);
     match Solved::of(&scene).map_err(wrong)? {
-        Some(other) => alike(solved, &other, sorted, 1e-7).map_err(wrong),
-        None => Err(wrong("refused".to_string())),
+        Some(other) => alike(solved, &other, sorted, 1e-9).map_err(wrong),
+        None => Err(wrong(format!("refused: {}", refusal(&scene)))),
     }
 }
 
@@ -94,8 +94,8 @@ pub(super) fn mirrored(case: &Case, solved: &Solved) -> Result<(), String> {
     let width = case.width();
     let places = |solved: &Solved, k: usize| by_place(solved, k, |[x, y, z]| [width - x, y, z]);
     match Solved::of(&scene).map_err(wrong)? {
-        Some(other) => alike(solved, &other, places, 1e-7).map_err(wrong),
-        None => Err(wrong("refused".to_string())),
+        Some(other) => alike(solved, &other, places, 1e-8).map_err(wrong),
+        None => Err(wrong(format!("refused: {}", refusal(&scene)))),
     }
 }
 
@@ -111,7 +111,7 @@ pub(super) fn renumbered(case: &Case, scene: &Scene, solved: &Solved) -> Result<
     let run =
         Run::of(&model, model.times().to_vec(), scene.solver).map_err(|error| wrong(format!("refused: {error}")))?;
     let other = Solved::run(run, scene.solver).map_err(wrong)?;
-    alike(solved, &other, sorted, 1e-7).map_err(wrong)
+    alike(solved, &other, sorted, 1e-8).map_err(wrong)
 }
 
 fn shuffled(mesh: &Mesh) -> Mesh {
@@ -127,4 +127,9 @@ fn shuffled(mesh: &Mesh) -> Mesh {
     other.cells.reverse();
     other.boundaries.iter_mut().flat_map(|boundary| &mut boundary.facets).for_each(moved);
     other
+}
+
+/// Why a scene is refused.
+fn refusal(scene: &Scene) -> String {
+    Run::new(scene).err().map_or(String::new(), |error| error.to_string())
 }

@@ -70,7 +70,7 @@ impl Case {
         }
         if !two && random.percent(10) {
             let height = case.bodies[0].size[dimension - 1];
-            case.layers.push([0.5 * height, young * random.decades(-3.0, 3.0), 0.3]);
+            case.layers.push([0.4137 * height, young * random.decades(-3.0, 3.0), 0.3]);
         }
         hold(random, &mut case);
         touch(random, &mut case);
@@ -156,6 +156,8 @@ fn friction(random: &mut Random, case: &Case) -> Scalar {
         _ => random.between(1.0, 2.0),
     };
     let slope = if random.percent(12) { 0.1 / case.width() } else { 0.0 };
+    // A formula that is 0 at an end is less than 0 there after rounding.
+    let constant = if slope > 0.0 { constant.max(0.01) } else { constant };
     Scalar { constant, slope: [slope, 0.0, 0.0], ..Scalar::default() }
 }
 

@@ -45,11 +45,25 @@ impl Double {
 fn strained(model: &Model, state: &State) -> Vec<Double> {
     let rest = |i: usize| state.u_rest.get(i).copied().unwrap_or(0.0);
     let mut u: Vec<Double> = state.u.iter().enumerate().map(|(i, u)| Double { high: *u, low: rest(i) }).collect();
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut basis: Vec<Vec<f64>> = Vec::new();
     for motion in model.problem.free_motions() {
-        let along: f64 = motion.iter().zip(&u).map(|(r, u)| r * u.high).sum();
-        let size: f64 = motion.iter().map(|r| r * r).sum();
-        let share = -along / size;
-        u.iter_mut().zip(motion).for_each(|(u, r)| u.add_product(share, *r));
+        let mut motion = motion.clone();
+        for other in &basis {
+            let share = product(&motion, other) / product(other, other);
+            motion.iter_mut().zip(other).for_each(|(r, other)| *r -= share * other);
+        }
+        basis.push(motion);
+    }
+    // The second time takes what rounding has left of the first.
+    for motion in basis.iter().chain(&basis) {
+        let values: Vec<f64> = u.iter().map(|u| u.value()).collect();
+        let share = -product(motion, &values) / product(motion, motion);
+        u.iter_mut().zip(motion).for_each(|(u, r)| {
+            u.add_product(share, *r);
+            let high = u.value();
+            *u = Double { high, low: (u.high - high) + u.low };
+        });
     }
     u
 }
@@ -132,38 +146,41 @@ fn terms(loading: &Loading, time: f64) -> f64 {
 /// # Errors
 /// The law that does not hold, where, and by how much.
 pub fn check(model: &Model, solver: &Solver, increments: &[RecordedIncrement]) -> Result<(), String> {
-    let mut scales = Scales::default();
-    let (mut before, mut from) = (State::zero(&model.problem), 0.0);
-    for found in increments {
+    for (k, found) in increments.iter().enumerate() {
         if found.record.status != Status::Converged {
             break;
         }
-        let time = found.record.time;
-        let force = model.loading.force_at(time, &model.problem).map_err(|error| error.to_string())?;
-        let gap = model.loading.gaps_at(time);
-        scales.raise(model, &force, &gap, &found.state);
-        let known = (16.0 * f64::EPSILON / solver.tolerance).min(1.0);
-        let mut force_scale = scales.force.max(known * terms(&model.loading, time));
-        if force_scale == 0.0 {
-            // A body that is moved without any force: what rounding the way leaves is no force.
-            force_scale = known * largest(&model.problem.stiffness().diagonal()) * scales.length;
-        }
-        let scales = Scales { force: force_scale, length: scales.length };
-        let data = Data { model, force, gap, scales, allowed: SLACK * solver.tolerance };
-        let wrong = data.equilibrium(&found.state).or_else(|| data.contact(&found.state)).or_else(|| {
-            let last = if found.record.parts > 1 {
-                [found.w_t_last.clone(), found.w_o_last.clone()]
-            } else {
-                [0, 1].map(|k| data.passed(k, &before, from, time))
-            };
-            data.friction(&found.state, &last, time, !matches!(solver.method, Method::Events { .. }))
-        });
-        if let Some(wrong) = wrong {
+        let data = Data::of(model, solver, &increments[..k], found)?;
+        let balance = data.equilibrium(&found.state);
+        if let Some(wrong) = balance.into_iter().chain(contact_faults(model, solver, &increments[..k], found)).next() {
             return Err(format!("increment {} counts as converged: {wrong}", found.record.index));
         }
-        (before, from) = (found.state.clone(), time);
     }
     Ok(())
+}
+
+/// The laws of contact and friction that do not hold in an increment that others came `before`.
+pub fn contact_faults(
+    model: &Model,
+    solver: &Solver,
+    before: &[RecordedIncrement],
+    found: &RecordedIncrement,
+) -> Vec<String> {
+    let data = match Data::of(model, solver, before, found) {
+        Ok(data) => data,
+        Err(wrong) => return vec![wrong],
+    };
+    let last = if found.record.parts > 1 {
+        [found.w_t_last.clone(), found.w_o_last.clone()]
+    } else {
+        let start = State::zero(&model.problem);
+        let (state, from) = before.last().map_or((&start, 0.0), |before| (&before.state, before.record.time));
+        [0, 1].map(|k| data.passed(k, state, from, found.record.time))
+    };
+    // The exact path asks for the law of friction all along, and not of the ends of increments.
+    let dissipates = !matches!(solver.method, Method::Events { .. });
+    let friction = data.friction(&found.state, &last, found.record.time, dissipates);
+    data.contact(&found.state).into_iter().chain(friction).collect()
 }
 
 /// An increment, as the loading has it.
@@ -175,7 +192,31 @@ struct Data<'a> {
     allowed: f64,
 }
 
-impl Data<'_> {
+impl<'a> Data<'a> {
+    fn of(
+        model: &'a Model,
+        solver: &Solver,
+        before: &[RecordedIncrement],
+        found: &RecordedIncrement,
+    ) -> Result<Self, String> {
+        let mut scales = Scales::default();
+        let (mut force, mut gap) = (Vec::new(), Vec::new());
+        for increment in before.iter().chain([found]) {
+            let time = increment.record.time;
+            force = model.loading.force_at(time, &model.problem).map_err(|error| error.to_string())?;
+            gap = model.loading.gaps_at(time);
+            scales.raise(model, &force, &gap, &increment.state);
+        }
+        let known = (16.0 * f64::EPSILON / solver.tolerance).min(1.0);
+        scales.force = scales.force.max(known * terms(&model.loading, found.record.time));
+        let moving = largest(&model.problem.stiffness().diagonal()) * scales.length;
+        if scales.force <= f64::EPSILON * moving {
+            // A body that is moved by nothing that holds out: what rounding the way leaves is no force.
+            scales.force = known * moving;
+        }
+        Ok(Data { model, force, gap, scales, allowed: SLACK * solver.tolerance })
+    }
+
     /// What is wrong, if an error, relative to its scale, is above what is allowed, or no number.
     fn too_large(&self, what: &str, place: usize, error: f64, scale: f64) -> Option<String> {
         let relative = relative(error, scale);
