@@ -46,9 +46,9 @@ pub(super) fn alike(
     if !both.iter().all(|solved| solved.converged() && solved.is_unique()) {
         return Ok(());
     }
-    // A method that asks for less gives less.
+    // A method that asks for less gives less, and where moduli differ much, by a factor.
     let asked = both.iter().map(|solved| solved.solver.tolerance).fold(0.0, f64::max);
-    let tolerance = tolerance * (asked / 1e-10).max(1.0);
+    let tolerance = if asked > 1e-10 { 1e2 * tolerance * asked / 1e-10 } else { tolerance };
     let mut scale = 0.0_f64;
     for k in 0..one.increments.len().min(other.increments.len()) {
         let (a, b) = (sorted(one, k), places(other, k));
