@@ -44,7 +44,10 @@ thread_local! {
     static PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// What `check` says of an input; a panic is a failure that says where it was.
+/// What `check` says of an input.
+///
+/// # Errors
+/// What it says is wrong; of a panic, where it was.
 pub fn caught(check: impl FnOnce() -> Verdict) -> Verdict {
     let verdict = panic::catch_unwind(AssertUnwindSafe(check));
     verdict.unwrap_or_else(|_| {

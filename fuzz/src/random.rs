@@ -29,7 +29,7 @@ impl<'a> Random<'a> {
     }
 
     /// Any number.
-    pub fn next(&mut self) -> u64 {
+    pub fn number(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         match self.bytes {
             [low, high, rest @ ..] => {
@@ -42,7 +42,7 @@ impl<'a> Random<'a> {
 
     /// A number below `n`, which is 1 or more.
     pub fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
+        (self.number() % n.max(1) as u64) as usize
     }
 
     /// One of these.
@@ -57,7 +57,7 @@ impl<'a> Random<'a> {
 
     /// A number between two.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * ((self.next() >> 11) as f64 / (1_u64 << 53) as f64)
+        low + (high - low) * ((self.number() >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
     /// A power of ten, of an exponent between two.

@@ -39,12 +39,12 @@ pub fn check_case(case: &Case) -> Verdict {
     let Some(solved) = Solved::of(&scene)? else { return Ok("refused") };
     others(&scene, &solved)?;
     if !solved.converged() {
-        return Ok("ended");
+        return Ok(solved.kind());
     }
     compare::in_other_units(case, &solved)?;
     compare::mirrored(case, &solved)?;
     compare::renumbered(case, &scene, &solved)?;
-    Ok("converged")
+    Ok(if solved.is_unique() { "converged and compared" } else { "converged" })
 }
 
 /// Runs a scene file that is sound, also by other linear algebra and by the other method.
@@ -58,7 +58,7 @@ pub fn check_scene(text: &str) -> Verdict {
     let run = Run::new(&scene).map_err(|error| refused(&error))?;
     let solved = Solved::run(run, scene.solver)?;
     others(&scene, &solved)?;
-    Ok(if solved.converged() { "converged" } else { "ended" })
+    Ok(solved.kind())
 }
 
 /// Other linear algebra, and the other method.

@@ -68,7 +68,7 @@ pub(super) fn check_surface(bytes: &[u8]) -> Verdict {
     let number: String = thread.chars().filter(char::is_ascii_digit).collect();
     let path = std::env::temp_dir().join(format!("stickslip-fuzz-{}-{number}.stl", std::process::id()));
     fs::write(&path, bytes).map_err(|error| format!("{}: {error}", path.display()))?;
-    let nearest = bytes.len() % 2 == 0;
+    let nearest = bytes.len().is_multiple_of(2);
     let text = format!(
         "{IN_FRONT}file = '{}'\ndirection = '{}'\n",
         path.display(),

@@ -182,8 +182,21 @@ fn touch(random: &mut Random, case: &mut Case) {
     let bent = case.plane != "axisymmetric";
     let shape = match random.below(10) {
         5..=6 if bent => {
-            let kind = if case.dimension == 3 { random.one(&["sphere", "cylinder"]) } else { "cylinder" };
-            Shape::Round { kind, radius: size[0] * random.decades(-0.5, 2.0), apex, axis }
+            let round: &[&str] = if case.dimension == 3 {
+                &["sphere", "cylinder", "socket", "bore"]
+            } else {
+                &["cylinder", "cylinder", "bore"]
+            };
+            let kind = random.one(round);
+            let mut radius = size[0] * random.decades(-0.5, 2.0);
+            let mut apex = apex;
+            if ["socket", "bore"].contains(&kind) {
+                // Wide enough for the body, and so much lower that its corners are not in the wall.
+                let longest = size[0].max(size[1]);
+                radius = longest * random.decades(0.7, 2.0);
+                apex[up] -= longest * longest / radius;
+            }
+            Shape::Round { kind, radius, apex, axis }
         }
         7 if bent => {
             let kind = if case.dimension == 3 { random.one(&["cone", "wedge"]) } else { "wedge" };

@@ -40,6 +40,18 @@ impl Solved {
         self.report.status == Status::Converged
     }
 
+    /// How it ended, in the words of a tally.
+    pub fn kind(&self) -> &'static str {
+        match self.report.status {
+            Status::Converged => "converged",
+            Status::NoEquilibrium => "without equilibrium",
+            Status::NoContinuation => "without continuation",
+            Status::Singular | Status::EdgeFriction => "singular",
+            Status::Unsupported => "unsupported",
+            _ => "given up",
+        }
+    }
+
     /// Whether the laws leave no choice, as far as that is known beforehand: a body that is held, with little friction, by a
     /// method that asks for the laws at the ends of increments.
     pub fn is_unique(&self) -> bool {

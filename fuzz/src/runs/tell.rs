@@ -159,7 +159,7 @@ impl Teller {
 
     /// The axis of what has one in space.
     fn axis(&self, kind: &str, axis: usize) -> String {
-        let has = self.dimension == 3 && ["cylinder", "wedge"].contains(&kind);
+        let has = self.dimension == 3 && ["cylinder", "bore", "wedge"].contains(&kind);
         if has { format!("axis = {}\n", ["[1, 0, 0]", "[0, 1, 0]"][axis]) } else { String::new() }
     }
 
