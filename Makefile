@@ -7,13 +7,14 @@
 # make extremes the suite of extreme scenes, into doc/stability (minutes)
 # make elements kinds of elements on Cook's membrane and Hertz' contacts, into doc/elements (minutes)
 # make compare error against time for six scenes, into doc/error-vs-time.md (minutes)
+# make fuzz   an hour of random input: readers, and runs that are judged by laws of their own
 # make report the paper's Figures 4 to 7, into doc/figures, both tables, and the comparison (minutes)
 # Each installs what is missing first.
 
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test bench instructions lines tables report extremes elements compare deps
+.PHONY: demo test bench instructions lines tables report extremes elements compare fuzz deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -50,7 +51,7 @@ instructions: deps
 
 # Unit tests count as tests, and so does all below them to the brace that ends them.
 lines:
-	@for folder in src studies/src; do find $$folder -name '*.rs' | xargs awk ' \
+	@for folder in src studies/src fuzz/src; do find $$folder -name '*.rs' | xargs awk ' \
 		FNR == 1 { tests = 0 } \
 		/^#\[cfg\(test\)\]/ { tests = 1 } \
 		tests { test++; if ($$0 == "}") tests = 0; next } \
@@ -86,6 +87,16 @@ compare: deps
 	$(COMPARE) data/scenes/cube.toml $(PLATE) $(SOLID) --meshes 8,16 --increments 5,10 $(ONE) --out $(PAGE)/plate
 	{ cat $(PAGE)/introduction.md; for scene in block punch frictionless strip cube plate; do \
 		echo; sed "s|](|](error-vs-time/$$scene/|" $(PAGE)/$$scene/compare.md; done; } >$(PAGE).md
+
+FUZZ = OPENBLAS_NUM_THREADS=1 RAYON_NUM_THREADS=1 cargo run -p stickslip-fuzz --
+FUZZ_SECONDS = 1800
+FUZZ_SEED := $(shell date +%s)000000
+FUZZ_JOBS := $(shell nproc 2>/dev/null || echo 1)
+
+# Other seeds each time; a failure is told with its own. Without --release numbers that overflow are found, too.
+fuzz: deps
+	$(FUZZ) readers --seconds $(FUZZ_SECONDS) --seed $(FUZZ_SEED) --jobs $(FUZZ_JOBS)
+	$(FUZZ) runs --seconds $(FUZZ_SECONDS) --seed $(FUZZ_SEED) --jobs $(FUZZ_JOBS)
 
 report: deps
 	$(STUDIES) figures --out doc/figures

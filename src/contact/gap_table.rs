@@ -3,6 +3,8 @@
 use std::io;
 use std::path::Path;
 
+use crate::fault::not_huge;
+
 /// Gaps (m) at the points of a line or of a rectangular grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GapTable {
@@ -36,7 +38,7 @@ pub enum TableError {
         header: String,
     },
     /// A line is not as many numbers as the header has names.
-    #[error("{file}:{line}: {columns} finite numbers expected, separated by commas")]
+    #[error("{file}:{line}: {columns} finite numbers expected, separated by commas, none beyond 1e50")]
     Line {
         /// The file.
         file: String,
@@ -93,7 +95,11 @@ impl GapTable {
             let row: Option<Vec<f64>> = line.split(',').map(|word| word.trim().parse().ok()).collect();
             // + 0.0 turns -0 into 0, which is the same place.
             let row = row.map(|row| row.into_iter().map(|x| x + 0.0).collect::<Vec<_>>());
-            match row.filter(|row| row.len() == names.len() && row.iter().all(|x| x.is_finite())) {
+            match row.filter(|row| {
+                row.len() == names.len()
+                    && row.iter().all(|x| x.is_finite())
+                    && not_huge("", row.iter().copied()).is_ok()
+            }) {
                 Some(row) => rows.push(row),
                 None => return Err(TableError::Line { file, line: k + 1, columns: names.len() }),
             }
@@ -133,6 +139,8 @@ impl GapTable {
             if !(knots[0] - slack..=knots[knots.len() - 1] + slack).contains(&x) {
                 return None;
             }
+            // The slack may be longer than the first stretch: a line drawn on from there would lead anywhere.
+            let x = x.clamp(knots[0], knots[knots.len() - 1]);
             let k = knots.partition_point(|knot| *knot <= x).clamp(1, knots.len() - 1) - 1;
             Some((k, (x - knots[k]) / (knots[k + 1] - knots[k])))
         };
@@ -165,6 +173,14 @@ mod tests {
         assert_eq!(grid.at([1.0, 7.0, 0.5]), 2.5);
     }
 
+    /// However short the first stretch is beside the whole.
+    #[test]
+    fn the_rim_has_the_gap_of_its_end() {
+        let table = GapTable::parse("line", "x,gap\n0,0.5\n1e-9,0.4\n1,0.1\n").unwrap();
+        assert_eq!([table.at([-0.5e-9, 0.0, 0.0]), table.at([1.0 + 0.5e-9, 0.0, 0.0])], [0.5, 0.1]);
+        assert!(table.at([-2e-9, 0.0, 0.0]).is_nan());
+    }
+
     #[test]
     fn what_is_no_table_is_refused_with_its_line() {
         for (text, said) in [
@@ -173,6 +189,7 @@ mod tests {
             ("x,x,gap\n", "f:1: the header"),
             ("x,gap\n0,1\n1\n", "f:3: 2 finite numbers"),
             ("x,gap\n0,nan\n", "f:2: 2 finite numbers"),
+            ("x,gap\n0,-1e308\n1,1e308\n", "f:2: 2 finite numbers expected, separated by commas, none beyond 1e50"),
             ("x,gap\n0,1\n", "f: 1 points"),
             ("x,gap\n0,1\n0,2\n1,1\n", "f: 3 points are not every point of a grid of 2,"),
             ("x,y,gap\n0,0,1\n0,1,1\n1,0,1\n", "f: 3 points are not every point of a grid of 2 x 2,"),

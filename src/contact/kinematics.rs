@@ -306,6 +306,9 @@ pub(super) fn tangents(held: &[[f64; 3]], facing: &Facing) -> Vec<[f64; 3]> {
     }
 }
 
+/// What rounding makes of a gap that is none, as a share of the body's size.
+const TOUCHING: f64 = 1e-12;
+
 /// The first node of `met` that its obstacle of `obstacles` reaches somewhere in its motion, as seen at `times` (s), while
 /// supports hold it there, or move it there by `moved` (m) along its normal: no displacement can bring it out.
 pub fn unreachable(
@@ -316,11 +319,12 @@ pub fn unreachable(
     times: &[f64],
     moved: impl Fn(&Meeting, f64) -> f64,
 ) -> Option<usize> {
+    let touching = TOUCHING * mesh.size();
     let caught = met.iter().find(|met| {
         let Meeting { node, obstacle, facing } = met;
         let (obstacle, motion) = &obstacles[*obstacle];
         row(dofs, *node, facing.normal).is_empty()
-            && motion.smallest_gap(obstacle, mesh.nodes[*node], facing, times, |t| moved(met, t)) < 0.0
+            && motion.smallest_gap(obstacle, mesh.nodes[*node], facing, times, |t| moved(met, t)) < -touching
     });
     caught.map(|met| met.node)
 }
@@ -356,7 +360,8 @@ mod tests {
         };
         assert_eq!(reached(&given), None);
         assert_eq!(reached(&given.clone().approaching(&[[0.0, 0.0], [1.0, 2e-5], [2.0, 0.0]])), Some(0));
-        assert_eq!(reached(&Obstacle { shape: Shape::Plane { gap: -1e-9 }, ..given }), Some(0));
+        let inside = |gap| reached(&Obstacle { shape: Shape::Plane { gap }, ..given.clone() });
+        assert_eq!([-1e-9, -1e-11, -1e-14].map(inside), [Some(0), Some(0), None]);
     }
 
     /// Supports on the symmetry plane x = 0 and the roller y = 0 leave one tangent, both together none.

@@ -40,7 +40,11 @@ impl Csc {
         let mut matrix = Csc::zeros(Arc::new(pattern));
         for &(row, column, value) in entries {
             let slot = matrix.pattern.slot(row, column).ok_or(MatrixError::NotStored { row, column })?;
-            matrix.values[slot] += value;
+            let sum = &mut matrix.values[slot];
+            *sum += value;
+            if !sum.is_finite() {
+                return Err(MatrixError::NotFinite { row, column, value: *sum });
+            }
         }
         Ok(matrix)
     }
@@ -140,6 +144,12 @@ mod tests {
         assert_eq!(a.pattern.slot(0, 9), None);
         let same = Csc::from_parts(2, &[0, 3, 4, 5], &[1, 0, 0, 1, 0], &[3.0, 0.5, 0.5, 4.0, 2.0]).unwrap();
         assert_eq!((&same.pattern, &same.values), (&a.pattern, &a.values));
+    }
+
+    #[test]
+    fn sums_that_overflow_are_refused() {
+        let error = Csc::from_triplets(1, 1, &[(0, 0, 1e308), (0, 0, 1e308)]).unwrap_err();
+        assert_eq!(error.to_string(), "the entry (0, 0) is inf, but must be finite");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What is varied, and every combination of it.
 
+use std::collections::HashSet;
 use std::str::FromStr;
 
 use serde::Serialize;
@@ -71,14 +72,26 @@ impl FromStr for Variation {
         if values.len() < 2 {
             return Err(VariationError::One(key));
         }
-        // 0.1 and 1e-1 are one number.
-        let same =
-            |a: &str, b: &str| a == b || matches!((a.parse::<f64>(), b.parse::<f64>()), (Ok(a), Ok(b)) if a == b);
-        let twice = values.iter().enumerate().find(|(k, value)| values[..*k].iter().any(|other| same(other, value)));
-        if let Some((_, value)) = twice {
+        let mut met = HashSet::new();
+        if let Some(value) = values.iter().find(|value| !met.insert(Value::of(value))) {
             return Err(VariationError::Twice { key, value: value.clone() });
         }
         Ok(Variation { key, values })
+    }
+}
+
+/// What two values have in common if they are one.
+#[derive(PartialEq, Eq, Hash)]
+enum Value<'a> {
+    /// The bits of a number: 0.1 and 1e-1 are one, and so are 0 and -0.
+    Number(u64),
+    Text(&'a str),
+}
+
+impl<'a> Value<'a> {
+    fn of(text: &'a str) -> Self {
+        let number = text.parse::<f64>().ok().filter(|x| !x.is_nan());
+        number.map_or(Value::Text(text), |x| Value::Number((x + 0.0).to_bits()))
     }
 }
 
@@ -195,6 +208,8 @@ mod tests {
             ("contact.friction=", "has one value only"),
             ("contact.friction=0.4,0.2,0.4", "has the value 0.4 twice"),
             ("contact.friction=0.1,0.2,1e-1", "has the value 1e-1 twice"),
+            ("contact.friction=0,-0", "has the value -0 twice"),
+            ("title=nan,a,nan", "has the value nan twice"),
             ("contact.friction=0.1:0.1:2", "has the value 0.1 twice"),
             ("contact.friction=0.1:0.8:1", "is no range"),
             ("contact.friction=0.1:0.8:-3", "is no range"),

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use crate::common::edit;
 use crate::common::faults::BLOCK;
+use crate::common::vtu::{Array, Piece};
 use stickslip::description::{Action, Description, Field};
 use stickslip::history::{Observer, Status, Step};
 use stickslip::model::Model;
@@ -16,8 +17,6 @@ use stickslip::report::{Grid, fields};
 use stickslip::run::{Recording, Run};
 use stickslip::scene::Scene;
 use stickslip::units::{LengthUnit, Quantity, StressUnit, UnitSystem, Units};
-use vtkio::Vtk;
-use vtkio::model::{Attribute, DataSet, Piece};
 
 /// The paper's block in mm and MPa.
 fn block_in_mm() -> String {
@@ -177,18 +176,11 @@ fn a_modulus_in_the_wrong_unit_is_warned_of() {
     assert!(message.message.contains(") mm moves by "), "{}", message.message);
 }
 
-/// Every array of a VTU file, by name.
-fn arrays(grid: &Grid) -> Vec<(String, Vec<f64>)> {
-    let DataSet::UnstructuredGrid { mut pieces, .. } = Vtk::parse_xml(grid.to_vtu().as_bytes()).unwrap().data else {
-        panic!("no grid")
-    };
-    let Piece::Inline(piece) = pieces.pop().unwrap() else { panic!("no piece") };
-    let attributes = piece.data.point.into_iter().chain(piece.data.cell);
-    let arrays = attributes.map(|attribute| match attribute {
-        Attribute::DataArray(array) => (array.name, array.data.cast_into().unwrap()),
-        Attribute::Field { .. } => panic!("a field"),
-    });
-    [("Points".to_string(), piece.points.cast_into().unwrap())].into_iter().chain(arrays).collect()
+/// Every array of a VTU file.
+fn arrays(grid: &Grid) -> Vec<Array> {
+    let Piece { points, point, cell, .. } = Piece::read(&grid.to_vtu());
+    let points = Array { name: "Points".to_string(), components: 3, values: points };
+    [points].into_iter().chain(point).chain(cell).collect()
 }
 
 /// The fields of the last increment.
@@ -213,8 +205,8 @@ fn vtu_files_are_in_the_units_of_the_scene() {
     };
     let (si, mm) = (grid(BLOCK), grid(&block_in_mm()));
     assert_eq!(si.len(), mm.len());
-    for ((name, si), (other, mm)) in si.iter().zip(&mm) {
-        assert_eq!(name, other);
+    for (Array { name, values: si, .. }, Array { name: other, values: mm, .. }) in si.iter().zip(&mm) {
+        assert_eq!((name, si.len()), (other, mm.len()));
         let unit = match name.as_str() {
             "Points" | "displacement" | "slip" | "gap" => 1e-3,
             "contact_pressure" | "tangential_traction" | "stress" | "principal_stress" | "von_mises" => 1e6,

@@ -1,18 +1,17 @@
-//! VTU files, opened by a reader that is not ours.
+//! VTU files, opened by a reader that shares nothing with the writer.
 
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
 
 use crate::common;
+use crate::common::vtu::{HEXAHEDRON, Piece, QUAD, TETRA, values};
 use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Step, System};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::report::{Claim, Grid, ResultFolder, fields};
 use stickslip::run::Run;
 use stickslip::scene::{Origin, Scene};
-use vtkio::Vtk;
-use vtkio::model::{Attribute, CellType, DataSet, Piece, UnstructuredGridPiece, VertexNumbers};
 
 /// The fields of every increment.
 struct Fields<'a>(&'a Model, Vec<Grid>);
@@ -34,25 +33,6 @@ fn solve(scene: &Scene) -> (Model, Vec<Grid>) {
     (model, grids)
 }
 
-fn piece(vtk: Vtk) -> UnstructuredGridPiece {
-    match vtk.data {
-        DataSet::UnstructuredGrid { mut pieces, .. } => match pieces.pop().unwrap() {
-            Piece::Inline(piece) => *piece,
-            other => panic!("{other:?}"),
-        },
-        other => panic!("{other:?}"),
-    }
-}
-
-fn values(attributes: &[Attribute], name: &str) -> (usize, Vec<f64>) {
-    let array = attributes.iter().find_map(|attribute| match attribute {
-        Attribute::DataArray(array) if array.name == name => Some(array),
-        _ => None,
-    });
-    let array = array.unwrap_or_else(|| panic!("{name} is missing"));
-    (array.num_comp(), array.data.cast_into().unwrap())
-}
-
 /// The von Mises stress of a tensor.
 fn equivalent(s: &[f64]) -> f64 {
     let mean = (s[0] + s[4] + s[8]) / 3.0;
@@ -64,19 +44,17 @@ fn equivalent(s: &[f64]) -> f64 {
 fn the_block_reads_back_as_it_was_computed() {
     let scene = common::block(&["mesh.elements=[4,3]", "time.increments=2", "contact.obstacle.gap=0"]);
     let (model, grids) = solve(&scene);
-    let read = piece(Vtk::parse_xml(grids[1].to_vtu().as_bytes()).unwrap());
-    let points: Vec<f64> = read.points.cast_into().unwrap();
-    assert_eq!(points, model.mesh.nodes.as_flattened());
-    let VertexNumbers::XML { connectivity, offsets } = read.cells.cell_verts else { panic!() };
-    assert_eq!(offsets, (1..=12).map(|k| 4 * k).collect::<Vec<u64>>());
-    assert_eq!(connectivity[..4], [0, 1, 6, 5]);
-    assert!(read.cells.types.iter().all(|&kind| kind == CellType::Quad));
+    let read = Piece::read(&grids[1].to_vtu());
+    assert_eq!(read.points, model.mesh.nodes.as_flattened());
+    assert_eq!(read.offsets, (1..=12).map(|k| 4 * k).collect::<Vec<u64>>());
+    assert_eq!(read.connectivity[..4], [0, 1, 6, 5]);
+    assert!(read.types.iter().all(|&kind| kind == QUAD));
 
-    let (components, displacement) = values(&read.data.point, "displacement");
-    let (_, gap) = values(&read.data.point, "gap");
-    let (_, pressure) = values(&read.data.point, "contact_pressure");
-    let (vector, traction) = values(&read.data.point, "tangential_traction");
-    let (_, status) = values(&read.data.point, "status");
+    let (components, displacement) = values(&read.point, "displacement");
+    let (_, gap) = values(&read.point, "gap");
+    let (_, pressure) = values(&read.point, "contact_pressure");
+    let (vector, traction) = values(&read.point, "tangential_traction");
+    let (_, status) = values(&read.point, "status");
     assert_eq!((components, vector, displacement.len()), (3, 3, 60));
     for (node, x) in model.mesh.nodes.iter().enumerate() {
         let contact = model.contacts.iter().position(|contact| contact.node == node);
@@ -88,9 +66,9 @@ fn the_block_reads_back_as_it_was_computed() {
             assert!(traction[3 * node].abs() <= 0.4 * pressure[node] + 1e-3 && traction[3 * node + 1] == 0.0);
         }
     }
-    let (nine, stress) = values(&read.data.cell, "stress");
-    let (_, mises) = values(&read.data.cell, "von_mises");
-    let (_, material) = values(&read.data.cell, "material");
+    let (nine, stress) = values(&read.cell, "stress");
+    let (_, mises) = values(&read.cell, "von_mises");
+    let (_, material) = values(&read.cell, "material");
     assert_eq!((nine, stress.len(), material), (9, 108, vec![0.0; 12]));
     for (s, mises) in stress.chunks_exact(9).zip(mises) {
         assert!(s[1] == s[3] && s[2] == 0.0 && s[5] == 0.0);
@@ -128,15 +106,15 @@ fn a_pressed_column_of_triangles() {
     let name = concat!(env!("CARGO_MANIFEST_DIR"), "/data/scenes/column.toml");
     let scene = Scene::parse(name, text, &[]).unwrap();
     let (_, grids) = solve(&scene);
-    let read = piece(Vtk::parse_xml(grids[0].to_vtu().as_bytes()).unwrap());
-    let (_, stress) = values(&read.data.cell, "stress");
+    let read = Piece::read(&grids[0].to_vtu());
+    let (_, stress) = values(&read.cell, "stress");
     for s in stress.chunks_exact(9) {
         let expected = [0.0, 0.0, 0.0, 0.0, -1e6, 0.0, 0.0, 0.0, 0.0];
         assert!(s.iter().zip(expected).all(|(s, e)| (s - e).abs() < 1.0), "{s:?}");
     }
-    let (_, pressure) = values(&read.data.point, "contact_pressure");
+    let (_, pressure) = values(&read.point, "contact_pressure");
     assert!(pressure.iter().filter(|p| !p.is_nan()).all(|p| (p / 1e6 - 1.0).abs() < 1e-6));
-    let (_, material) = values(&read.data.cell, "material");
+    let (_, material) = values(&read.cell, "material");
     assert_eq!((material[0], material[31]), (0.0, 1.0));
 }
 
@@ -178,20 +156,16 @@ fn spanned(corners: [[f64; 3]; 4]) -> f64 {
 
 #[test]
 fn bodies_in_space_read_back_as_they_were_computed() {
-    for (cells, kind, count, corners) in
-        [("hexahedron", CellType::Hexahedron, 12, 8), ("tetrahedron", CellType::Tetra, 72, 4)]
-    {
+    for (cells, kind, count, corners) in [("hexahedron", HEXAHEDRON, 12, 8), ("tetrahedron", TETRA, 72, 4)] {
         let (model, grids) = solve(&cube(cells));
-        let read = piece(Vtk::parse_xml(grids[1].to_vtu().as_bytes()).unwrap());
-        let points: Vec<f64> = read.points.cast_into().unwrap();
-        let points = points.as_chunks::<3>().0;
+        let read = Piece::read(&grids[1].to_vtu());
+        let points = read.points.as_chunks::<3>().0;
         assert_eq!(points.len(), 3 * 4 * 3);
         assert_eq!(points, model.mesh.nodes);
-        assert!(read.cells.types.len() == count && read.cells.types.iter().all(|&read| read == kind), "{cells}");
-        let VertexNumbers::XML { connectivity, offsets } = read.cells.cell_verts else { panic!() };
-        assert_eq!(offsets, (1..=count as u64).map(|k| corners as u64 * k).collect::<Vec<_>>());
+        assert!(read.types.len() == count && read.types.iter().all(|&read| read == kind), "{cells}");
+        assert_eq!(read.offsets, (1..=count as u64).map(|k| corners as u64 * k).collect::<Vec<_>>());
         let mut volume = 0.0;
-        for cell in connectivity.chunks_exact(corners) {
+        for cell in read.connectivity.chunks_exact(corners) {
             let at = |k: usize| points[cell[k] as usize];
             if corners == 4 {
                 // VTK: the first three corners are counterclockwise seen from the fourth.
@@ -207,17 +181,17 @@ fn bodies_in_space_read_back_as_they_were_computed() {
         }
         assert!((volume - 6.0).abs() < 1e-12, "{cells}: {volume} m³");
 
-        let (components, displacement) = values(&read.data.point, "displacement");
+        let (components, displacement) = values(&read.point, "displacement");
         assert_eq!((components, displacement.len()), (3, 3 * points.len()));
-        let (nine, stress) = values(&read.data.cell, "stress");
+        let (nine, stress) = values(&read.cell, "stress");
         assert_eq!((nine, stress.len()), (9, 9 * count));
-        let (_, mises) = values(&read.data.cell, "von_mises");
+        let (_, mises) = values(&read.cell, "von_mises");
         assert_eq!(mises.len(), count);
         for (s, mises) in stress.chunks_exact(9).zip(mises) {
             assert!(s[1] == s[3] && s[2] == s[6] && s[5] == s[7]);
             assert!((mises - equivalent(s)).abs() < 1e-9 * mises);
         }
-        let (three, principal) = values(&read.data.cell, "principal_stress");
+        let (three, principal) = values(&read.cell, "principal_stress");
         assert_eq!((three, principal.len()), (3, 3 * count));
         for (s, p) in stress.chunks_exact(9).zip(principal.chunks_exact(3)) {
             let size = s.iter().map(|x| x * x).sum::<f64>();
@@ -229,7 +203,7 @@ fn bodies_in_space_read_back_as_they_were_computed() {
         // The same contact forces, by the condensed system.
         let mut keep = common::Keep::default();
         common::run_default(&cube(cells), &model, &mut keep);
-        let (_, pressure) = values(&read.data.point, "contact_pressure");
+        let (_, pressure) = values(&read.point, "contact_pressure");
         assert_eq!(pressure.iter().filter(|p| !p.is_nan()).count(), model.contacts.len());
         // The facets are alike, and each gives its corners the same share of its area.
         let facets = &model.mesh.boundary("bottom").unwrap().facets;
@@ -262,7 +236,7 @@ fn the_series_names_whole_files() {
         let files: Vec<&str> = series.split("file=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
         assert_eq!(files.len(), k + 1);
         for file in files {
-            piece(Vtk::import(path.join(file)).unwrap());
+            Piece::read(&fs::read_to_string(path.join(file)).unwrap());
         }
         assert!(series.contains(&format!("timestep=\"{}\"", 0.5 * (k + 1) as f64)));
     }

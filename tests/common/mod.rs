@@ -11,6 +11,7 @@ pub mod random;
 pub mod rings;
 pub mod round;
 pub mod scratch;
+pub mod vtu;
 #[cfg(feature = "cli")]
 pub mod whole;
 

@@ -1,4 +1,4 @@
-//! The layers of the library and of the studies: who may use whom, and what may stand where.
+//! The layers of the library, of the studies and of the fuzzing: who may use whom, and what may stand where.
 
 #![allow(clippy::unwrap_used)]
 
@@ -14,12 +14,13 @@ use std::collections::BTreeSet;
 use circles::circles;
 use impls::foreign_impls;
 use layers::{MAY_USE, cyclic, layer_faults};
-use outside::{LIBRARY, STUDIES, dependencies, outside_faults};
+use outside::{FUZZ, LIBRARY, STUDIES, dependencies, outside_faults};
 use places::{MOST_LINES, place_faults};
 use source::{Sources, code, source, sources};
 
 const SRC: &str = "src";
 const STUDIES_SRC: &str = "studies/src";
+const FUZZ_SRC: &str = "fuzz/src";
 const NONE: [&str; 0] = [];
 
 #[test]
@@ -38,18 +39,21 @@ fn the_layers_have_no_cycle() {
 fn no_folder_has_a_circle_of_files() {
     assert_eq!(circles(&sources(SRC)), NONE);
     assert_eq!(circles(&sources(STUDIES_SRC)), NONE);
+    assert_eq!(circles(&sources(FUZZ_SRC)), NONE);
 }
 
 #[test]
 fn methods_stand_with_their_types() {
     assert_eq!(foreign_impls(&sources(SRC)), NONE);
     assert_eq!(foreign_impls(&sources(STUDIES_SRC)), NONE);
+    assert_eq!(foreign_impls(&sources(FUZZ_SRC)), NONE);
 }
 
 #[test]
 fn other_crates_and_the_outside_have_their_places() {
     assert_eq!(outside_faults(&sources(SRC), LIBRARY), BTreeSet::new());
     assert_eq!(outside_faults(&sources(STUDIES_SRC), STUDIES), BTreeSet::new());
+    assert_eq!(outside_faults(&sources(FUZZ_SRC), FUZZ), BTreeSet::new());
 }
 
 /// A new dependency needs a place in the tables.
@@ -57,12 +61,14 @@ fn other_crates_and_the_outside_have_their_places() {
 fn the_tables_hold_all_dependencies() {
     assert_eq!(dependencies("Cargo.toml"), outside::crates(LIBRARY));
     assert_eq!(dependencies("studies/Cargo.toml"), outside::crates(STUDIES));
+    assert_eq!(dependencies("fuzz/Cargo.toml"), outside::crates(FUZZ));
 }
 
 #[test]
 fn everything_stands_where_it_may() {
     assert_eq!(place_faults(&sources(SRC), &["linear/"]), NONE);
     assert_eq!(place_faults(&sources(STUDIES_SRC), &[]), NONE);
+    assert_eq!(place_faults(&sources(FUZZ_SRC), &[]), NONE);
 }
 
 #[test]

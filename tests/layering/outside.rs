@@ -109,6 +109,26 @@ pub const STUDIES: &[Places] = &[
     ("stickslip::sparse", &[NOWHERE]),
 ];
 
+/// The same of the fuzzing. What judges a run has the numbers of the problem, and nothing of what solves it.
+pub const FUZZ: &[Places] = &[
+    ("clap", &["cli.rs"]),
+    ("miette", &["readers.rs"]),
+    ("serde_json", &["corpus.rs", "readers/results.rs"]),
+    ("stickslip", &[]),
+    ("std::env", &["readers/tables.rs"]),
+    ("std::fs", &["corpus.rs", "readers/tables.rs"]),
+    ("std::net", &[NOWHERE]),
+    ("std::panic", &["pool.rs"]),
+    ("std::process", &["main.rs", "cli.rs", "readers/tables.rs"]),
+    ("std::thread", &["pool.rs", "readers/tables.rs"]),
+    ("stickslip::condense", &[NOWHERE]),
+    ("stickslip::formulation", &[NOWHERE]),
+    ("stickslip::linear", &[NOWHERE]),
+    ("stickslip::nonlinear", &[NOWHERE]),
+    ("stickslip::problem", &["runs/laws.rs"]),
+    ("stickslip::sparse", &["readers/tables.rs", "runs/laws.rs"]),
+];
+
 /// Where `sources` name what stands elsewhere in `table`, and what of the table no file names.
 pub fn outside_faults(sources: &Sources, table: &[Places]) -> BTreeSet<String> {
     let mut faults = BTreeSet::new();

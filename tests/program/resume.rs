@@ -97,7 +97,11 @@ fn all_faults(case: &Case, every: usize) -> usize {
                 Some(0) => assert_same(&case.path("whole"), &place),
                 Some(code) => {
                     let message = self::told(&output);
-                    let is_told = if fault == "enospc" { code == 3 && message.contains("make room") } else { [2, 3].contains(&code) };
+                    let is_told = if fault == "enospc" {
+                        code == 3 && message.contains("make room")
+                    } else {
+                        [2, 3].contains(&code)
+                    };
                     assert!(is_told && message.contains("cannot be written"), "{told}");
                 }
             }

@@ -1,0 +1,9 @@
+//! `stickslip-fuzz`, see [`cli`].
+
+mod cli;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::run()
+}
