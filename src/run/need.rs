@@ -110,8 +110,8 @@ mod tests {
     use crate::memory::Source;
     use crate::scene::Scene;
 
-    fn budget(bytes: u64) -> Option<Budget> {
-        Some(Budget { bytes, source: Source::AddressSpace })
+    fn budget(bytes: u64) -> Budget {
+        Budget { bytes, source: Source::AddressSpace }
     }
 
     fn words(result: Result<(), RunError>) -> Option<String> {
@@ -122,15 +122,15 @@ mod tests {
     fn what_does_not_fit_is_refused() {
         // Two displacements a node, 27 entries each.
         let needed = 1_000_000 * 2 * 27 * 16;
-        assert!(has_room(Some((1_000_000, 2)), budget(needed)).is_ok());
-        let refused = words(has_room(Some((1_000_000, 2)), budget(needed - 1)));
+        assert!(has_room(Some((1_000_000, 2)), Some(budget(needed))).is_ok());
+        let refused = words(has_room(Some((1_000_000, 2)), Some(budget(needed - 1))));
         let expected = "the matrices of this mesh need 864 MB or more, but the address-space limit leaves 864 MB";
         assert_eq!(refused.as_deref(), Some(expected));
-        assert!(has_room(None, budget(0)).is_ok() && has_room(Some((1, 3)), None).is_ok());
-        assert!(has_room(Some((usize::MAX / 4, 3)), budget(u64::MAX - 1)).is_err());
-        assert!(Need::check_records(1000, budget(2_000_000)).is_ok());
+        assert!(has_room(None, Some(budget(0))).is_ok() && has_room(Some((1, 3)), None).is_ok());
+        assert!(has_room(Some((usize::MAX / 4, 3)), Some(budget(u64::MAX - 1))).is_err());
+        assert!(Need::check_records(1000, Some(budget(2_000_000))).is_ok());
         assert!(Need::check_records(1000, None).is_ok());
-        let refused = words(Need::check_records(10_000_000, budget(1_500_000_000)));
+        let refused = words(Need::check_records(10_000_000, Some(budget(1_500_000_000))));
         let expected =
             "the records of so many increments need 20.0 GB or more, but the address-space limit leaves 1.5 GB";
         assert_eq!(refused.as_deref(), Some(expected));
@@ -146,9 +146,9 @@ mod tests {
             let need = Need::of(&model, linear, 100).unwrap();
             assert!(need.least > 1e5 && need.factors > need.least && need.history == 2e5, "{need:?}");
             assert!(need.body > PROGRAM_BYTES && need.bytes() as f64 > need.body + need.factors);
-            assert!(Need::check(&model, linear, budget(need.least as u64 + 1)).is_ok());
+            assert!(Need::check(&model, linear, Some(budget(need.least as u64 + 1))).is_ok());
             assert!(matches!(
-                Need::check(&model, linear, budget(need.least as u64 - 1)),
+                Need::check(&model, linear, Some(budget(need.least as u64 - 1))),
                 Err(RunError::NoRoom { needed, .. }) if needed == need.least as u64
             ));
             assert!(Need::check(&model, linear, None).is_ok());
