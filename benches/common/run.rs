@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize};
 use stickslip::auto::Choice;
 use stickslip::history::{self, HistorySettings, Method, Observer, Status, System};
 use stickslip::linear::{self, LinearSolver};
+use stickslip::memory::Budget;
 use stickslip::reach::Reach;
-use stickslip::report::{available_bytes, cpu_seconds, peak_rss_bytes};
+use stickslip::report::{cpu_seconds, peak_rss_bytes};
 use stickslip::units::Scaling;
 
 use super::{Naive, scene};
@@ -138,7 +139,15 @@ fn run(case: Case, who: &str, method: Method) -> Measured {
     let tolerance = if naive { 1e-3 } else { scene.solver.tolerance };
     let problem = &model.problem;
     let choice = || {
-        Choice::cheapest(problem, &Reach::default(), method, scene.time.increments, available_bytes()).unwrap().linear
+        Choice::cheapest(
+            problem,
+            &Reach::default(),
+            method,
+            scene.time.increments,
+            Budget::of_process().map(|budget| budget.bytes),
+        )
+        .unwrap()
+        .linear
     };
     let system = match scene.solver.linear {
         _ if naive => System::from(Box::new(Naive::default()) as Box<dyn LinearSolver>),
