@@ -93,27 +93,11 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
             None => None,
         },
     };
-    let mut run = Run::prepared(&scene, |model| threads::share_with_the_blas(model, count))?;
-    if args.uniqueness {
-        run = run.with_uniqueness()?;
-    }
-    if let (true, Method::Events { .. }) = (args.companion, scene.solver.method) {
-        let help = "leave --companion out";
-        return Err(Failure::Input(miette::miette!(
-            help = help,
-            "the exact path has no increments to compare with fewer"
-        )));
-    }
-    if args.companion {
-        run = run.with_companion();
-    }
     let done = left.as_ref().map_or(0, Checkpoint::increments);
-    if let Some(checkpoint) = &left {
-        run = run.from(checkpoint.clone())?;
-    }
+    let resumes = left.is_some();
+    let run = prepared(args, &scene, count, left)?;
     let linear = run.choice().linear.to_string();
-    let folder =
-        claim.map(|claim| open_folder(claim, &scene, run.model(), (origin, linear), left.is_some())).transpose()?;
+    let folder = claim.map(|claim| open_folder(claim, &scene, run.model(), (origin, linear), resumes)).transpose()?;
     if !args.json {
         print_head(&scene, &run);
         print_blas(kernel_before.as_deref());
@@ -134,7 +118,7 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         pace: Pace::new(args.results.checkpoint_every),
         failed_write: None,
     };
-    if left.is_none() {
+    if !resumes {
         watcher.start(&run.undeformed());
     }
     let report = if keeps { run.solve(&mut watcher) } else { run.solve_to(&mut watcher) };
@@ -145,13 +129,13 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
     if let Some(blas) = &mut report.blas {
         blas.kernel_before = kernel_before;
     }
-    if let Some(folder) = &mut folder
-        && let Err(error) = failed_write.map_or_else(|| folder.add_report(&report), Err)
-    {
-        return Err(disk_failure(folder.path(), &error));
+    let mut is_written = false;
+    if let Some(folder) = &mut folder {
+        let written = failed_write.map_or_else(|| folder.add_report(&report), Err);
+        is_written = written.map_err(|error| disk_failure(folder.path(), &error))?;
     }
     if args.json {
-        resume::print_json(&report, folder.as_ref())?;
+        resume::print_json(&report, folder.as_ref().filter(|_| is_written))?;
     } else {
         print_verdict(&report, run.times().len());
         for warning in report.warnings.iter().filter(|warning| warning.kind.needs_the_solution()) {
@@ -164,13 +148,36 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
             say!("uniqueness   {}", uniqueness::explain(critical, &mu));
         }
         if let Some(folder) = &folder {
-            say!("results      {}", folder.path().display());
+            let before = if is_written { "" } else { ": those of the run before, as this one has none" };
+            say!("results      {}{before}", folder.path().display());
         }
     }
     Ok(match report.status {
         Status::Converged => ExitCode::SUCCESS,
         Status::OutOfMemory => ExitCode::from(3),
         _ => ExitCode::from(1),
+    })
+}
+
+/// The run that is asked for, from the place where it was `left` if it was begun before.
+fn prepared<'a>(args: &RunArgs, scene: &'a Scene, count: usize, left: Option<Checkpoint>) -> Result<Run<'a>, Failure> {
+    let mut run = Run::prepared(scene, |model| threads::share_with_the_blas(model, count))?;
+    if args.uniqueness {
+        run = run.with_uniqueness()?;
+    }
+    if let (true, Method::Events { .. }) = (args.companion, scene.solver.method) {
+        let help = "leave --companion out";
+        return Err(Failure::Input(miette::miette!(
+            help = help,
+            "the exact path has no increments to compare with fewer"
+        )));
+    }
+    if args.companion {
+        run = run.with_companion();
+    }
+    Ok(match left {
+        Some(checkpoint) => run.from(checkpoint)?,
+        None => run,
     })
 }
 

@@ -1,5 +1,8 @@
 //! Runs that are ended somewhere, and taken up again: the results are those of a run that nothing has ended.
 
+#![cfg(all(feature = "cli", target_os = "linux"))]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};

@@ -173,14 +173,14 @@ impl ResultFolder {
     }
 
     /// Writes the report, whose lists are here, as `run.json`, after what it shows of the history as `forces.svg` and
-    /// `iterations.svg`; and brings all to the disk. A run that has not come to its end can be taken up all the same.
+    /// `iterations.svg`; and brings all to the disk. A run that has not come to its end can be taken up all the same. Where a run was
+    /// interrupted before it had anything, and an earlier one had, nothing is written: tells whether it was.
     ///
     /// # Errors
     /// When the disk refuses.
-    pub fn add_report(&mut self, report: &RunReport) -> io::Result<()> {
+    pub fn add_report(&mut self, report: &RunReport) -> io::Result<bool> {
         if !self.place.is_published() && report.status == Status::Interrupted && self.report().is_ok() {
-            // Those of an earlier run tell more.
-            return Ok(());
+            return Ok(false);
         }
         self.place.publish(&["run.json", CHECKPOINT], is_ours)?;
         for (name, chart) in history_charts(report) {
@@ -196,7 +196,7 @@ impl ResultFolder {
         if report.status == Status::Converged || !self.can_be_taken_up {
             lists::FILES.iter().try_for_each(|name| self.place.directory.remove(name))?;
         }
-        Ok(())
+        Ok(true)
     }
 
     /// The report as it was written.
