@@ -144,7 +144,8 @@ impl GapTable {
             let k = knots.partition_point(|knot| *knot <= x).clamp(1, knots.len() - 1) - 1;
             Some((k, (x - knots[k]) / (knots[k + 1] - knots[k])))
         };
-        let between = |a: f64, b: f64, s: f64| a + s * (b - a);
+        // Exact at both ends.
+        let between = |a: f64, b: f64, s: f64| if s < 1.0 { a + s * (b - a) } else { b };
         let places: Option<Vec<(usize, f64)>> = (0..self.knots.len()).map(place).collect();
         match places.as_deref() {
             Some(&[(k, s)]) => between(self.gaps[k], self.gaps[k + 1], s),
