@@ -8,6 +8,7 @@ mod axisymmetric;
 mod axisymmetric_bodies;
 mod axisymmetric_contact;
 mod axisymmetric_refused;
+mod checkpoints;
 mod closed_forms;
 mod companion;
 mod concave;

@@ -1,0 +1,168 @@
+//! Histories that are taken up from each of their checkpoints: the numbers are those of the whole, to the last bit.
+
+#![allow(clippy::unwrap_used)]
+
+use stickslip::checkpoint::{Checkpoint, CheckpointError};
+use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step, System};
+use stickslip::model::Model;
+use stickslip::nonlinear::Flow;
+use stickslip::run::{RecordedIncrement, Recording, Run, RunError};
+use stickslip::scene::Scene;
+
+/// Keeps all checkpoints, as bytes, and all increments.
+#[derive(Default)]
+struct All {
+    checkpoints: Vec<Vec<u8>>,
+    increments: Vec<RecordedIncrement>,
+}
+
+impl Observer for All {
+    fn increment(&mut self, step: &Step<'_>) -> Flow {
+        self.increments.push(RecordedIncrement::new(step));
+        Flow::Continue
+    }
+
+    fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+        self.checkpoints.push(here().to_bytes());
+    }
+}
+
+fn scene(text: &str, set: &[&str]) -> Scene {
+    let set: Vec<_> = set.iter().map(|text| text.parse().unwrap()).collect();
+    Scene::parse("scene.toml", text, &set).unwrap()
+}
+
+/// Takes the run of a scene up from each of its checkpoints; gives how many there were.
+fn taken_up(scene: &Scene) -> usize {
+    let mut all = All::default();
+    let whole = Run::new(scene).unwrap().solve(&mut all).unwrap();
+    for bytes in &all.checkpoints {
+        let checkpoint = Checkpoint::from_bytes(bytes).unwrap();
+        let done = checkpoint.increments();
+        let mut rest = Recording::all();
+        let report = Run::new(scene).unwrap().from(checkpoint).unwrap().solve(&mut rest).unwrap();
+        for (one, other) in all.increments[done..].iter().zip(&rest.increments) {
+            assert_eq!(one.state, other.state, "increment {}", one.record.index);
+            assert_eq!((&one.statuses, &one.gap, &one.w_t_last), (&other.statuses, &other.gap, &other.w_t_last));
+            assert_eq!((one.record.kkt, one.record.iterations), (other.record.kkt, other.record.iterations));
+            assert_eq!((one.record.friction_work, one.record.theta), (other.record.friction_work, other.record.theta));
+        }
+        assert_eq!(rest.increments.len(), all.increments.len() - done);
+        assert_eq!(report.status, whole.status);
+        assert_eq!((&report.boundaries, &report.estimates), (&whole.boundaries, &whole.estimates));
+        assert_eq!((&report.warnings, &report.largest_pressure), (&whole.warnings, &whole.largest_pressure));
+        assert_eq!((report.totals.kkt, report.totals.iterations), (whole.totals.kkt, whole.totals.iterations));
+        assert_eq!((report.working_set, &report.curves), (whole.working_set, &whole.curves));
+    }
+    all.checkpoints.len()
+}
+
+const BLOCK: &str = include_str!("../../data/scenes/block.toml");
+const CUBE: &str = include_str!("../../data/scenes/cube.toml");
+
+#[test]
+fn each_method_on_each_linear_algebra_goes_on_to_the_last_bit() {
+    let methods: [&[&str]; 4] = [
+        &["solver.setting=\"default\""],
+        &["solver.setting=\"paper\""],
+        &["solver.method=\"ip\"", "solver.setting=\"default\""],
+        &["solver.method=\"ip\"", "solver.setting=\"paper\""],
+    ];
+    for method in methods {
+        for linear in ["umfpack", "faer", "condensed", "condensed-faer"] {
+            if !linear.parse::<stickslip::history::LinearAlgebra>().unwrap().is_built_in() {
+                continue;
+            }
+            let linear = format!("solver.linear=\"{linear}\"");
+            let block = scene(BLOCK, &[&["mesh.elements=[8,8]", "time.increments=8", &linear], method].concat());
+            assert!(taken_up(&block) >= 3);
+            if method != ["solver.method=\"ip\"", "solver.setting=\"paper\""] {
+                let cube = scene(CUBE, &[&["mesh.elements=[3,3,3]", "time.increments=4", &linear], method].concat());
+                assert!(taken_up(&cube) >= 3);
+            }
+        }
+    }
+}
+
+#[test]
+fn bodies_that_contact_holds_friction_that_changes_and_two_bodies_go_on() {
+    let small = ["mesh.elements=[8,8]", "time.increments=6"];
+    taken_up(&scene(include_str!("../../data/scenes/held_by_contact.toml"), &small));
+    taken_up(&scene(include_str!("../../data/scenes/frictionless.toml"), &small));
+    taken_up(&scene(include_str!("../../data/scenes/wedge.toml"), &["time.increments=4"]));
+    taken_up(&scene(include_str!("../../data/scenes/turning_load.toml"), &["time.increments=5"]));
+    taken_up(&scene(include_str!("../../data/scenes/cycles.toml"), &["time.increments=8"]));
+}
+
+/// An obstacle that rolls in from a side reaches one node after the other.
+#[test]
+fn working_sets_that_grow_go_on() {
+    let text = "[material]\nyoung = 1e9\npoisson = 0.3\n[mesh]\nkind = \"block\"\nsize = [4, 1]\nelements = [40, 6]\n\
+        [[support]]\nboundary = \"bottom\"\nfix = [\"x\", \"y\"]\n[[contact]]\nboundary = \"top\"\nfriction = 0.3\n\
+        obstacle = { kind = \"cylinder\", center = [2.0, 3.0], radius = 2.0, approach = [[0, 0], [3, 9e-2]] }\n\
+        [time]\nend = 3\nincrements = 9\n";
+    let scene = scene(text, &[]);
+    let (model, times) = (Model::new(&scene).unwrap(), scene.time.all());
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let settings = HistorySettings { working_set: Some(vec![20]), ..settings };
+    let run = |settings: &HistorySettings, all: &mut All| {
+        let system = System::from(LinearAlgebra::condensed());
+        history::run(&model.problem, &model.loading, &times, settings, system, all).unwrap()
+    };
+    let mut all = All::default();
+    let whole = run(&settings, &mut all);
+    assert!(whole.working_set.unwrap().grown > 1 && all.checkpoints.len() > 3, "{:?}", whole.working_set);
+    for bytes in &all.checkpoints {
+        let from = Some(Checkpoint::from_bytes(bytes).unwrap());
+        let rest = run(&HistorySettings { from, ..settings.clone() }, &mut All::default());
+        assert_eq!((rest.status, &rest.state, rest.tally), (whole.status, &whole.state, whole.tally));
+        assert_eq!((rest.working_set, rest.increment_error), (whole.working_set, whole.increment_error));
+    }
+}
+
+#[test]
+fn what_is_no_checkpoint_of_this_run_is_refused() {
+    let block = scene(BLOCK, &["mesh.elements=[6,6]", "time.increments=4", "solver.setting=\"default\""]);
+    let mut all = All::default();
+    Run::new(&block).unwrap().solve(&mut all).unwrap();
+    let checkpoint = Checkpoint::from_bytes(&all.checkpoints[1]).unwrap();
+    let refused = |set: &[&str]| {
+        let other =
+            scene(BLOCK, &[&["mesh.elements=[6,6]", "time.increments=4", "solver.setting=\"default\""], set].concat());
+        let run = Run::new(&other).unwrap().from(checkpoint.clone());
+        match run.and_then(|run| run.solve(&mut ())) {
+            Err(RunError::History(history::Error::Checkpoint(error))) => error,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(refused(&["mesh.elements=[7,6]"]), CheckpointError::Other { what: "the mesh or its contact" });
+    assert_eq!(refused(&["solver.setting=\"paper\""]), CheckpointError::Other { what: "the method" });
+    assert_eq!(refused(&["time.increments=5"]), CheckpointError::Other { what: "the times of the increments" });
+    let events = CheckpointError::Unsupported { what: "an exact path in time" };
+    assert_eq!(refused(&["solver.method=\"events\""]), events);
+    assert_eq!(
+        refused(&["solver.linear=\"condensed\"", "solver.linear=\"umfpack\"", "mesh.elements=[6,7]"]).to_string(),
+        "the checkpoint is that of another run: the mesh or its contact differs"
+    );
+}
+
+/// A history of one's own, without a run, over more increments than were asked for at first.
+#[test]
+fn a_history_goes_on_beyond_its_first_end() {
+    let block = scene(BLOCK, &["mesh.elements=[6,6]", "time.increments=4", "solver.setting=\"default\""]);
+    let model = Model::new(&block).unwrap();
+    let times = block.time.all();
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let run = |times: &[f64], settings: &HistorySettings, all: &mut All| {
+        history::run(&model.problem, &model.loading, times, settings, System::default(), all).unwrap()
+    };
+    let whole = run(&times, &settings, &mut All::default());
+    let mut half = All::default();
+    run(&times[..2], &settings, &mut half);
+    let from = Checkpoint::from_bytes(half.checkpoints.last().unwrap()).unwrap();
+    assert_eq!((from.increments(), from.time()), (2, times[1]));
+    let rest =
+        run(&times, &HistorySettings { from: Some(from), keeps_records: false, ..settings }, &mut All::default());
+    assert_eq!((rest.status, &rest.state, rest.tally), (Status::Converged, &whole.state, whole.tally));
+    assert_eq!(rest.records.len(), 2);
+}
