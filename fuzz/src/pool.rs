@@ -8,8 +8,13 @@ use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// No input may take longer.
+use rustix::time::{ClockId, clock_gettime};
+
+/// No input may take longer, by the processor time of its thread: others may be at work on the machine.
 pub const LONGEST: Duration = Duration::from_secs(10);
+
+/// What has not ended by then hangs.
+const HANGS: Duration = Duration::from_secs(60);
 
 /// What became of an input: how it counts, or what is wrong.
 pub type Verdict = Result<&'static str, String>;
@@ -75,6 +80,11 @@ enum Event {
     Idle,
 }
 
+/// The processor time of this thread.
+fn busy() -> Duration {
+    Duration::try_from(clock_gettime(ClockId::ThreadCPUTime)).unwrap_or_default()
+}
+
 fn work<F: Fn(u64) -> Verdict>(shared: &Shared<F>, worker: usize, events: &mpsc::Sender<Event>) {
     loop {
         let k = shared.next.fetch_add(1, Ordering::Relaxed);
@@ -85,10 +95,14 @@ fn work<F: Fn(u64) -> Verdict>(shared: &Shared<F>, worker: usize, events: &mpsc:
         if let Ok(mut at) = shared.at.lock() {
             at.insert(worker, (seed, since));
         }
+        let before = busy();
         let verdict = caught(|| (shared.check)(seed));
+        let took = busy().saturating_sub(before);
+        let verdict =
+            verdict.and_then(|kind| if took > LONGEST { Err(format!("it took {took:.1?}")) } else { Ok(kind) });
         let known = shared.at.lock().is_ok_and(|mut at| at.remove(&worker).is_some());
         // One that was given up has been told, and its place is taken.
-        if !known || events.send(Event::Ended(seed, verdict, since.elapsed())).is_err() {
+        if !known || events.send(Event::Ended(seed, verdict, took)).is_err() {
             return;
         }
     }
@@ -132,14 +146,14 @@ where
         if told.elapsed() > Duration::from_secs(5) {
             told = Instant::now();
             let late: Vec<(usize, u64)> = shared.at.lock().map_or(Vec::new(), |mut at| {
-                let late = at.iter().filter(|(_, (_, since))| since.elapsed() > LONGEST);
+                let late = at.iter().filter(|(_, (_, since))| since.elapsed() > HANGS);
                 let late: Vec<(usize, u64)> = late.map(|(worker, (seed, _))| (*worker, *seed)).collect();
-                at.retain(|_, (_, since)| since.elapsed() <= LONGEST);
+                at.retain(|_, (_, since)| since.elapsed() <= HANGS);
                 late
             });
             for (_, seed) in late {
                 tally.done += 1;
-                fail(&mut tally, seed, format!("no end within {} s", LONGEST.as_secs()), &mut tell);
+                fail(&mut tally, seed, format!("no end within {} s", HANGS.as_secs()), &mut tell);
                 hire();
             }
             tell(&tally, None);

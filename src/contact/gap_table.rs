@@ -177,8 +177,8 @@ mod tests {
     /// However short the first stretch is beside the whole.
     #[test]
     fn the_rim_has_the_gap_of_its_end() {
-        let table = GapTable::parse("line", "x,gap\n0,0.5\n1e-9,0.4\n1,0.1\n").unwrap();
-        assert_eq!([table.at([-0.5e-9, 0.0, 0.0]), table.at([1.0 + 0.5e-9, 0.0, 0.0])], [0.5, 0.1]);
+        let table = GapTable::parse("line", "x,gap\n0,0.5\n1e-9,0.25\n1,0.125\n").unwrap();
+        assert_eq!([table.at([-0.5e-9, 0.0, 0.0]), table.at([1.0 + 0.5e-9, 0.0, 0.0])], [0.5, 0.125]);
         assert!(table.at([-2e-9, 0.0, 0.0]).is_nan());
     }
 

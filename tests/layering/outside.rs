@@ -113,6 +113,7 @@ pub const STUDIES: &[Places] = &[
 pub const FUZZ: &[Places] = &[
     ("clap", &["cli.rs"]),
     ("miette", &["readers.rs"]),
+    ("rustix", &["pool.rs"]),
     ("serde_json", &["corpus.rs", "readers/results.rs"]),
     ("stickslip", &[]),
     ("std::env", &["readers/tables.rs"]),

@@ -34,17 +34,17 @@ fn by_place(solved: &Solved, increment: usize, place: impl Fn([f64; 3]) -> [f64;
     places
 }
 
-/// Fails if both converged, the laws leave no choice, and the contact forces differ by more than `tolerance`, relative to the
-/// largest force.
-pub(super) fn alike(
+/// Where the contact forces of two runs differ by more than `tolerance`, relative to the largest force: the number of the increment
+/// from 0, and by how much. Nothing is asked of runs that did not converge, or to which the laws may leave a choice.
+pub(super) fn difference(
     one: &Solved,
     other: &Solved,
     places: impl Fn(&Solved, usize) -> Places,
     tolerance: f64,
-) -> Result<(), String> {
+) -> Result<Option<(usize, f64)>, String> {
     let both = [one, other];
     if !both.iter().all(|solved| solved.converged() && solved.is_unique()) {
-        return Ok(());
+        return Ok(None);
     }
     // A method that asks for less gives less, and where moduli differ much, by a factor.
     let asked = both.iter().map(|solved| solved.solver.tolerance).fold(0.0, f64::max);
@@ -60,10 +60,21 @@ pub(super) fn alike(
         let differences = a.values().flatten().zip(b.values().flatten()).map(|(a, b)| (a - b).abs());
         let difference = differences.fold(0.0, f64::max);
         if difference > tolerance * scale {
-            return Err(format!("contact forces of increment {} differ by {:.2e}", k + 1, difference / scale));
+            return Ok(Some((k, difference / scale)));
         }
     }
-    Ok(())
+    Ok(None)
+}
+
+/// Fails if there is such a [`difference`].
+pub(super) fn alike(
+    one: &Solved,
+    other: &Solved,
+    places: impl Fn(&Solved, usize) -> Places,
+    tolerance: f64,
+) -> Result<(), String> {
+    let told = |(k, by): (usize, f64)| format!("contact forces of increment {} differ by {by:.2e}", k + 1);
+    difference(one, other, places, tolerance)?.map_or(Ok(()), |found| Err(told(found)))
 }
 
 const UNITS: [([&str; 2], [f64; 2]); 4] = [

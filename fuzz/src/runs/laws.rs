@@ -86,12 +86,14 @@ fn imbalance(model: &Model, force: &[f64], state: &State) -> Vec<f64> {
     balance.into_iter().map(Double::value).collect()
 }
 
-/// A row of `map` on displacements, less `offset`.
-fn along(map: &Csr, i: usize, state: &State, offset: f64) -> f64 {
+/// A row of `map` on the displacements of a state beside those of another, less `offset`; either may be far beyond the difference.
+fn along(map: &Csr, i: usize, state: &State, other: &State, offset: f64) -> f64 {
+    let rest = |state: &State, dof: usize| state.u_rest.get(dof).copied().unwrap_or(0.0);
     let mut sum = Double::default();
     for (dof, c) in map.row(i) {
         sum.add_product(*c, state.u[*dof]);
-        sum.add(c * state.u_rest.get(*dof).copied().unwrap_or(0.0));
+        sum.add_product(-*c, other.u[*dof]);
+        sum.add(c * (rest(state, *dof) - rest(other, *dof)));
     }
     sum.add(-offset);
     sum.value()
@@ -170,16 +172,22 @@ pub fn contact_faults(
         Ok(data) => data,
         Err(wrong) => return vec![wrong],
     };
-    let last = if found.record.parts > 1 {
-        [found.w_t_last.clone(), found.w_o_last.clone()]
-    } else {
-        let start = State::zero(&model.problem);
-        let (state, from) = before.last().map_or((&start, 0.0), |before| (&before.state, before.record.time));
-        [0, 1].map(|k| data.passed(k, state, from, found.record.time))
+    let start = State::zero(&model.problem);
+    let (state, from) = before.last().map_or((&start, 0.0), |before| (&before.state, before.record.time));
+    let passed = [0, 1].map(|k| data.passed(k, from, found.record.time));
+    let maps = model.problem.tangential_maps();
+    let slip = |k: usize, i: usize| {
+        if found.record.parts > 1 {
+            // The last part began at another state, of which only the tangential displacements are known.
+            let last = [&found.w_t_last, &found.w_o_last][k][i];
+            along(maps[k], i, &found.state, &start, last)
+        } else {
+            along(maps[k], i, &found.state, state, passed[k][i])
+        }
     };
     // The exact path asks for the law of friction all along, and not of the ends of increments.
     let dissipates = !matches!(solver.method, Method::Events { .. });
-    let friction = data.friction(&found.state, &last, found.record.time, dissipates);
+    let friction = data.friction(&found.state, slip, found.record.time, dissipates);
     data.contact(&found.state).into_iter().chain(friction).collect()
 }
 
@@ -235,8 +243,9 @@ impl<'a> Data<'a> {
     }
 
     fn contact(&self, state: &State) -> Option<String> {
+        let start = State::zero(&self.model.problem);
         (0..self.gap.len()).find_map(|i| {
-            let inside = along(self.model.problem.c_n(), i, state, self.gap[i]);
+            let inside = along(self.model.problem.c_n(), i, state, &start, self.gap[i]);
             let pressed = state.p_n[i];
             let apart = relative((-inside).max(0.0), self.scales.length);
             let both = smaller(relative(pressed.max(0.0), self.scales.force), apart);
@@ -246,15 +255,19 @@ impl<'a> Data<'a> {
         })
     }
 
-    /// The tangential displacements of the last increment, shifted by what has passed since.
-    fn passed(&self, k: usize, before: &State, from: f64, to: f64) -> Vec<f64> {
+    /// How far obstacles have passed the nodes along a tangent, m.
+    fn passed(&self, k: usize, from: f64, to: f64) -> Vec<f64> {
         let loading = &self.model.loading;
-        let (drift, drift_now) = (loading.drift_at(from, k), loading.drift_at(to, k));
-        let map = self.model.problem.tangential_maps()[k];
-        (0..self.gap.len()).map(|i| along(map, i, before, 0.0) + (drift_now[i] - drift[i])).collect()
+        loading.drift_at(to, k).iter().zip(loading.drift_at(from, k)).map(|(now, then)| now - then).collect()
     }
 
-    fn friction(&self, state: &State, last: &[Vec<f64>; 2], time: f64, dissipates: bool) -> Option<String> {
+    fn friction(
+        &self,
+        state: &State,
+        slip: impl Fn(usize, usize) -> f64,
+        time: f64,
+        dissipates: bool,
+    ) -> Option<String> {
         let problem = &self.model.problem;
         let mu = self.model.loading.friction().map_or_else(|| problem.mu().to_vec(), |friction| friction.at(time));
         (0..mu.len()).find_map(|i| {
@@ -268,7 +281,7 @@ impl<'a> Data<'a> {
             if maps.iter().all(|map| map.row(i).is_empty()) {
                 return None;
             }
-            let slip = [0, 1].map(|k| along(maps[k], i, state, last[k][i]));
+            let slip = [0, 1].map(|k| slip(k, i));
             let length = slip[0].hypot(slip[1]);
             // A force a little beyond the cone has been judged.
             let within = if size > radius { radius / size } else { 1.0 };
@@ -277,6 +290,10 @@ impl<'a> Data<'a> {
             } else {
                 0.0
             };
+            // Beside the way of a body that contact alone holds a slip may be so small that its direction is lost in rounding.
+            let way = if problem.free_motions().is_empty() { 0.0 } else { 4.0 * f64::EPSILON * self.scales.length };
+            let unknown = if length > 0.0 { radius * (way / length).min(2.0) } else { 0.0 };
+            let lacking = (lacking - unknown).max(0.0);
             let both = smaller(relative(lacking, self.scales.force), relative(length, self.scales.length));
             self.too_large("slip without full friction against it", i, both, 1.0)
         })
