@@ -25,7 +25,7 @@
 //! let whole = Run::new(&scene)?.solve(&mut keep)?;
 //!
 //! let checkpoint = Checkpoint::from_bytes(&keep.0)?;
-//! let rest = Run::new(&scene)?.from(checkpoint)?.solve(&mut ())?;
+//! let rest = Run::new(&scene)?.from(checkpoint).solve(&mut ())?;
 //! assert_eq!(rest.increments.len(), 2); // the third and the fourth
 //! assert_eq!(rest.boundaries, whole.boundaries); // to the last bit
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -58,12 +58,6 @@ pub enum CheckpointError {
     #[error("the checkpoint is that of another run: {what} differs")]
     Other {
         /// What differs.
-        what: &'static str,
-    },
-    /// What was running cannot be taken up.
-    #[error("{what} cannot be taken up from a checkpoint")]
-    Unsupported {
-        /// What.
         what: &'static str,
     },
 }

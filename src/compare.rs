@@ -11,6 +11,7 @@
 
 mod answers;
 mod cases;
+mod cell;
 mod convergence;
 mod errors;
 mod mesh;
@@ -22,11 +23,14 @@ use std::fmt;
 use std::sync::{Mutex, PoisonError};
 
 pub use answers::{Estimate, Lead};
+pub use cell::Cells;
 pub use errors::{End, MeshErrors, TimeErrors};
 pub use mesh::{ElementChoice, MeshChoice, MeshSize};
 pub use pareto::front;
 pub use picture::charts;
 pub use tractions::{Interior, TractionNode, Tractions};
+
+use serde::{Deserialize, Serialize};
 
 use cases::Study;
 use mesh::first_elements;
@@ -66,7 +70,7 @@ pub struct Plan {
 }
 
 /// Where the time of a run went, s.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Phases {
     /// Mesh, `K`, contact maps and loads: wall time, measured once a mesh.
     pub model: f64,
@@ -87,7 +91,7 @@ pub struct Phases {
 }
 
 /// One iteration of a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Iterate {
     /// The increment, from 1.
     pub increment: usize,
@@ -232,13 +236,14 @@ impl Plan {
 }
 
 /// Computes every history of `plan`, the references first, and tells `progress` before each what it is. Results do not depend on how
-/// many are computed at a time.
+/// many are computed at a time. Those that `cells` have are not computed again.
 ///
 /// # Errors
 /// When a mesh of the plan cannot be built or is none of this scene's, or the linear algebra cannot go on.
 pub fn compute(
     scene: &Scene,
     plan: &Plan,
+    cells: &dyn Cells,
     progress: &mut (dyn FnMut(String) + Send),
 ) -> Result<Comparison, CompareError> {
     let mut increments = plan.increments.clone();
@@ -250,16 +255,16 @@ pub fn compute(
     let tell = |what: String| progress.lock().unwrap_or_else(PoisonError::into_inner)(what);
     let studies = jobs::run(&meshes, plan.jobs, |mesh| {
         tell(format!("{mesh}, reference with {reference} increments"));
-        Study::new(scene, mesh.clone(), reference)
+        Study::new(scene, mesh.clone(), reference, cells)
     })?;
     let units = studies.last().map_or(scene.description.system(3), Study::units);
-    let mut cells = Vec::new();
+    let mut tasks = Vec::new();
     for study in &studies {
-        cells.extend(plan.paths.iter().flat_map(|&path| increments.iter().map(move |&number| (study, path, number))));
+        tasks.extend(plan.paths.iter().flat_map(|&path| increments.iter().map(move |&number| (study, path, number))));
     }
-    let trials = jobs::run(&cells, plan.jobs, |&(study, path, increments)| {
+    let trials = jobs::run(&tasks, plan.jobs, |&(study, path, increments)| {
         tell(format!("{}, {path}, {increments} increments", study.mesh()));
-        study.run(path, increments)
+        study.run(path, increments, cells)
     })?;
     let each = plan.paths.len() * increments.len();
     let mut trials = trials.into_iter();

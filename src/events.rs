@@ -18,6 +18,7 @@
 //! | the linear equations of given statuses: sparse, one factorisation a set; dense, by changes of rank one | `tangent.rs`, `sparse.rs`, `dictionary.rs` |
 //! | solutions in twice the precision, for slender bodies | `refined.rs` |
 //! | displacements in which each contact row is one | `coordinates.rs` |
+//! | what a walk goes on from another time | `saved.rs` |
 //!
 //! ```
 //! use stickslip::events::{Equations, Stop, Walk};
@@ -55,15 +56,17 @@ mod node;
 mod rate;
 mod rate_problem;
 mod refined;
+mod saved;
 mod sparse;
 mod stretch;
 mod tangent;
 mod walk;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub use node::NodeStatus;
 pub use rate_problem::Effort;
+pub(crate) use saved::SavedWalk;
 pub use walk::Walk;
 
 use crate::linear::{Direct, LinearError};
@@ -126,7 +129,7 @@ pub struct Lost {
 }
 
 /// A jump over the end of a quasi-static motion, to one of the states that the laws allow beyond it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Jump {
     /// Where the motion ended, s.

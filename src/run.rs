@@ -41,11 +41,11 @@ pub use need::Need;
 pub use recording::{RecordedIncrement, Recording};
 
 use crate::auto::{Choice, Done, Faster, factorizations};
-use crate::checkpoint::{Checkpoint, CheckpointError};
+use crate::checkpoint::Checkpoint;
 use crate::contact::ContactStatus;
 use crate::formulation::Layout;
 use crate::history::{
-    self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Method, Observer, Solver, Status, System,
+    self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Observer, Solver, Status, System,
 };
 use crate::linear::{Direct, LinearError};
 use crate::memory::Budget;
@@ -163,15 +163,10 @@ impl<'a> Run<'a> {
     /// are the same to the last bit, but for times and for counts of factorisations, on as many threads and with the same BLAS.
     /// The report has the records of the increments that are still to come; all else in it is of all of them.
     ///
-    /// # Errors
-    /// [`CheckpointError::Unsupported`] on an exact path. That the checkpoint is damaged, or of another scene, method or linear
-    /// algebra, [`Run::solve`] tells.
-    pub fn from(self, checkpoint: Checkpoint) -> Result<Self, RunError> {
-        if let Method::Events { .. } = self.solver.method {
-            let what = "an exact path in time";
-            return Err(history::Error::from(CheckpointError::Unsupported { what }).into());
-        }
-        Ok(Run { from: Some(checkpoint), ..self })
+    /// That the checkpoint is damaged, or of another scene, method or linear algebra, [`Run::solve`] tells.
+    #[must_use]
+    pub fn from(self, checkpoint: Checkpoint) -> Self {
+        Run { from: Some(checkpoint), ..self }
     }
 
     /// What is solved.

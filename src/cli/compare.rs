@@ -1,5 +1,6 @@
 //! `stickslip compare`.
 
+mod cells;
 mod csv;
 mod tables;
 
@@ -9,7 +10,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use stickslip::compare::{
-    self, CompareError, Comparison, ElementChoice, End, MeshChoice, MeshResult, MeshSize, Plan, SolverPath,
+    self, Cells, CompareError, Comparison, ElementChoice, End, MeshChoice, MeshResult, MeshSize, Plan, SolverPath,
 };
 use stickslip::history::{LinearAlgebra, Method, Start, Status};
 use stickslip::linear::{self, SparseLu};
@@ -17,7 +18,8 @@ use stickslip::report::{Estimates, write_file};
 use stickslip::scene::{Override, Scene};
 use stickslip::units::{Quantity, UnitSystem};
 
-use super::Failure;
+use super::{Failure, origin};
+use cells::CellFolder;
 use tables::tables;
 
 use super::progress::bar;
@@ -60,6 +62,9 @@ pub(super) struct CompareArgs {
     /// compare.md into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Go on with a comparison that was ended on the way: histories that are done are not computed again
+    #[arg(long, requires = "out")]
+    resume: bool,
     /// Print the runs as comma-separated values and nothing else
     #[arg(long)]
     csv: bool,
@@ -85,6 +90,14 @@ pub(super) fn compare(args: &CompareArgs, threads: usize) -> Result<ExitCode, Fa
     if let Some(file) = args.out.as_ref().filter(|out| out.exists() && !out.is_dir()) {
         return Err(write_failure(file, &std::io::ErrorKind::NotADirectory.into()));
     }
+    let kept = match &args.out {
+        Some(out) => {
+            let cells = CellFolder::open(out, origin(&scene)?, args.resume);
+            Some(cells.map_err(|error| write_failure(out, &error))?)
+        }
+        None => None,
+    };
+    let cells = kept.as_ref().map_or(&() as &dyn Cells, |kept| kept);
     linear::process::keep_freed_memory();
     let bar = bar(plan.histories(), "histories");
     let mut started = false;
@@ -93,7 +106,7 @@ pub(super) fn compare(args: &CompareArgs, threads: usize) -> Result<ExitCode, Fa
         started = true;
         bar.set_message(what);
     };
-    let comparison = compare::compute(&scene, &plan, &mut progress).map_err(|error| match error {
+    let comparison = compare::compute(&scene, &plan, cells, &mut progress).map_err(|error| match error {
         CompareError::Run(error) => Failure::from(error),
         of_the_plan => Failure::Input(of_the_plan.into()),
     })?;
@@ -111,6 +124,9 @@ pub(super) fn compare(args: &CompareArgs, threads: usize) -> Result<ExitCode, Fa
     }
     if let Some(folder) = &args.out {
         write(folder, &comparison)?;
+        if let Some(cells) = &kept {
+            cells.remove().map_err(|error| write_failure(folder, &error))?;
+        }
         if !args.csv {
             say!("written to   {}", folder.display());
         }
@@ -213,9 +229,9 @@ fn quoted(argument: &str) -> String {
 fn write(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
     let written = |result: std::io::Result<()>| result.map_err(|error| write_failure(folder, &error));
     written(fs::create_dir_all(folder))?;
-    written(write_file(folder, "compare.csv", &csv::runs(comparison)))?;
-    written(write_file(folder, "iterations.csv", &csv::iterations(comparison)))?;
-    written(write_file(folder, "meshes.csv", &csv::meshes(comparison)))?;
+    written(write_file(folder, "compare.csv", csv::runs(comparison)))?;
+    written(write_file(folder, "iterations.csv", csv::iterations(comparison)))?;
+    written(write_file(folder, "meshes.csv", csv::meshes(comparison)))?;
     let command = std::env::args().skip(1).map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
     let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
     page.extend(comparison.blas.as_ref().map(|blas| format!("{}.\n\n", blas.with_threads())));

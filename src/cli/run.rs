@@ -176,7 +176,7 @@ fn prepared<'a>(args: &RunArgs, scene: &'a Scene, count: usize, left: Option<Che
         run = run.with_companion();
     }
     Ok(match left {
-        Some(checkpoint) => run.from(checkpoint)?,
+        Some(checkpoint) => run.from(checkpoint),
         None => run,
     })
 }

@@ -2,11 +2,12 @@
 
 use std::time::Instant;
 
+use super::cell::{Cells, Solved};
 use super::errors::{End, TimeErrors};
 use super::mesh::MeshChoice;
 use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
 use crate::formulation::Layout;
-use crate::history::{HistoryOutcome, Method, Observer, Solver, Status, Step};
+use crate::history::{Method, Observer, Solver, Status, Step};
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::report::{EstimateWatch, Estimates, thread_cpu_seconds};
@@ -38,44 +39,30 @@ pub(super) struct Study {
     /// Wall and CPU time of the model, s.
     built: [f64; 2],
     reference: Solved,
+    end: End,
     /// What the end of the reference tells of the mesh.
     estimates: Estimates,
 }
 
-/// A history, solved.
-struct Solved {
-    increments: usize,
-    outcome: HistoryOutcome,
-    end: End,
-    seconds: Phases,
-    iterates: Vec<Iterate>,
-}
-
 impl Study {
-    /// `scene` on `mesh`, and its reference of so many increments.
-    pub(super) fn new(scene: &Scene, mesh: MeshChoice, reference: usize) -> Result<Self, RunError> {
+    /// `scene` on `mesh`, and its reference of so many increments, which `cells` may know.
+    pub(super) fn new(scene: &Scene, mesh: MeshChoice, reference: usize, cells: &dyn Cells) -> Result<Self, RunError> {
         // The gaps of obstacles that move are exact at the ends of the reference's increments, and so for all histories
         // whose increments those divide.
         let scene = scene.with(&mesh.overrides(&scene.description.mesh))?.with(&[increments_of(reference)])?;
         let (wall, cpu) = (Instant::now(), thread_cpu_seconds());
         let model = Model::new(&scene)?;
         let built = [wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu];
-        let end = scene.time.all().last().copied();
-        let mut last = LastIncrement { model: &model, end, watch: EstimateWatch::new(&model) };
-        let mut exact = None;
-        if has_exact_path(&model) {
-            let path =
-                solve(&scene, &model, built, reference_solver(Method::EVENTS, &scene.solver), 1, Some(&mut last))?;
-            exact = (path.outcome.status == Status::Converged).then_some(Solved { increments: 0, ..path });
+        let reference = Solved::or_kept(cells, &format!("{mesh}, reference, {reference}"), &model.problem, || {
+            solve_reference(&scene, &model, built, reference)
+        })?;
+        let mut watch = EstimateWatch::new(&model);
+        if let Some(seen) = &reference.seen {
+            watch.go_on_with(&model, seen.clone());
         }
-        let reference = if let Some(exact) = exact {
-            exact
-        } else {
-            last.watch = EstimateWatch::new(&model);
-            solve(&scene, &model, built, reference_solver(Method::BN, &scene.solver), reference, Some(&mut last))?
-        };
-        let estimates = last.watch.estimates(&model);
-        Ok(Study { scene, model, mesh, built, reference, estimates })
+        let end = End::new(&model, &reference.state, reference.work);
+        let estimates = watch.estimates(&model);
+        Ok(Study { scene, model, mesh, built, reference, end, estimates })
     }
 
     /// Its mesh.
@@ -88,46 +75,61 @@ impl Study {
         self.model.units()
     }
 
-    /// The history by `path` in so many increments.
-    pub(super) fn run(&self, path: SolverPath, increments: usize) -> Result<Trial, RunError> {
-        let Solved { outcome, end, seconds, iterates, .. } =
-            solve(&self.scene, &self.model, self.built, path.solver(&self.scene.solver), increments, None)?;
-        let records = &outcome.records;
-        let sound = outcome.status == Status::Converged && self.reference.outcome.status == Status::Converged;
+    /// The history by `path` in so many increments, which `cells` may know.
+    pub(super) fn run(&self, path: SolverPath, increments: usize, cells: &dyn Cells) -> Result<Trial, RunError> {
+        let Study { scene, model, mesh, built, .. } = self;
+        let solved = Solved::or_kept(cells, &format!("{mesh}, {path}, {increments}"), &model.problem, || {
+            solve(scene, model, *built, path.solver(&scene.solver), increments, None)
+        })?;
+        let end = End::new(model, &solved.state, solved.work);
+        let sound = solved.status == Status::Converged && self.reference.status == Status::Converged;
         Ok(Trial {
             path,
             mesh: self.mesh.clone(),
             increments,
-            status: outcome.status,
-            converged: records.iter().filter(|record| record.status == Status::Converged).count(),
-            iterations: records.iter().map(|record| record.iterations).sum(),
-            factorizations: outcome.linear.factorizations,
-            seconds,
-            factor_entries: outcome.linear.factor.entries,
-            factor_peak_bytes: outcome.linear.factor.peak_bytes,
-            kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
-            errors: sound
-                .then(|| TimeErrors::new(&end, &self.reference.end, self.model.problem.weight().unwrap_or_default())),
-            iterates,
+            status: solved.status,
+            converged: solved.converged,
+            iterations: solved.iterations,
+            factorizations: solved.factorizations,
+            seconds: solved.seconds,
+            factor_entries: solved.factor_entries,
+            factor_peak_bytes: solved.factor_peak_bytes,
+            kkt: solved.kkt,
+            errors: sound.then(|| TimeErrors::new(&end, &self.end, model.problem.weight().unwrap_or_default())),
+            iterates: solved.iterates,
         })
     }
 
     /// The mesh and its reference.
     pub(super) fn result(self) -> MeshResult {
-        let Solved { increments, outcome, end, seconds, .. } = self.reference;
+        let Solved { increments, status, seconds, .. } = self.reference;
         let problem = &self.model.problem;
         MeshResult {
             mesh: self.mesh,
             displacements: problem.displacements(),
             contacts: problem.contacts(),
             increments,
-            status: outcome.status,
+            status,
             seconds: seconds.cpu,
-            end,
+            end: self.end,
             errors: None,
-            estimates: (outcome.status == Status::Converged).then_some(self.estimates),
+            estimates: (status == Status::Converged).then_some(self.estimates),
         }
     }
+}
+
+/// The exact path, or where that is not known, or is lost, so many increments.
+fn solve_reference(scene: &Scene, model: &Model, built: [f64; 2], increments: usize) -> Result<Solved, RunError> {
+    let end = scene.time.all().last().copied();
+    let mut last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
+    if has_exact_path(model) {
+        let path = solve(scene, model, built, reference_solver(Method::EVENTS, &scene.solver), 1, Some(&mut last))?;
+        if path.status == Status::Converged {
+            return Ok(Solved { increments: 0, ..path });
+        }
+        last.watch = EstimateWatch::new(model);
+    }
+    solve(scene, model, built, reference_solver(Method::BN, &scene.solver), increments, Some(&mut last))
 }
 
 fn increments_of(number: usize) -> Override {
@@ -160,9 +162,22 @@ fn solve(
         wall: built[0] + wall,
         cpu: built[1] + cpu,
     };
-    let work = outcome.records.iter().map(|record| record.friction_work).sum();
-    let end = End::new(model, &outcome.state, work);
-    Ok(Solved { increments, outcome, end, seconds, iterates: recorder.iterates })
+    let records = &outcome.records;
+    Ok(Solved {
+        increments,
+        status: outcome.status,
+        converged: records.iter().filter(|record| record.status == Status::Converged).count(),
+        iterations: records.iter().map(|record| record.iterations).sum(),
+        factorizations: outcome.linear.factorizations,
+        factor_entries: outcome.linear.factor.entries,
+        factor_peak_bytes: outcome.linear.factor.peak_bytes,
+        kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
+        work: records.iter().map(|record| record.friction_work).sum(),
+        state: outcome.state,
+        seconds,
+        iterates: recorder.iterates,
+        seen: recorder.last.map(|last| last.watch.seen().clone()),
+    })
 }
 
 impl SolverPath {
@@ -251,7 +266,7 @@ mod tests {
         let moving = "contact.obstacle.motion.translation=[[0,0,0],[1,0.02,0]]";
         let overrides = overrides.into_iter().chain([moving]).map(|text| text.parse().unwrap()).collect::<Vec<_>>();
         let study =
-            Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), MeshSize::Elements(4).into(), 8)
+            Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), MeshSize::Elements(4).into(), 8, &())
                 .unwrap();
         let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
         assert_eq!(study.model.loading.bends()[0].times(), ends);

@@ -17,7 +17,7 @@ use faer::linalg::solvers::DenseSolveCore;
 
 use super::coordinates::Coordinates;
 use super::node::{Contact, Given, NodeStatus, largest};
-use super::tangent::Tangent;
+use super::tangent::{Taken, Tangent};
 use crate::linear::{Direct, LinearError, Statistics};
 use crate::problem::ContactProblem;
 use crate::units::Scaling;
@@ -341,6 +341,21 @@ impl Tangent for Dictionary {
 
     fn statistics(&self) -> Statistics {
         self.statistics
+    }
+
+    fn taken(&self) -> Taken {
+        Taken { statuses: self.statuses.clone(), table: self.table.clone(), statistics: self.statistics }
+    }
+
+    fn take_up(&mut self, taken: &Taken) -> Result<bool, LinearError> {
+        let n = self.coordinates.order();
+        let fits = [0, n * n].contains(&taken.table.len()) && (taken.table.is_empty() || !taken.statuses.is_empty());
+        if fits {
+            self.statuses.clone_from(&taken.statuses);
+            self.table.clone_from(&taken.table);
+            self.statistics = taken.statistics;
+        }
+        Ok(fits)
     }
 
     fn lend(&mut self) -> Option<&mut Direct> {

@@ -2,12 +2,12 @@
 
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::sparse::Twofold;
 
 /// What a contact node does while the loads go on at one rate. Its rates then obey one linear row for each of its forces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum NodeStatus {
     /// Apart from the obstacle: `p_n' = p_t' = 0`.
     #[serde(rename = "open")]
@@ -73,7 +73,7 @@ pub(super) enum May {
 
 /// Contact displacements and forces of all contact nodes, n_c each, and all displacements, n_u, or their rates, in the units of the
 /// walk.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Contact {
     pub w_n: Vec<f64>,
     pub w_t: Vec<f64>,
@@ -132,7 +132,7 @@ impl Contact {
 }
 
 /// What is given at a time, or the rates of it, in the units of the walk.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Given {
     /// External forces, n_u.
     pub force: Vec<f64>,

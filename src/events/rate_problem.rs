@@ -1,5 +1,7 @@
 //! The rate problem at one place of the path, and what rates break in it.
 
+use serde::{Deserialize, Serialize};
+
 use super::node::{Contact, Given, May, NodeStatus, largest};
 use super::tangent::Tangent;
 use crate::linear::LinearError;
@@ -29,7 +31,7 @@ pub(super) struct Breach {
 }
 
 /// What it took, over a history.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Effort {
     /// Rates solved for.
     pub solves: usize,

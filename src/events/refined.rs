@@ -5,7 +5,7 @@
 //! solved for with the same equations.
 
 use super::node::{Contact, Given, NodeStatus, largest};
-use super::tangent::Tangent;
+use super::tangent::{Taken, Tangent};
 use crate::linear::{Direct, LinearError, Statistics};
 use crate::problem::{ContactProblem, State};
 use crate::units::Scaling;
@@ -119,6 +119,15 @@ impl Tangent for Refined<'_> {
 
     fn statistics(&self) -> Statistics {
         self.equations.statistics()
+    }
+
+    fn taken(&self) -> Taken {
+        Taken { statuses: self.statuses.clone(), ..self.equations.taken() }
+    }
+
+    fn take_up(&mut self, taken: &Taken) -> Result<bool, LinearError> {
+        self.statuses.clone_from(&taken.statuses);
+        self.equations.take_up(taken)
     }
 
     fn lend(&mut self) -> Option<&mut Direct> {

@@ -1,7 +1,7 @@
 //! The equations of the statuses as a sparse system: one factorisation for each set of statuses, on one pattern.
 
 use super::node::{Contact, Given, NodeStatus, largest};
-use super::tangent::Tangent;
+use super::tangent::{Taken, Tangent};
 use crate::contact::coulomb::{NormalCase, TangentialCase};
 use crate::formulation::{Bdiff, Conventions};
 use crate::linear::{Direct, LinearError, Statistics};
@@ -127,6 +127,18 @@ impl Tangent for SparseTangent<'_> {
 
     fn statistics(&self) -> Statistics {
         *self.linear.statistics()
+    }
+
+    fn taken(&self) -> Taken {
+        Taken::default()
+    }
+
+    /// The factors are those of the statuses, whatever there was before; statuses on the way to others may be singular.
+    fn take_up(&mut self, taken: &Taken) -> Result<bool, LinearError> {
+        if !taken.statuses.is_empty() {
+            self.take(&taken.statuses)?;
+        }
+        Ok(true)
     }
 
     fn lend(&mut self) -> Option<&mut Direct> {

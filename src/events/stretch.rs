@@ -12,7 +12,7 @@ pub(super) struct Stretch<'a> {
     scaling: Scaling,
     tangents: Vec<Option<usize>>,
     /// The times at which the rates change, the nearest last.
-    corners: Vec<f64>,
+    pub corners: Vec<f64>,
     /// Its start and end, s; the end is infinite where nothing changes any more.
     pub times: [f64; 2],
     /// What is given at its start.

@@ -1,7 +1,20 @@
 //! The linear equations that contact nodes obey while none changes its status.
 
+use serde::{Deserialize, Serialize};
+
 use super::node::{Contact, Given, NodeStatus};
 use crate::linear::{Direct, LinearError, Statistics};
+
+/// What equations have taken, from which they can be taken up.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct Taken {
+    /// The statuses; none before the first are taken.
+    pub statuses: Vec<NodeStatus>,
+    /// What has come of all statuses so far, where the equations depend on the way to the last ones.
+    pub table: Vec<f64>,
+    /// What that took.
+    pub statistics: Statistics,
+}
 
 /// With the status of each contact node given, the contact law is linear in displacements and forces, and in their rates:
 ///
@@ -25,6 +38,15 @@ pub(super) trait Tangent {
 
     /// What the linear algebra has done.
     fn statistics(&self) -> Statistics;
+
+    /// What they have taken.
+    fn taken(&self) -> Taken;
+
+    /// Goes on from what other equations of the same problem have `taken`; tells whether they were such.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on.
+    fn take_up(&mut self, taken: &Taken) -> Result<bool, LinearError>;
 
     /// The linear algebra, for other equations in between, if it is of use to them.
     fn lend(&mut self) -> Option<&mut Direct>;

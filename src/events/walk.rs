@@ -29,22 +29,22 @@ pub struct Walk<'a> {
     mu: &'a [f64],
     rough: Vec<bool>,
     tangents: Vec<Option<usize>>,
-    equations: Refined<'a>,
-    stretch: Stretch<'a>,
+    pub(super) equations: Refined<'a>,
+    pub(super) stretch: Stretch<'a>,
     /// How much of the stretch has passed.
-    share: f64,
-    statuses: Vec<NodeStatus>,
+    pub(super) share: f64,
+    pub(super) statuses: Vec<NodeStatus>,
     /// Where each node last stuck, past its obstacle.
-    stuck: Vec<f64>,
-    at: Contact,
-    rate: Contact,
+    pub(super) stuck: Vec<f64>,
+    pub(super) at: Contact,
+    pub(super) rate: Contact,
     /// Whether `rate` holds on; if not, which nodes have just come to the border of a law.
-    decided: bool,
-    hit: Vec<bool>,
+    pub(super) decided: bool,
+    pub(super) hit: Vec<bool>,
     /// The largest forces and displacements so far.
-    largest: [f64; 2],
-    standstill: usize,
-    effort: Effort,
+    pub(super) largest: [f64; 2],
+    pub(super) standstill: usize,
+    pub(super) effort: Effort,
 }
 
 impl<'a> Walk<'a> {

@@ -6,10 +6,12 @@ use super::jump::{Edge, Landed, Means};
 use super::method::Method;
 use super::observer::{Observer, Step};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
+use super::saved::SavedPath;
 use super::settings::HistorySettings;
 use super::system::{System, statistics};
 use super::whole::{Balanced, Responds, Whole};
 use super::{Error, HistoryOutcome};
+use crate::checkpoint::CheckpointError;
 use crate::condense::{Condensation, Condensed};
 use crate::contact::{KktErrors, KktScales, Violation, judge, rounding_level, statuses_of};
 use crate::events::{Equations, Event, Jump, Lost, PathError, Stop, Walk};
@@ -58,10 +60,15 @@ impl ExactHistory<'_> {
     /// As [`super::run`].
     pub(super) fn follow(mut self, system: System, start: Instant) -> Result<HistoryOutcome, Error> {
         let (problem, loading, settings) = (self.problem, self.loading, self.settings);
+        let saved =
+            settings.from.as_ref().map(|from| SavedPath::read(from, problem, self.times, settings)).transpose()?;
         let (mut linear, condensation) = match system {
             System::Whole(linear) => (linear, None),
             System::Condensed(condensation) => (Direct::default(), Some(condensation)),
         };
+        if let Some(saved) = &saved {
+            linear = linear.after(saved.walk.statistics());
+        }
         let condensed = condensation.as_ref().map(|body| Condensed::new(problem, loading, body.clone())).transpose();
         let condensed = match condensed {
             Ok(condensed) => condensed,
@@ -86,7 +93,7 @@ impl ExactHistory<'_> {
         self.outcome.setup_seconds = start.elapsed().as_secs_f64();
         self.observer.ready();
         let condensed = condensed.as_ref().zip(condensation.as_ref());
-        match self.walk(walk, condensed) {
+        match self.walk(walk, saved, condensed) {
             Err(Error::Linear(LinearError::OutOfMemory { .. })) => self.outcome.status = Status::OutOfMemory,
             Err(error) => return Err(error),
             Ok(()) => {}
@@ -94,10 +101,21 @@ impl ExactHistory<'_> {
         Ok(self.outcome)
     }
 
-    fn walk(&mut self, mut walk: Walk<'_>, condensed: Option<(&Condensed, &Condensation)>) -> Result<(), Error> {
+    fn walk(
+        &mut self,
+        mut walk: Walk<'_>,
+        saved: Option<SavedPath>,
+        condensed: Option<(&Condensed, &Condensation)>,
+    ) -> Result<(), Error> {
         let body = condensed.map(|(condensed, _)| condensed.info());
         let mut scales = [KktScales::default(); 2];
-        for (k, &time) in self.times.iter().enumerate() {
+        if let Some(saved) = saved {
+            if !walk.resume(saved.walk)? {
+                return Err(CheckpointError::Damaged.into());
+            }
+            (self.outcome, scales) = (saved.outcome.resume(self.outcome.clone()), saved.scales);
+        }
+        for (k, &time) in self.times.iter().enumerate().skip(self.outcome.tally.increments) {
             let mut underway = Underway {
                 index: k + 1,
                 end: time,
@@ -161,6 +179,8 @@ impl ExactHistory<'_> {
                 self.outcome.status = Status::Interrupted;
                 return Ok(());
             }
+            let (outcome, settings) = (&self.outcome, self.settings);
+            self.observer.rest(&|| SavedPath::checkpoint(settings, outcome, &walk, scales));
         }
         Ok(())
     }

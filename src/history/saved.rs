@@ -9,6 +9,7 @@ use super::settings::HistorySettings;
 use super::{HistoryOutcome, IncrementError, WorkingSet};
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::contact::KktScales;
+use crate::events::{Jump, SavedWalk, Walk};
 use crate::formulation::Layout;
 use crate::linear::Statistics;
 use crate::problem::{ContactProblem, State};
@@ -41,6 +42,18 @@ pub(super) struct Done {
     reached: f64,
     working_set: Option<WorkingSet>,
     increment_error: Option<IncrementError>,
+    event_count: usize,
+    jumps: Vec<Jump>,
+}
+
+/// An exact path that has been put away.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct SavedPath {
+    pub run: RunOf,
+    pub outcome: Done,
+    pub walk: SavedWalk,
+    /// Those of the steps from event to event, and of the increments.
+    pub scales: [KktScales; 2],
 }
 
 /// The stage on the way.
@@ -58,11 +71,23 @@ impl RunOf {
         let method = format!("{:?}", (settings.method, settings.scaling));
         RunOf { method, displacements: layout.displacements(), contacts: layout.contacts() }
     }
+
+    /// # Errors
+    /// [`CheckpointError::Other`] unless it is that of this problem and method.
+    fn is_that_of(&self, problem: &ContactProblem, settings: &HistorySettings) -> Result<(), CheckpointError> {
+        let now = RunOf::new(&Layout::new(problem), settings);
+        if *self == now {
+            return Ok(());
+        }
+        let what = if self.method == now.method { "the mesh or its contact" } else { "the method" };
+        Err(CheckpointError::Other { what })
+    }
 }
 
 impl Done {
     pub(super) fn of(outcome: &HistoryOutcome) -> Self {
         let HistoryOutcome { tally, state, scales, reached, working_set, increment_error, .. } = outcome;
+        let (event_count, jumps) = (outcome.event_count, outcome.jumps.clone());
         Done {
             tally: *tally,
             state: state.clone(),
@@ -70,12 +95,25 @@ impl Done {
             reached: *reached,
             working_set: *working_set,
             increment_error: *increment_error,
+            event_count,
+            jumps,
         }
     }
 
+    /// # Errors
+    /// [`CheckpointError::Other`] unless increments of these `times` end where the checkpoint is.
+    fn ends_at(&self, checkpoint: &Checkpoint, times: &[f64]) -> Result<(), CheckpointError> {
+        let done = self.tally.increments;
+        if done == 0 || done != checkpoint.increments() || times.get(done - 1) != Some(&checkpoint.time()) {
+            return Err(CheckpointError::Other { what: "the times of the increments" });
+        }
+        Ok(())
+    }
+
     pub(super) fn resume(self, begun: HistoryOutcome) -> HistoryOutcome {
-        let Done { tally, state, scales, reached, working_set, increment_error } = self;
-        HistoryOutcome { tally, state, reached, scales, working_set, increment_error, ..begun }
+        let Done { tally, state, scales, reached, working_set, increment_error, event_count, jumps } = self;
+        let done = HistoryOutcome { tally, state, reached, scales, working_set, increment_error, ..begun };
+        HistoryOutcome { event_count, jumps, ..done }
     }
 }
 
@@ -88,15 +126,8 @@ impl Saved {
         settings: &HistorySettings,
     ) -> Result<Self, CheckpointError> {
         let saved: Saved = checkpoint.part(0)?;
-        let other = |what| Err(CheckpointError::Other { what });
-        let now = RunOf::new(&Layout::new(problem), settings);
-        if saved.run != now {
-            return other(if saved.run.method == now.method { "the mesh or its contact" } else { "the method" });
-        }
-        let done = saved.outcome.tally.increments;
-        if done == 0 || done != checkpoint.increments() || times.get(done - 1) != Some(&checkpoint.time()) {
-            return other("the times of the increments");
-        }
+        saved.run.is_that_of(problem, settings)?;
+        saved.outcome.ends_at(checkpoint, times)?;
         if !saved.fits(problem) {
             return Err(CheckpointError::Damaged);
         }
@@ -104,17 +135,44 @@ impl Saved {
     }
 
     fn fits(&self, problem: &ContactProblem) -> bool {
-        let (n, contacts) = (problem.displacements(), problem.contacts());
-        let state = |state: &State| {
-            let State { u, u_rest, p_t, p_o, p_n } = state;
-            u.len() == n && [0, n].contains(&u_rest.len()) && [p_t, p_o, p_n].iter().all(|p| p.len() == contacts)
-        };
+        let contacts = problem.contacts();
+        let state = |state: &State| state.check(problem).is_ok();
         let nodes = self
             .stage
             .nodes
             .iter()
             .all(|nodes| nodes.is_sorted_by(|a, b| a < b) && nodes.last().is_some_and(|last| *last < contacts));
         state(&self.outcome.state) && nodes && self.position.fits(problem, state)
+    }
+}
+
+impl SavedPath {
+    /// Where an exact path can be taken up after the increments so far.
+    pub(super) fn checkpoint(
+        settings: &HistorySettings,
+        outcome: &HistoryOutcome,
+        walk: &Walk<'_>,
+        scales: [KktScales; 2],
+    ) -> Checkpoint {
+        let run = RunOf::new(&outcome.layout, settings);
+        let saved = SavedPath { run, outcome: Done::of(outcome), walk: walk.save(), scales };
+        Checkpoint::new(outcome.tally.increments, outcome.reached, &saved)
+    }
+
+    /// What the `checkpoint` has, if it is one of this history.
+    pub(super) fn read(
+        checkpoint: &Checkpoint,
+        problem: &ContactProblem,
+        times: &[f64],
+        settings: &HistorySettings,
+    ) -> Result<Self, CheckpointError> {
+        let saved: SavedPath = checkpoint.part(0)?;
+        saved.run.is_that_of(problem, settings)?;
+        saved.outcome.ends_at(checkpoint, times)?;
+        if saved.outcome.state.check(problem).is_err() {
+            return Err(CheckpointError::Damaged);
+        }
+        Ok(saved)
     }
 }
 

@@ -42,6 +42,11 @@ impl Origin {
         hash([self.program.as_bytes(), self.text.as_bytes()].into_iter().chain(files))
     }
 
+    /// Such digits of a `part` of what belongs to it, by name.
+    pub fn fingerprint_of(&self, part: &str) -> String {
+        hash([self.fingerprint().as_bytes(), part.as_bytes()])
+    }
+
     /// What has changed since `earlier`, in words; nothing, if it is the same.
     pub fn changes_since(&self, earlier: &Origin) -> Vec<String> {
         let mut changes = Vec::new();

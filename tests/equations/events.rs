@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::random::Random;
+use stickslip::checkpoint::Checkpoint;
 use stickslip::events::NodeStatus;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, Status, System};
 use stickslip::loading::{LoadCase, Loading, Motion};
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Parts};
@@ -45,6 +46,32 @@ fn worst(outcome: &HistoryOutcome) -> f64 {
 
 fn rates(outcome: &HistoryOutcome) -> usize {
     outcome.records.iter().map(|record| record.iterations).sum()
+}
+
+/// Keeps all checkpoints, as bytes.
+struct Kept(Vec<Vec<u8>>);
+
+impl Observer for Kept {
+    fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+        self.0.push(here().to_bytes());
+    }
+}
+
+/// From each of its checkpoints a history goes on to the same end.
+fn taken_up(problem: &ContactProblem, loading: &Loading, times: &[f64], method: Method, linear: LinearAlgebra) {
+    let settings = HistorySettings::new(problem, loading, method).unwrap();
+    let mut kept = Kept(Vec::new());
+    let run = |settings: &HistorySettings, observer: &mut dyn Observer| {
+        history::run(problem, loading, times, settings, System::from(linear), observer).unwrap()
+    };
+    let whole = run(&settings, &mut kept);
+    assert_eq!(kept.0.len(), times.len());
+    for bytes in &kept.0 {
+        let from = Some(Checkpoint::from_bytes(bytes).unwrap());
+        let rest = run(&HistorySettings { from, ..settings.clone() }, &mut ());
+        assert_eq!((rest.status, &rest.state, rest.tally), (whole.status, &whole.state, whole.tally));
+        assert_eq!((rest.event_count, &rest.jumps), (whole.event_count, &whole.jumps));
+    }
 }
 
 /// The largest difference of contact forces, relative to the largest of them.
@@ -319,6 +346,7 @@ fn a_lost_path_goes_on_with_a_jump() {
         assert!(worst(&outcome) <= 1e-10, "{:e}", worst(&outcome));
         let before = outcome.events.iter().filter(|event| event.time <= over.from).count();
         assert!(outcome.events[before..].iter().any(|event| event.to == NodeStatus::Open), "{:?}", outcome.events);
+        taken_up(&problem, &loading, &times, jump, linear);
     }
     // Where nothing but friction could hold there is nothing to jump to.
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 2.0]), (2.0, [4.0, 2.0])]);

@@ -137,6 +137,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     (
         "compare",
         &[
+            "checkpoint",
             "contact",
             "estimate",
             "fem",

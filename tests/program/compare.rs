@@ -166,7 +166,7 @@ fn time_stepping_is_of_first_order_on_every_path() {
     let paths = vec![BN, ip, CONDENSED];
     let plan = Plan { paths, meshes: elements(&[20, 10]), increments: vec![20, 320, 80], reference: 8, jobs: 1 };
     let mut told = Vec::new();
-    let comparison = compare::compute(&scene, &plan, &mut |what| told.push(what)).unwrap();
+    let comparison = compare::compute(&scene, &plan, &(), &mut |what| told.push(what)).unwrap();
     assert_eq!(told.len(), plan.histories());
     assert_eq!(comparison.runs.len(), plan.histories() - 2);
     assert!(comparison.runs.iter().all(|run| run.status == Status::Converged && run.kkt <= 1e-10));
@@ -208,7 +208,7 @@ fn in_three_dimensions_both_tangents_count() {
         scene(["mesh.elements=[6,6,6]", "mesh.size=[1,1,1]"]),
         scene(["mesh.elements=[16,16,4]", "mesh.size=[1,1,0.25]"]),
     ] {
-        let comparison = compare::compute(&scene, &plan, &mut |_| ()).unwrap();
+        let comparison = compare::compute(&scene, &plan, &(), &mut |_| ()).unwrap();
         assert!(comparison.runs.iter().all(|run| run.status == Status::Converged && run.kkt <= 1e-10));
         // The clamped row of nodes is not in contact.
         let contacts: Vec<_> = comparison.meshes.iter().map(|result| result.contacts).collect();

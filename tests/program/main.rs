@@ -10,6 +10,7 @@ mod cli_failures;
 mod compare;
 mod compare_elements;
 mod compare_meshes;
+mod compare_resumed;
 mod documented;
 mod documented_units;
 mod events;

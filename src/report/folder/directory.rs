@@ -302,9 +302,9 @@ pub(super) fn ignore_unsupported(done: io::Result<()>) -> io::Result<()> {
 ///
 /// # Errors
 /// When the disk refuses.
-pub fn write_file(folder: &Path, name: &str, text: &str) -> io::Result<()> {
+pub fn write_file(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> io::Result<()> {
     Directory::open(folder)?.write(name, |file| {
-        file.write_all(text.as_bytes())?;
+        file.write_all(content.as_ref())?;
         ignore_unsupported(file.sync_data())
     })
 }
