@@ -98,7 +98,7 @@ mod program {
             command.stdout(Stdio::null()).stderr(Stdio::piped());
             command
         };
-        let kept = || fs::read_dir(out.join(".cells")).map_or(0, |files| files.count());
+        let kept = || fs::read_dir(out.join(".cells")).map_or(0, Iterator::count);
         let mut child = command(&[]).spawn().unwrap();
         let begun = Instant::now();
         while kept() < 4 && begun.elapsed() < Duration::from_secs(60) {
