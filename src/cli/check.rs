@@ -17,7 +17,7 @@ use stickslip::memory::{Budget, in_words};
 use stickslip::mesh::{CellKind, MeshSource};
 use stickslip::model::Model;
 use stickslip::problem::ProblemError;
-use stickslip::report::{PairRecord, Warning};
+use stickslip::report::{PairRecord, Warning, bytes_on_disk};
 use stickslip::run::{Need, RunError, discretise};
 use stickslip::scene::Scene;
 use stickslip::solvability::{Conditions, rigid_equilibrium};
@@ -62,6 +62,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         solver.tolerance
     );
     memory(&scene, &model, budget)?;
+    say!("disk         about {} for the results", in_words(bytes_on_disk(&scene, &model)));
     holding(&model);
     for warning in Warning::of_model(&model) {
         say!("warning      {}", warning.message);

@@ -11,6 +11,7 @@ mod compare;
 mod compare_elements;
 mod compare_meshes;
 mod compare_resumed;
+mod disk;
 mod documented;
 mod documented_units;
 mod events;

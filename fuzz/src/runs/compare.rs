@@ -51,6 +51,10 @@ pub(super) fn difference(
     let tolerance = if asked > 1e-10 { 1e2 * tolerance * asked / 1e-10 } else { tolerance };
     let mut scale = 0.0_f64;
     for k in 0..one.increments.len().min(other.increments.len()) {
+        // An increment in parts has another path, which friction remembers.
+        if one.increments[k].record.parts != other.increments[k].record.parts {
+            return Ok(None);
+        }
         let (a, b) = (sorted(one, k), places(other, k));
         if !a.keys().eq(b.keys()) {
             return Err("other contact nodes".to_string());
