@@ -24,3 +24,4 @@ mod start;
 mod sweep;
 mod threads;
 mod units;
+mod versions;
