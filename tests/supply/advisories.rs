@@ -58,8 +58,9 @@ impl Advisories {
             faults.push(format!("{name} is clear and has an advisory"));
         }
         for advisory in &self.advisory {
-            let versions = versions.get(advisory.package.as_str()).into_iter().flatten();
-            faults.extend(advisory.fault(versions.copied().filter(|version| advisory.affects(version)).collect()));
+            let versions = versions.get(advisory.package.as_str()).into_iter().flatten().copied();
+            let affected: Vec<_> = versions.filter(|version| advisory.affects(version)).collect();
+            faults.extend(advisory.fault(&affected));
         }
         faults
     }
@@ -67,7 +68,7 @@ impl Advisories {
 
 impl Advisory {
     /// What is wrong if it affects these versions.
-    fn fault(&self, affected: Vec<&str>) -> Option<String> {
+    fn fault(&self, affected: &[&str]) -> Option<String> {
         let Self { id, package, stays, .. } = self;
         match (affected.is_empty(), stays) {
             (false, None) => Some(format!("{package} {} is affected by {id}", affected.join(", "))),
