@@ -7,7 +7,7 @@
 # make extremes the suite of extreme scenes, into doc/stability (minutes)
 # make elements kinds of elements on Cook's membrane and Hertz' contacts, into doc/elements (minutes)
 # make compare error against time for six scenes, into doc/error-vs-time.md (minutes)
-# make fresh  demo and test from nothing, in a Debian 12 and a Debian 13 of their own (root; an hour)
+# make fresh  demo and test from nothing, in a Debian 12 and a Debian 13 of their own (as root; an hour or more)
 # make fuzz   an hour of random input: readers, and runs that are judged by laws of their own
 # make report the paper's Figures 4 to 7, into doc/figures, both tables, and the comparison (minutes)
 # Each installs what is missing first.
