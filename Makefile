@@ -7,6 +7,7 @@
 # make extremes the suite of extreme scenes, into doc/stability (minutes)
 # make elements kinds of elements on Cook's membrane and Hertz' contacts, into doc/elements (minutes)
 # make compare error against time for six scenes, into doc/error-vs-time.md (minutes)
+# make fresh  demo and test from nothing, in a Debian 12 and a Debian 13 of their own (as root; an hour or more)
 # make fuzz   an hour of random input: readers, and runs that are judged by laws of their own
 # make report the paper's Figures 4 to 7, into doc/figures, both tables, and the comparison (minutes)
 # Each installs what is missing first.
@@ -14,7 +15,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test bench instructions lines tables report extremes elements compare fuzz deps
+.PHONY: demo test bench instructions lines tables report extremes elements compare fresh fuzz deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -87,6 +88,9 @@ compare: deps
 	$(COMPARE) data/scenes/cube.toml $(PLATE) $(SOLID) --meshes 8,16 --increments 5,10 $(ONE) --out $(PAGE)/plate
 	{ cat $(PAGE)/introduction.md; for scene in block punch frictionless strip cube plate; do \
 		echo; sed "s|](|](error-vs-time/$$scene/|" $(PAGE)/$$scene/compare.md; done; } >$(PAGE).md
+
+fresh:
+	.ci/fresh
 
 FUZZ = OPENBLAS_NUM_THREADS=1 RAYON_NUM_THREADS=1 cargo run -p stickslip-fuzz --
 FUZZ_SECONDS = 1800

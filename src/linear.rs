@@ -32,6 +32,8 @@ mod supernodal;
 mod sys;
 #[cfg(feature = "umfpack")]
 mod umfpack;
+#[cfg(feature = "umfpack")]
+mod versions;
 
 #[cfg(feature = "faer")]
 pub use self::faer::FaerLu;
@@ -43,7 +45,9 @@ pub use error::LinearError;
 pub use kernel::null_space_of;
 pub use refine::{SolveInfo, backward_error, componentwise_error};
 #[cfg(feature = "umfpack")]
-pub use umfpack::{Strategy, Umfpack, suitesparse_version, umfpack_version};
+pub use umfpack::{Strategy, Umfpack};
+#[cfg(feature = "umfpack")]
+pub use versions::{suitesparse_version, umfpack_version};
 
 use serde::{Deserialize, Serialize};
 

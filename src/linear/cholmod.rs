@@ -8,7 +8,7 @@ use std::ptr::{self, NonNull};
 
 use super::blas::room;
 use super::supernodal::{Supernodal, Supernode};
-use super::{FactorInfo, LinearError, ordering, sys};
+use super::{FactorInfo, LinearError, ordering, sys, versions};
 use crate::sparse::{Csc, Pattern};
 
 // The bindings pass `Pattern`'s indices by pointer: C's 64-bit index must be exactly i64.
@@ -27,6 +27,7 @@ pub(super) struct Session {
 impl Session {
     /// A session that is silent and leaves `L` supernodal.
     pub(super) fn new() -> Result<Self, LinearError> {
+        versions::agree()?;
         // SAFETY: integers, floats, pointers and optional functions, all of which may be zero.
         let mut common: Box<sys::cholmod_common> = Box::new(unsafe { std::mem::zeroed() });
         // SAFETY: the call writes defaults into the structure and allocates nothing outside it.

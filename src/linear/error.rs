@@ -44,6 +44,21 @@ pub enum LinearError {
         /// What is missing.
         backend: &'static str,
     },
+    /// A C library is loaded that is not the one whose headers were compiled in. Nothing has been asked of it.
+    #[error(
+        "{library} {} is loaded, but this was built with the headers of {}: rebuild it here, or let LD_LIBRARY_PATH lead to \
+         the library that it was built with",
+        dotted(.loaded),
+        dotted(.built)
+    )]
+    Version {
+        /// Which library.
+        library: &'static str,
+        /// The version of the headers, `[main, sub, subsub]`.
+        built: [i32; 3],
+        /// The version that is loaded.
+        loaded: [i32; 3],
+    },
     /// Any other status of a backend.
     #[error("{backend} failed in {step} with status {status}")]
     Backend {
@@ -54,6 +69,11 @@ pub enum LinearError {
         /// Its status code.
         status: i64,
     },
+}
+
+/// A version as people write it.
+fn dotted([main, sub, subsub]: &[i32; 3]) -> String {
+    format!("{main}.{sub}.{subsub}")
 }
 
 /// An error unless both lengths agree.

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use super::blas::room;
 use super::error::expect_length;
-use super::{FactorInfo, LinearError, LinearSolver, ordering, sys};
+use super::{FactorInfo, LinearError, LinearSolver, ordering, sys, versions};
 use crate::sparse::Pattern;
 
 const CONTROL: usize = sys::UMFPACK_CONTROL as usize;
@@ -60,6 +60,8 @@ unsafe impl Send for Owned {}
 
 /// The UMFPACK backend.
 pub struct Umfpack {
+    strategy: Strategy,
+    /// The settings, from the analysis on.
     control: Control,
     pattern: Option<Arc<Pattern>>,
     /// The factored values, kept only if UMFPACK's own refinement needs them.
@@ -79,22 +81,9 @@ impl Default for Umfpack {
 impl Umfpack {
     /// A solver with the given strategy.
     pub fn new(strategy: Strategy) -> Self {
-        let mut control = [0.0; CONTROL];
-        // SAFETY: the array has the UMFPACK_CONTROL entries the call fills.
-        unsafe { sys::umfpack_dl_defaults(control.as_mut_ptr()) };
-        if strategy != Strategy::Automatic {
-            control[sys::UMFPACK_STRATEGY as usize] = f64::from(sys::UMFPACK_STRATEGY_SYMMETRIC);
-            control[sys::UMFPACK_SINGLETONS as usize] = 0.0;
-            // Nested dissection. Against AMD 17 % less fill on squares at n = 100 and 41 % at n = 400, 28 % on cubes at
-            // n = 16, in half the time, and 41 % at n = 24, in 0.97 GB instead of 2.18. UMFPACK's "best of all"
-            // fills 1 % more at n = 16, CHOLMOD's choice there is METIS.
-            let one = strategy == Strategy::Symmetric;
-            let ordering = if one { sys::UMFPACK_ORDERING_METIS } else { sys::UMFPACK_ORDERING_BEST };
-            control[sys::UMFPACK_ORDERING as usize] = f64::from(ordering);
-            control[sys::UMFPACK_IRSTEP as usize] = 0.0;
-        }
         Umfpack {
-            control,
+            strategy,
+            control: [0.0; CONTROL],
             pattern: None,
             values: Vec::new(),
             symbolic: None,
@@ -120,8 +109,10 @@ impl Umfpack {
         if let Some(values) = values {
             expect_length("values of the matrix", pattern.len(), values.len())?;
         }
+        versions::agree()?;
         self.numeric = None;
         self.symbolic = None;
+        self.control = control(self.strategy);
         let mut info: Info = [0.0; INFO];
         let mut symbolic = ptr::null_mut();
         let _alone = ordering::alone();
@@ -147,6 +138,25 @@ impl Umfpack {
         self.work = vec![0.0; if self.refines() { 5 * n } else { n }];
         Ok(())
     }
+}
+
+/// What UMFPACK is told for a strategy.
+fn control(strategy: Strategy) -> Control {
+    let mut control = [0.0; CONTROL];
+    // SAFETY: the array has the UMFPACK_CONTROL entries the call fills.
+    unsafe { sys::umfpack_dl_defaults(control.as_mut_ptr()) };
+    if strategy != Strategy::Automatic {
+        control[sys::UMFPACK_STRATEGY as usize] = f64::from(sys::UMFPACK_STRATEGY_SYMMETRIC);
+        control[sys::UMFPACK_SINGLETONS as usize] = 0.0;
+        // Nested dissection. Against AMD 17 % less fill on squares at n = 100 and 41 % at n = 400, 28 % on cubes at
+        // n = 16, in half the time, and 41 % at n = 24, in 0.97 GB instead of 2.18. UMFPACK's "best of all"
+        // fills 1 % more at n = 16, CHOLMOD's choice there is METIS.
+        let one = strategy == Strategy::Symmetric;
+        let ordering = if one { sys::UMFPACK_ORDERING_METIS } else { sys::UMFPACK_ORDERING_BEST };
+        control[sys::UMFPACK_ORDERING as usize] = f64::from(ordering);
+        control[sys::UMFPACK_IRSTEP as usize] = 0.0;
+    }
+    control
 }
 
 impl LinearSolver for Umfpack {
@@ -247,19 +257,6 @@ fn check(status: impl Into<i64>, step: &'static str, pivot_ratio: f64) -> Result
         DIFFERENT_PATTERN => Err(LinearError::PatternChanged),
         status => Err(LinearError::Backend { backend: "umfpack", step, status }),
     }
-}
-
-/// The version of the SuiteSparse library that is loaded, `[main, sub, subsub]`.
-pub fn suitesparse_version() -> [i32; 3] {
-    let mut version = [0; 3];
-    // SAFETY: the call writes three integers.
-    unsafe { sys::SuiteSparse_version(version.as_mut_ptr()) };
-    version
-}
-
-/// The version of UMFPACK whose headers were compiled in, `[main, sub, subsub]`.
-pub fn umfpack_version() -> [i32; 3] {
-    [sys::UMFPACK_MAIN_VERSION, sys::UMFPACK_SUB_VERSION, sys::UMFPACK_SUBSUB_VERSION].map(|part| part as i32)
 }
 
 #[cfg(test)]

@@ -67,6 +67,7 @@ fn remedy(error: &history::Error) -> &'static str {
         Linear(LinearError::OutOfMemory { .. }) => {
             "use a coarser mesh, raise the memory limit, or use a machine with more memory"
         }
+        Linear(LinearError::Version { .. }) => "until then take the solver faer, which needs no SuiteSparse",
         Problem(_) | NoWeight { .. } => "mend the array",
         Checkpoint(_) => "go on with the run as it was begun, or begin anew",
         _ => "this is not the scene's fault; please report it",

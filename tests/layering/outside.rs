@@ -23,7 +23,7 @@ pub const LIBRARY: &[Places] = &[
     ),
     ("indicatif", &["cli/progress.rs"]),
     ("libc", &["linear/blas/room.rs", "linear/process.rs", "linear/process/allocator.rs"]),
-    ("libloading", &["linear/blas/loaded.rs", "linear/blas/room.rs", "linear/process.rs"]),
+    ("libloading", &["linear/blas/loaded.rs", "linear/blas/room.rs", "linear/process.rs", "linear/versions.rs"]),
     (
         "miette",
         &[

@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 
 use crate::common::program::{stdout, stickslip};
 
-/// README.md and the pages of doc.
+/// The pages of the root and of doc.
 fn pages() -> Vec<(PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let doc = fs::read_dir(root.join("doc")).unwrap().map(|entry| entry.unwrap().path());
     let pages = doc.filter(|path| path.extension().is_some_and(|extension| extension == "md"));
-    let pages = pages.chain([root.join("README.md"), root.join("CONTRIBUTING.md")]);
+    let pages = pages.chain(["README.md", "CONTRIBUTING.md", "SECURITY.md"].map(|page| root.join(page)));
     pages.map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
 }
 

@@ -26,3 +26,4 @@ mod start;
 mod sweep;
 mod threads;
 mod units;
+mod versions;
