@@ -7,6 +7,9 @@ use std::cell::Cell;
 use std::ffi::{c_char, c_int};
 use std::ptr;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
 
 use libloading::os::unix::Library;
 
@@ -14,6 +17,9 @@ use crate::linear::LinearError;
 
 /// What OpenBLAS maps for a thread on x86-64, bytes; elsewhere it is less.
 pub(in crate::linear) const BUFFER: usize = 128 << 20;
+
+/// To map a buffer takes a millisecond; who waits so long waits for ever.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// The stack of a thread, bytes.
 const STACK: usize = 8 << 20;
@@ -40,7 +46,9 @@ pub(in crate::linear) fn prepare() -> Result<(), LinearError> {
         if !left && !can_map(BUFFER) {
             return Err(LinearError::OutOfMemory { step: "the BLAS, which takes 128 MiB for itself" });
         }
-        take_buffer(&process);
+        if !takes_buffer_in_time() {
+            return Err(LinearError::OutOfMemory { step: "the BLAS, which waits for memory of its own" });
+        }
     }
     READY.set(true);
     Ok(())
@@ -113,6 +121,18 @@ type Dtrsm = unsafe extern "C" fn(
     *mut f64,
     *const c_int,
 );
+
+/// Lets OpenBLAS map a buffer, which the next thread that needs one takes; whether it did. Somebody may have taken the memory since it was
+/// asked for, and then OpenBLAS asks for ever: that thread is left behind.
+fn takes_buffer_in_time() -> bool {
+    let (done, waits) = mpsc::channel();
+    let taking = move || {
+        take_buffer(&Library::this());
+        // Nobody waits any more where it took too long.
+        let _ = done.send(());
+    };
+    thread::Builder::new().spawn(taking).is_ok() && waits.recv_timeout(PATIENCE).is_ok()
+}
 
 /// Lets OpenBLAS map its buffer for this thread by a triangular solve with the identity.
 fn take_buffer(process: &Library) {
