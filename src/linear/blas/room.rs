@@ -7,7 +7,7 @@ use std::cell::Cell;
 use std::ffi::{c_char, c_int};
 use std::ptr;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -125,13 +125,19 @@ type Dtrsm = unsafe extern "C" fn(
 /// Lets OpenBLAS map a buffer, which the next thread that needs one takes; whether it did. Somebody may have taken the memory since it was
 /// asked for, and then OpenBLAS asks for ever: that thread is left behind.
 fn takes_buffer_in_time() -> bool {
-    let (done, waits) = mpsc::channel();
+    let taken = Arc::new((Mutex::new(false), Condvar::new()));
+    let told = Arc::clone(&taken);
     let taking = move || {
         take_buffer(&Library::this());
-        // Nobody waits any more where it took too long.
-        let _ = done.send(());
+        *told.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        told.1.notify_one();
     };
-    thread::Builder::new().spawn(taking).is_ok() && waits.recv_timeout(PATIENCE).is_ok()
+    if thread::Builder::new().spawn(taking).is_err() {
+        return false;
+    }
+    let is_taken = taken.0.lock().unwrap_or_else(PoisonError::into_inner);
+    let waited = taken.1.wait_timeout_while(is_taken, PATIENCE, |is_taken| !*is_taken);
+    *waited.unwrap_or_else(PoisonError::into_inner).0
 }
 
 /// Lets OpenBLAS map its buffer for this thread by a triangular solve with the identity.
