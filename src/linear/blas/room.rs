@@ -132,12 +132,11 @@ fn takes_buffer_in_time() -> bool {
         *told.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
         told.1.notify_one();
     };
-    if thread::Builder::new().spawn(taking).is_err() {
-        return false;
-    }
+    let Ok(thread) = thread::Builder::new().spawn(taking) else { return false };
     let is_taken = taken.0.lock().unwrap_or_else(PoisonError::into_inner);
     let waited = taken.1.wait_timeout_while(is_taken, PATIENCE, |is_taken| !*is_taken);
-    *waited.unwrap_or_else(PoisonError::into_inner).0
+    let is_taken = *waited.unwrap_or_else(PoisonError::into_inner).0;
+    is_taken && thread.join().is_ok()
 }
 
 /// Lets OpenBLAS map its buffer for this thread by a triangular solve with the identity.
