@@ -23,7 +23,7 @@ demo: deps
 
 # Unit tests take seconds however they are compiled. Tests run side by side, so that each has one thread.
 test: deps
-	CARGO_PROFILE_TEST_OPT_LEVEL=0 cargo test --lib
+	cargo test --lib --config profile.test.package.stickslip.opt-level=0
 	OPENBLAS_NUM_THREADS=1 cargo test --workspace --bins --example outside --test '*'
 	cargo test --doc
 
