@@ -2,7 +2,7 @@
 //! honest status.
 
 #![cfg(all(feature = "cli", target_os = "linux"))]
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -198,7 +198,9 @@ fn refuse(step: usize) {
             }
         }
         assert!(faults.is_empty(), "{arguments:?}\n{}", faults.join("\n\n"));
-        assert!(short > good, "{arguments:?}: {requests} requests, {good} converged, {short} out of memory");
+        let told = format!("{arguments:?}: {requests} requests, {good} converged, {short} out of memory");
+        println!("{told}");
+        assert!(short > good, "{told}");
     }
 }
 
