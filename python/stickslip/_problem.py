@@ -112,7 +112,9 @@ class ContactProblem:
             raise ValueError("K is not symmetric")
         C_n = _matrix("C_n", C_n, sp.csr_array)
         n_c = C_n.shape[0]
-        tangents = () if C_t is None else tuple(C_t) if isinstance(C_t, (list, tuple)) else (C_t,)
+        # A list of matrices, and no matrix that is written as a list of its rows.
+        several = isinstance(C_t, (list, tuple)) and all(sp.issparse(C) or np.ndim(C) == 2 for C in C_t)
+        tangents = () if C_t is None else tuple(C_t) if several else (C_t,)
         if len(tangents) > 2:
             raise ValueError(f"C_t has {len(tangents)} matrices, expected one or two")
         names = ("C_t",) if len(tangents) == 1 else ("C_t[0]", "C_t[1]")
