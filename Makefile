@@ -1,5 +1,7 @@
 # make demo   solve the paper's block, 100 x 100 elements, and say where the results are
 # make test   all tests
+# make python the Python module, compiled and tested in an environment of its own; needs a network once
+# make wheel  its wheel for any Linux since glibc 2.17, in target/wheels
 # make bench  the benchmarks (minutes)
 # make instructions the instructions of each kernel, counted by callgrind
 # make lines  the lines of code, comments and tests
@@ -15,7 +17,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test bench instructions lines tables report extremes elements compare fresh fuzz deps
+.PHONY: demo test python wheel bench instructions lines tables report extremes elements compare fresh fuzz deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -23,8 +25,24 @@ demo: deps
 # Unit tests take seconds however they are compiled. Tests run side by side, so that each has one thread.
 test: deps
 	CARGO_PROFILE_TEST_OPT_LEVEL=0 cargo test --lib
-	OPENBLAS_NUM_THREADS=1 cargo test --workspace --bins --example outside --test '*'
+	OPENBLAS_NUM_THREADS=1 cargo test --workspace --exclude stickslip-python --bins --example outside --test '*'
 	cargo test --doc
+
+PYTHON = target/python/bin/python
+PYTHON_NEEDS = maturin ziglang numpy scipy pytest hypothesis meshio matplotlib pandas xarray tqdm mypy
+
+# Python's own: no part of `make test`, whose features of the dependencies are others.
+$(PYTHON):
+	python3 -m venv target/python
+	$(PYTHON) -m pip install -q $(PYTHON_NEEDS)
+
+python: $(PYTHON)
+	cd python && . ../target/python/bin/activate && maturin develop --release --quiet && mypy && python -m pytest -q
+
+wheel: $(PYTHON)
+	python/licences.sh
+	cd python && . ../target/python/bin/activate && \
+		maturin build --release --compatibility manylinux2014 --out ../target/wheels -- -C linker=$(CURDIR)/python/zigcc
 
 bench: deps
 	cargo bench --bench factor

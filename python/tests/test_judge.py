@@ -59,6 +59,7 @@ def test_compare_marks_what_is_wrong() -> None:
     assert [verdict.holds for verdict in table.verdicts] == [True, True, True, False, False]
     assert table["silent"].remark == "increment 1: RuntimeError: no luck"
     assert str(table).count("WRONG") == 2 and table._repr_html_().count("#cf222e") == 2
+    pytest.importorskip("pandas")
     assert list(table.to_pandas().index) == ["stickslip", "ip", "honest", "turned", "silent"]
 
 
