@@ -11,20 +11,21 @@
 # make compare error against time for six scenes, into doc/error-vs-time.md (minutes)
 # make fresh  demo and test from nothing, in a Debian 12 and a Debian 13 of their own (as root; an hour or more)
 # make fuzz   an hour of random input: readers, and runs that are judged by laws of their own
+# make sanitize the sanitizers over what calls C and what runs in several threads, and Miri where it is (an hour, compiling above all)
 # make report the paper's Figures 4 to 7, into doc/figures, both tables, and the comparison (minutes)
 # Each installs what is missing first.
 
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test python wheel bench instructions lines tables report extremes elements compare fresh fuzz deps
+.PHONY: demo test python wheel bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
 
 # Unit tests take seconds however they are compiled. Tests run side by side, so that each has one thread.
 test: deps
-	CARGO_PROFILE_TEST_OPT_LEVEL=0 cargo test --lib
+	cargo test --lib --config profile.test.package.stickslip.opt-level=0
 	OPENBLAS_NUM_THREADS=1 cargo test --workspace --exclude stickslip-python --bins --example outside --test '*'
 	cargo test --doc
 
@@ -119,6 +120,9 @@ FUZZ_JOBS := $(shell nproc 2>/dev/null || echo 1)
 fuzz: deps
 	$(FUZZ) readers --seconds $(FUZZ_SECONDS) --seed $(FUZZ_SEED) --jobs $(FUZZ_JOBS)
 	$(FUZZ) runs --seconds $(FUZZ_SECONDS) --seed $(FUZZ_SEED) --jobs $(FUZZ_JOBS)
+
+sanitize: deps
+	.ci/sanitize
 
 report: deps
 	$(STUDIES) figures --out doc/figures

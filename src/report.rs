@@ -53,7 +53,7 @@ pub use disk::bytes_on_disk;
 pub use estimates::{EstimateWatch, Estimates, Seen};
 pub use explain::{Explanation, WorstNode};
 pub use fields::fields;
-pub use folder::{Claim, ResultFolder, write_file};
+pub use folder::{Claim, FolderLock, ResultFolder, write_file};
 pub use history_chart::history_charts;
 pub use history_curves::HistoryCurves;
 pub use pairs::PairRecord;

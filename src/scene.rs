@@ -119,8 +119,8 @@ impl Scene {
     /// # Errors
     /// When the file cannot be read, or the scene is not sound; the message names file and line.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
-        let text =
-            crate::input::text(path).map_err(|error| SceneError::Io { path: path.display().to_string(), error })?;
+        let text = crate::input::text_or_pipe(path)
+            .map_err(|error| SceneError::Io { path: path.display().to_string(), error })?;
         Self::parse(&path.display().to_string(), &text, overrides)
     }
 

@@ -150,6 +150,12 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         if let Some(folder) = &folder {
             let before = if is_written { "" } else { ": those of the run before, as this one has none" };
             say!("results      {}{before}", folder.path().display());
+            if let Some(now) = folder.moved_to() {
+                say!(
+                    "warning      the folder was moved while the run went on, and its results with it: {}",
+                    now.display()
+                );
+            }
         }
     }
     Ok(match report.status {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use stickslip::report::write_file;
+use stickslip::report::{FolderLock, write_file};
 use stickslip::scene::{Override, Scene};
 use stickslip::sweep::{Outcome, Row, Sweep, Variation, combinations};
 
@@ -68,6 +68,8 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     let first = args.scene.read()?;
     let tasks = tasks(args)?;
     let passing = || std::env::temp_dir().join(format!("stickslip-sweep-{}", std::process::id()));
+    let lock = |folder: &PathBuf| FolderLock::new(folder).map_err(|error| write_failure(folder, &error));
+    let _alone = args.out.as_ref().map(lock).transpose()?;
     let path = args.out.as_ref().map_or_else(passing, |out| out.join("variants"));
     let results = Results { path, passes: args.out.is_none() };
     fs::create_dir_all(&results.path).map_err(|error| write_failure(&results.path, &error))?;

@@ -114,6 +114,8 @@ impl ExactHistory<'_> {
                 return Err(CheckpointError::Damaged.into());
             }
             (self.outcome, scales) = (saved.outcome.resume(self.outcome.clone()), saved.scales);
+            // As it was, should nothing be left to solve.
+            self.outcome.linear = statistics(walk.statistics(), body, 0.0);
         }
         for (k, &time) in self.times.iter().enumerate().skip(self.outcome.tally.increments) {
             let mut underway = Underway {

@@ -15,5 +15,5 @@ mod results;
 mod table;
 
 pub use claim::Claim;
-pub use directory::write_file;
+pub use directory::{FolderLock, write_file};
 pub use results::ResultFolder;

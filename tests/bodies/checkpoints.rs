@@ -52,6 +52,7 @@ fn taken_up(scene: &Scene) -> usize {
         assert_eq!((&report.boundaries, &report.estimates), (&whole.boundaries, &whole.estimates));
         assert_eq!((&report.warnings, &report.largest_pressure), (&whole.warnings, &whole.largest_pressure));
         assert_eq!((report.totals.kkt, report.totals.iterations), (whole.totals.kkt, whole.totals.iterations));
+        assert_eq!(report.totals.nnz_factors, whole.totals.nnz_factors);
         assert_eq!((report.working_set, &report.curves), (whole.working_set, &whole.curves));
     }
     all.checkpoints.len()

@@ -81,7 +81,7 @@ pub const LIBRARY: &[Places] = &[
     ("std::net", &[NOWHERE]),
     ("std::panic", &["cli/bug.rs", "jobs.rs"]),
     ("std::process", &["main.rs", "cli.rs", "cli/"]),
-    ("std::thread", &["cli/sweep/processes.rs", "cli/threads.rs", "jobs.rs"]),
+    ("std::thread", &["cli/sweep/processes.rs", "cli/threads.rs", "jobs.rs", "linear/blas/room.rs"]),
 ];
 
 /// The same of the studies, which use the library as any other crate does.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use crate::common::program::{Folder, assert_exit, small, stderr, stdout};
 use crate::common::random::Random;
@@ -28,28 +28,28 @@ fn shim() -> &'static Path {
 }
 
 /// Standard error without its line breaks.
-fn told(output: &Output) -> String {
+pub fn told(output: &Output) -> String {
     stderr(output).replace("\n  │ ", " ")
 }
 
 /// A scene and the folders of its runs.
-struct Case {
+pub struct Case {
     folder: Folder,
     arguments: Vec<String>,
 }
 
 impl Case {
-    fn new(scene: &str, options: &[&str]) -> Self {
+    pub fn new(scene: &str, options: &[&str]) -> Self {
         let (folder, scene) = Folder::with_scene(scene);
         let arguments = [&["run", &scene, "--threads", "1", "--checkpoint-every", "0"], options].concat();
         Case { folder, arguments: arguments.iter().map(ToString::to_string).collect() }
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub fn path(&self, name: &str) -> PathBuf {
         self.folder.0.join(name)
     }
 
-    fn command(&self, out: &str, more: &[&str]) -> Command {
+    pub fn command(&self, out: &str, more: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
         command.args(&self.arguments).arg("--out").arg(self.path(out)).args(more);
         command
@@ -242,56 +242,4 @@ fn checkpoints_that_are_damaged_and_tables_that_are_cut_are_told() {
     let output = case.command("table", &["--resume"]).output().unwrap();
     assert_exit(&output, 2);
     assert!(told(&output).contains("forces.csv"), "{}", told(&output));
-}
-
-#[test]
-fn two_runs_do_not_share_a_folder() {
-    let scene = small().replace("[4, 4]", "[20, 20]").replace("increments = 4", "increments = 400");
-    let case = Case::new(&scene, &[]);
-    let mut first = case.command("out", &[]).stdout(Stdio::null()).spawn().unwrap();
-    while !case.path("out/increments.csv").exists() {
-        sleep(Duration::from_millis(5));
-    }
-    let second = case.command("out", &[]).output().unwrap();
-    assert_exit(&second, 2);
-    assert!(told(&second).contains("another run is writing"), "{}", told(&second));
-    first.kill().unwrap();
-    first.wait().unwrap();
-    assert_whole(&case.path("out"));
-}
-
-#[test]
-fn links_are_not_followed_and_the_results_before_stay_until_there_are_others() {
-    let case = Case::new(&small(), &[]);
-    case.whole("out");
-    let before = files(&case.path("out"));
-    // Nothing holds this one: it fails before its first increment, and says so in place of the results before.
-    let hopeless = Case::new("mesh = { kind = 'block', elements = [2, 2] }", &[]);
-    let output = hopeless.command("x", &[]).output().unwrap();
-    assert_exit(&output, 2);
-    assert!(!hopeless.path("x").exists());
-    let elsewhere = case.path("elsewhere");
-    fs::write(&elsewhere, "mine").unwrap();
-    for name in ["increments.csv", "run.json", "contact_0004.csv"] {
-        fs::remove_file(case.path("out").join(name)).unwrap();
-        std::os::unix::fs::symlink(&elsewhere, case.path("out").join(name)).unwrap();
-    }
-    assert_exit(&case.command("out", &[]).output().unwrap(), 0);
-    assert_eq!(fs::read_to_string(&elsewhere).unwrap(), "mine");
-    assert_eq!(files(&case.path("out")).len(), before.len());
-}
-
-#[test]
-fn a_folder_that_is_removed_is_told() {
-    let scene = small().replace("[4, 4]", "[20, 20]").replace("increments = 4", "increments = 400");
-    let case = Case::new(&scene, &[]);
-    let child = case.command("out", &[]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    while !case.path("out/increments.csv").exists() {
-        sleep(Duration::from_millis(5));
-    }
-    while fs::remove_dir_all(case.path("out")).is_err() {}
-    let output = child.wait_with_output().unwrap();
-    assert_exit(&output, 3);
-    let told = told(&output);
-    assert!(told.contains("removed") && !told.contains("make room"), "{told}");
 }

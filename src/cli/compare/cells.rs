@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use stickslip::checkpoint::Checkpoint;
 use stickslip::compare::Cells;
-use stickslip::report::write_file;
+use stickslip::report::{FolderLock, write_file};
 use stickslip::scene::Origin;
 
 /// They go when the tables are written.
@@ -16,12 +16,13 @@ pub(super) struct CellFolder {
     path: PathBuf,
     /// What the names of files are made of, so that a history of another scene is never found.
     origin: Origin,
+    _alone: FolderLock,
 }
 
 impl CellFolder {
     /// That of the results in `out`: as it was left if the comparison `resumes`, otherwise empty.
     pub(super) fn open(out: &Path, origin: Origin, resumes: bool) -> io::Result<Self> {
-        let cells = CellFolder { path: out.join(FOLDER), origin };
+        let cells = CellFolder { path: out.join(FOLDER), origin, _alone: FolderLock::new(out)? };
         if !resumes {
             cells.remove()?;
         }

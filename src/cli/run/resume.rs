@@ -50,6 +50,13 @@ impl Left {
             )));
         };
         if let Some(status) = ended {
+            if let Some(name) = claim.lacks() {
+                return Err(Failure::Input(miette::miette!(
+                    help = "run without --resume to begin anew",
+                    "the run in {} is complete, but {name} is gone, or shorter than the run left it",
+                    claim.path().display()
+                )));
+            }
             return Ok(Some(Left::Ended(status)));
         }
         if !args.json {

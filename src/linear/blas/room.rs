@@ -7,6 +7,9 @@ use std::cell::Cell;
 use std::ffi::{c_char, c_int};
 use std::ptr;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
 
 use libloading::os::unix::Library;
 
@@ -14,6 +17,9 @@ use crate::linear::LinearError;
 
 /// What OpenBLAS maps for a thread on x86-64, bytes; elsewhere it is less.
 pub(in crate::linear) const BUFFER: usize = 128 << 20;
+
+/// To map a buffer takes a millisecond; who waits so long waits for ever.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// The stack of a thread, bytes.
 const STACK: usize = 8 << 20;
@@ -40,7 +46,9 @@ pub(in crate::linear) fn prepare() -> Result<(), LinearError> {
         if !left && !can_map(BUFFER) {
             return Err(LinearError::OutOfMemory { step: "the BLAS, which takes 128 MiB for itself" });
         }
-        take_buffer(&process);
+        if !takes_buffer_in_time() {
+            return Err(LinearError::OutOfMemory { step: "the BLAS, which waits for memory of its own" });
+        }
     }
     READY.set(true);
     Ok(())
@@ -113,6 +121,23 @@ type Dtrsm = unsafe extern "C" fn(
     *mut f64,
     *const c_int,
 );
+
+/// Lets OpenBLAS map a buffer, which the next thread that needs one takes; whether it did. Somebody may have taken the memory since it was
+/// asked for, and then OpenBLAS asks for ever: that thread is left behind.
+fn takes_buffer_in_time() -> bool {
+    let taken = Arc::new((Mutex::new(false), Condvar::new()));
+    let told = Arc::clone(&taken);
+    let taking = move || {
+        take_buffer(&Library::this());
+        *told.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        told.1.notify_one();
+    };
+    let Ok(thread) = thread::Builder::new().spawn(taking) else { return false };
+    let is_taken = taken.0.lock().unwrap_or_else(PoisonError::into_inner);
+    let waited = taken.1.wait_timeout_while(is_taken, PATIENCE, |is_taken| !*is_taken);
+    let is_taken = *waited.unwrap_or_else(PoisonError::into_inner).0;
+    is_taken && thread.join().is_ok()
+}
 
 /// Lets OpenBLAS map its buffer for this thread by a triangular solve with the identity.
 fn take_buffer(process: &Library) {

@@ -65,6 +65,13 @@ impl Claim {
         Some((checkpoint, &kept.origin, &kept.linear, kept.ended))
     }
 
+    /// The first of the files of a run that came to its end here that is gone, or shorter than the run has left it.
+    pub fn lacks(&self) -> Option<&str> {
+        let (_, kept) = self.kept.as_ref().filter(|(_, kept)| kept.ended.is_some())?;
+        let is_short = |name: &str, length| self.place.directory.length(name).map_or(true, |now| now < length);
+        kept.files.iter().find(|(name, length)| is_short(name, *length)).map(|(name, _)| name.as_str())
+    }
+
     /// The folder of a new run of `model`. How files are called is settled here, before anything is solved. `origin` and `linear` say
     /// what may go on from it.
     ///
@@ -110,16 +117,16 @@ impl Claim {
     /// When the disk refuses, and [`CheckpointError::Damaged`] when a table is shorter than it was, or not there.
     pub fn resume(self, model: &Model, probes: Vec<ProbeTable>) -> io::Result<ResultFolder> {
         let Claim { mut place, kept } = self;
-        let (_, Kept { origin, linear, tables, fields, .. }) = kept.ok_or_else(damaged)?;
+        let (_, Kept { origin, linear, files, fields, .. }) = kept.ok_or_else(damaged)?;
         place.go_on();
         let table = |name: &str| {
             let length =
-                tables.iter().find(|(known, _)| known == name).map(|(_, length)| *length).ok_or_else(damaged)?;
+                files.iter().find(|(known, _)| known == name).map(|(_, length)| *length).ok_or_else(damaged)?;
             let table = place.directory.edit(name, false).and_then(|file| Table::cut(name, file, length));
             table.map_err(|error| io::Error::new(error.kind(), format!("{name}: {error}")))
         };
         let (increments, forces) = (table("increments.csv")?, table("forces.csv")?);
-        let events = tables.iter().any(|(name, _)| name == "events.csv").then(|| table("events.csv")).transpose()?;
+        let events = files.iter().any(|(name, _)| name == "events.csv").then(|| table("events.csv")).transpose()?;
         let names = file_names::file_names(probes.iter().map(|probe| probe.name.as_str()));
         let probes =
             probes.into_iter().zip(names).map(|(probe, name)| Ok((probe, table(&format!("probe_{name}.csv"))?)));

@@ -7,11 +7,12 @@
 
 use std::fs::{self, File};
 use std::io::{self, Write};
-use std::os::fd::OwnedFd;
+use std::os::fd::{AsRawFd, OwnedFd};
 use std::path::{Path, PathBuf};
 
 use rustix::fs::{
-    AtFlags, CWD, Dir, FileType, FlockOperation, Mode, OFlags, flock, fstat, fsync, openat, renameat, statat, unlinkat,
+    AtFlags, CWD, Dir, FileType, FlockOperation, Mode, OFlags, flock, fstat, fsync, openat, renameat, stat, statat,
+    unlinkat,
 };
 use rustix::io::Errno;
 
@@ -53,6 +54,23 @@ impl Directory {
         &self.path
     }
 
+    /// Where it is now, if it was moved from there while it was open.
+    pub(super) fn moved_to(&self) -> Option<PathBuf> {
+        let own = fstat(&self.handle).ok()?;
+        if own.st_nlink == 0 || stat(&self.path).is_ok_and(|at| (at.st_dev, at.st_ino) == (own.st_dev, own.st_ino)) {
+            return None;
+        }
+        fs::read_link(format!("/proc/self/fd/{}", self.handle.as_raw_fd())).ok()
+    }
+
+    /// Takes the folder for its handle alone. Some file systems know no locks of folders.
+    pub(super) fn lock(&self) -> io::Result<()> {
+        match flock(&self.handle, FlockOperation::NonBlockingLockExclusive) {
+            Err(Errno::WOULDBLOCK) => Err(busy()),
+            _ => Ok(()),
+        }
+    }
+
     /// The names of all that is there, and whether each is a folder.
     pub(super) fn names(&self) -> io::Result<Vec<(String, bool)>> {
         let mut names = Vec::new();
@@ -84,16 +102,35 @@ impl Directory {
         plain(name)?;
         let create = if creates { OFlags::CREATE } else { OFlags::empty() };
         let flags = OFlags::RDWR | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC | create;
-        let file: File = openat(&self.handle, name, flags, READ).map_err(|error| self.explain(error.into()))?.into();
-        if file.metadata()?.is_file() { Ok(file) } else { Err(io::ErrorKind::InvalidInput.into()) }
+        self.opened(name, flags)
     }
 
     /// A file that is there, for reading.
     pub(super) fn read(&self, name: &str) -> io::Result<File> {
         plain(name)?;
         let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
-        let file: File = openat(&self.handle, name, flags, Mode::empty())?.into();
-        if file.metadata()?.is_file() { Ok(file) } else { Err(io::ErrorKind::InvalidInput.into()) }
+        self.opened(name, flags)
+    }
+
+    /// Opens a file, and nothing else of that name.
+    fn opened(&self, name: &str, flags: OFlags) -> io::Result<File> {
+        let file: File = match openat(&self.handle, name, flags, READ) {
+            // A link; a pipe that nobody reads.
+            Err(Errno::LOOP | Errno::NXIO | Errno::ISDIR) => return Err(self.in_the_way(name)),
+            opened => opened.map_err(|error| self.explain(error.into()))?.into(),
+        };
+        if file.metadata()?.is_file() { Ok(file) } else { Err(self.in_the_way(name)) }
+    }
+
+    /// The error where something has the name of a file of results, and is none.
+    pub(super) fn in_the_way(&self, name: &str) -> io::Error {
+        let message = format!("{} is there, but is no file: remove it", self.path.join(name).display());
+        io::Error::new(io::ErrorKind::AlreadyExists, message)
+    }
+
+    /// The bytes of a file.
+    pub(super) fn length(&self, name: &str) -> io::Result<u64> {
+        Ok(self.read(name)?.metadata()?.len())
     }
 
     /// Gives a file another name, in the place of what had that.
@@ -146,6 +183,7 @@ impl Locked {
         let new_folder = !path.exists();
         fs::create_dir_all(path)?;
         let directory = Directory::open(path)?;
+        directory.lock()?;
         let new_marker = match directory.edit(MARKER, false) {
             Ok(_) => false,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
@@ -295,6 +333,26 @@ pub(super) fn ignore_unsupported(done: io::Result<()>) -> io::Result<()> {
     match done {
         Err(error) if matches!(error.kind(), io::ErrorKind::Unsupported | io::ErrorKind::InvalidInput) => Ok(()),
         done => done,
+    }
+}
+
+/// A folder with tables of several runs: nobody else writes there as long as this lives.
+#[derive(Debug)]
+pub struct FolderLock {
+    /// It has the lock.
+    _directory: Directory,
+}
+
+impl FolderLock {
+    /// Makes the folder if need be, and locks it.
+    ///
+    /// # Errors
+    /// When the folder cannot be made, and when another command writes there ([`io::ErrorKind::ResourceBusy`]).
+    pub fn new(path: &Path) -> io::Result<Self> {
+        fs::create_dir_all(path)?;
+        let directory = Directory::open(path)?;
+        directory.lock()?;
+        Ok(FolderLock { _directory: directory })
     }
 }
 

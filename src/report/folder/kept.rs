@@ -11,8 +11,8 @@ pub(super) struct Kept {
     pub origin: Origin,
     /// The linear algebra, by its word.
     pub linear: String,
-    /// The tables with what they held, bytes.
-    pub tables: Vec<(String, u64)>,
+    /// The tables that grow, and at the end of the run all its files, with what they held, bytes.
+    pub files: Vec<(String, u64)>,
     /// The files of fields, each with its time, s.
     pub fields: Vec<(f64, String)>,
     /// The verdict, if the run has come to its end.

@@ -1,7 +1,7 @@
 //! What a run writes, and when.
 
 use std::io::{self, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::directory::{self, Locked};
 use super::kept::Kept;
@@ -56,6 +56,11 @@ impl ResultFolder {
         self.place.directory.path()
     }
 
+    /// Where they are by now, if somebody has moved the folder in the meantime.
+    pub fn moved_to(&self) -> Option<PathBuf> {
+        self.place.directory.moved_to()
+    }
+
     /// Takes the record of an increment, and the forces at its end if it converged: those on the obstacles, and what else acts on
     /// the body. The results of an earlier run go. What else is written of the increment comes before this, so that of what is
     /// listed all is there, whatever ends the program.
@@ -90,13 +95,18 @@ impl ResultFolder {
     pub fn keep(&mut self, checkpoint: Checkpoint) -> io::Result<()> {
         self.sync()?;
         self.can_be_taken_up = true;
-        self.write_checkpoint(checkpoint, None)
+        let tables = self.tables().map(|table| (table.name().to_string(), table.length())).collect();
+        self.write_checkpoint(checkpoint, tables, None)
     }
 
-    fn write_checkpoint(&mut self, checkpoint: Checkpoint, ended: Option<Status>) -> io::Result<()> {
+    fn write_checkpoint(
+        &mut self,
+        checkpoint: Checkpoint,
+        files: Vec<(String, u64)>,
+        ended: Option<Status>,
+    ) -> io::Result<()> {
         let (origin, linear) = self.of.clone();
-        let tables = self.tables().map(|table| (table.name().to_string(), table.length())).collect();
-        let bytes = checkpoint.with(&Kept { origin, linear, tables, fields: self.fields.clone(), ended }).to_bytes();
+        let bytes = checkpoint.with(&Kept { origin, linear, files, fields: self.fields.clone(), ended }).to_bytes();
         self.place.directory.write(CHECKPOINT, |file| {
             file.write_all(&bytes)?;
             directory::ignore_unsupported(file.sync_data())
@@ -191,7 +201,10 @@ impl ResultFolder {
         self.sync()?;
         if report.status == Status::Converged {
             let end = Checkpoint::new(report.totals.converged, 0.0, &()).with(&());
-            self.write_checkpoint(end, Some(report.status))?;
+            let names = self.place.directory.names()?.into_iter().map(|(name, _)| name).filter(|name| is_ours(name));
+            let files = names.map(|name| self.place.directory.length(&name).map(|length| (name, length)));
+            let files = files.collect::<io::Result<_>>()?;
+            self.write_checkpoint(end, files, Some(report.status))?;
         }
         if report.status == Status::Converged || !self.can_be_taken_up {
             lists::FILES.iter().try_for_each(|name| self.place.directory.remove(name))?;
