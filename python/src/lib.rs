@@ -5,6 +5,7 @@
 //! | a problem of matrices, and the judge of anybody's answer | `problem.rs` |
 //! | a scene, discretised | `scene.rs` |
 //! | histories of forces and gaps from tables | `loading.rs` |
+//! | one increment after the other | `stepper.rs` |
 //! | a run: its linear algebra, signals and panics | `solve.rs` |
 //! | what is kept of a run | `recorder.rs` |
 //! | a linear solver that is a Python object | `foreign.rs` |
@@ -20,6 +21,7 @@ mod problem;
 mod recorder;
 mod scene;
 mod solve;
+mod stepper;
 
 use pyo3::prelude::*;
 
@@ -37,6 +39,8 @@ mod _core {
     use super::problem::Problem;
     #[pymodule_export]
     use super::scene::SceneModel;
+    #[pymodule_export]
+    use super::stepper::Stepper;
 
     #[pymodule_export]
     const UMFPACK: bool = cfg!(feature = "umfpack");

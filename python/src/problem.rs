@@ -1,12 +1,14 @@
 //! A problem of matrices: solved, and the judge of anybody's answer.
 
+use std::sync::Arc;
+
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::auto::Choice;
 use stickslip::contact::{KktErrors, KktScales, statuses};
-use stickslip::history::{self, HistorySettings, LinearAlgebra, Solver, System};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Solver, System};
 use stickslip::loading::Loading;
 use stickslip::memory::Budget;
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
@@ -22,7 +24,7 @@ use crate::solve::{Algebra, method, watched};
 
 /// A body against rigid obstacles: K, `C_n`, `C_t`, `C_o`, mu, l and the free motions.
 #[pyclass(frozen, module = "stickslip._core")]
-pub(crate) struct Problem(pub ContactProblem);
+pub(crate) struct Problem(pub Arc<ContactProblem>);
 
 /// A state and what drove it, as the judge wants it.
 #[derive(FromPyObject)]
@@ -42,7 +44,7 @@ struct Answer<'py> {
 /// The words of `ContactProblem.solve`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct Options {
+pub(crate) struct Options {
     method: String,
     setting: String,
     r_factor: f64,
@@ -51,7 +53,7 @@ struct Options {
 }
 
 impl Options {
-    fn solver(&self, linear: Option<LinearAlgebra>) -> PyResult<Solver> {
+    pub fn solver(&self, linear: Option<LinearAlgebra>) -> PyResult<Solver> {
         let solver = Solver::new(method(&self.method, &self.setting, self.r_factor)?);
         let tolerance = self.tolerance.unwrap_or(solver.tolerance);
         if !(tolerance > 0.0 && tolerance < 1.0) {
@@ -93,6 +95,22 @@ fn prepared(
     Ok((linear.into(), HistorySettings { working_set: reach.nodes, ..settings }))
 }
 
+/// An outcome with what was recorded of it.
+pub(crate) fn exported<'py>(
+    py: Python<'py>,
+    outcome: &HistoryOutcome,
+    recorder: Recorder,
+) -> PyResult<Bound<'py, PyDict>> {
+    let result = PyDict::new(py);
+    let json = |error: serde_json::Error| PyValueError::new_err(error.to_string());
+    result.set_item("status", outcome.status.to_string())?;
+    result.set_item("records", serde_json::to_string(&recorder.records).map_err(json)?)?;
+    result.set_item("analyses", outcome.linear.analyses)?;
+    result.set_item("factorizations", outcome.linear.factorizations)?;
+    recorder.write(&result)?;
+    Ok(result)
+}
+
 #[pymethods]
 impl Problem {
     /// K by the columns of its lower triangle, the maps by rows.
@@ -117,7 +135,7 @@ impl Problem {
             weight: weight.map(|weight| weight.as_slice().map(<[f64]>::to_vec)).transpose()?,
             free_motions: free_motions.as_ref().map(rows),
         };
-        py.detach(|| ContactProblem::new(parts)).map(Problem).map_err(of_problem)
+        py.detach(|| ContactProblem::new(parts)).map(|problem| Problem(Arc::new(problem))).map_err(of_problem)
     }
 
     #[getter]
@@ -209,7 +227,7 @@ impl Problem {
         keep: Keep,
         callback: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let problem = &self.0;
+        let problem = &*self.0;
         let (loading, times) = (tables.loading(problem)?, tables.times());
         let raised = Raised::default();
         let (linear, own) = Algebra::new(linear, &raised)?.split(None);
@@ -218,12 +236,6 @@ impl Problem {
             let (system, settings) = prepared(problem, &loading, &times, &solver)?;
             Ok(history::run(problem, &loading, &times, &settings, own.unwrap_or(system), recorder)?)
         })?;
-        let result = PyDict::new(py);
-        let json = |error: serde_json::Error| PyValueError::new_err(error.to_string());
-        result.set_item("status", outcome.status.to_string())?;
-        result.set_item("records", serde_json::to_string(&recorder.records).map_err(json)?)?;
-        result.set_item("factorizations", outcome.linear.factorizations)?;
-        recorder.write(&result)?;
-        Ok(result)
+        exported(py, &outcome, recorder)
     }
 }

@@ -1,5 +1,7 @@
 //! A scene, discretised.
 
+use std::sync::Arc;
+
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -149,7 +151,7 @@ impl SceneModel {
     }
 
     fn problem(&self) -> Problem {
-        Problem(self.model.problem.clone())
+        Problem(Arc::new(self.model.problem.clone()))
     }
 
     /// The displacements (m) of all nodes at time `t` (s) that the unknowns `u` are.

@@ -8,7 +8,7 @@ SI units throughout; in two dimensions forces are per m of depth.
     table = stickslip.compare(model, {"mine": my_solver})
 """
 
-from . import mesh, siconos
+from . import builder, mesh, siconos
 from ._cite import cite
 from ._core import UMFPACK, VERSION as __version__, keep_freed_memory
 from ._errors import NotConverged, NotConvergedWarning, SceneError, StickslipError
@@ -16,11 +16,12 @@ from ._judge import Comparison, Errors, Posed, Verdict, compare, errors, judge
 from ._problem import ContactProblem, LinearSolver
 from ._result import LAWS, OPEN, SLIP, STICK, Result
 from ._scene import Model, run
+from ._stepper import Stepper
 from .builder import Scene
 
 __all__ = [
     "LAWS", "OPEN", "SLIP", "STICK", "UMFPACK",
     "Comparison", "ContactProblem", "Errors", "LinearSolver", "Model", "NotConverged", "NotConvergedWarning", "Posed",
-    "Result", "Scene", "SceneError", "StickslipError", "Verdict",
-    "__version__", "cite", "compare", "errors", "judge", "keep_freed_memory", "mesh", "run", "siconos",
+    "Result", "Scene", "SceneError", "Stepper", "StickslipError", "Verdict",
+    "__version__", "builder", "cite", "compare", "errors", "judge", "keep_freed_memory", "mesh", "run", "siconos",
 ]

@@ -14,6 +14,7 @@ from ._result import Result
 
 if TYPE_CHECKING:
     from ._judge import Posed
+    from ._stepper import Stepper
     from .siconos import GlobalFriction
 
 Array = NDArray[np.float64]
@@ -252,7 +253,7 @@ class ContactProblem:
     def solve_increment(
         self, force: ArrayLike, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, **options: Any
     ) -> Result:
-        """One increment from given tangential displacements: for time loops of one's own.
+        """One increment from given tangential displacements, set up anew; for many of them in a row see `stepper`.
 
         Args:
             force: nodal forces at its end, N, (n_u,).
@@ -267,6 +268,25 @@ class ContactProblem:
         w = w.reshape(shape)
         return self.solve(vector("force", force, self.n_u), [1.0], gap=vector("gap", gap, self.n_c),
                           drift=w[None] if w.any() else None, **options)
+
+    def stepper(
+        self, *, gap: ArrayLike = 0.0, method: str = "bn", setting: str = "default",
+        linear: str | LinearSolver | None = "auto", tolerance: float | None = None, max_iterations: int = 200,
+        r_factor: float = 1.0,
+    ) -> Stepper:
+        """A history whose rest nobody knows yet: for time loops of one's own, and couplings.
+
+        Args:
+            gap: before the first increment, m, a number or (n_c,).
+            method: "bn" or "ip"; all else as in `solve`.
+        """
+        from ._stepper import Stepper
+
+        options = {
+            "method": method, "setting": setting, "r_factor": r_factor, "tolerance": tolerance,
+            "max_iterations": max_iterations,
+        }
+        return Stepper(self, gap, options, linear)
 
     def condensed(self) -> tuple[Array, Array]:
         """The compliance W of the contact displacements, m/N, and C = [C_n; C_t...] in the order of the nodes.

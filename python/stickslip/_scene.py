@@ -156,14 +156,15 @@ class Model:
         return self._core.stresses(self.times[-1] if t is None else t, vector("u", u, self.problem.n_u))
 
     def run(
-        self, *, linear: str | LinearSolver | None = None, keep_u: str | bool | Sequence[int] = "all",
+        self, *, linear: str | LinearSolver | None = "auto", keep_u: str | bool | Sequence[int] = "all",
         callback: Callback | None = None, progress: bool = False, uniqueness: bool = False,
         max_iterations: int | None = None, tolerance: float | None = None, _stacklevel: int = 3,
     ) -> Result:
         """Solves the history as the scene says.
 
         Args:
-            linear: "auto", "faer", "condensed", "umfpack" where it is built in, or a `LinearSolver`; what the scene says without it.
+            linear: "auto", the cheapest; "faer", "condensed", "umfpack" where it is built in; or a `LinearSolver`. None: what the
+                scene says, which without a word is a sparse LU of the whole system.
             keep_u: of which increments displacements are kept: "all", "last", "none" or a list of indices.
             callback: called with (increment, time, status, iterations, error) once an increment is judged, of up to sixteen at a time;
                 whatever it raises ends the run and comes out.

@@ -18,9 +18,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.linalg import splu
 from numpy.typing import ArrayLike, NDArray
 
-from ._judge import Posed
+from ._judge import Posed, Solver
 from ._problem import ContactProblem, vector
 
 Array = NDArray[np.float64]
@@ -81,3 +82,43 @@ def reactions(p_n: ArrayLike, p_t: ArrayLike) -> Array:
     """Siconos's `r` of contact forces here, (n_c (1 + d),)."""
     p_n = np.asarray(p_n, dtype=float)
     return np.column_stack([p_n, -np.asarray(p_t, dtype=float).reshape(len(p_n), -1)]).ravel()
+
+
+#: Siconos 4.4 frees what a problem still points to; what it has seen is kept for as long as it may run.
+_SEEN: list[Any] = []
+
+
+def fc2d(name: str, tolerance: float = 1e-12, max_iterations: int = 100_000) -> Solver:
+    """A solver of Siconos for problems in the plane, as `judge` and `compare` take it: "NSGS", "LEMKE", "CPG", ...
+
+    Siconos has the contact forces as its unknowns: the body is condensed to its compliance, in units near 1.
+
+    Args:
+        name: what follows SICONOS_FRICTION_2D_.
+        tolerance, max_iterations: what Siconos is told.
+    """
+    from siconos import numerics
+
+    def solve(posed: Posed) -> tuple[Array, Array, Array]:
+        problem, cache = posed.problem, posed.cache
+        if problem.tangents != 1:
+            raise ValueError("fc2d: a problem in the plane expected")
+        if "lu" not in cache:
+            cache["lu"], (cache["W"], cache["C"]) = splu(problem.K), problem.condensed()
+        lu, W, C = cache["lu"], cache["W"], cache["C"]
+        signs = np.tile([-1.0, 1.0], problem.n_c)
+        free = signs * (C @ lu.solve(posed.force)) + np.column_stack([posed.gap, -posed.w_t_last[:, 0]]).ravel()
+        length = float(abs(free).max()) or 1.0
+        force = length / float(abs(W).max())
+        scaled = np.asfortranarray(signs[:, None] * (0.5 * (W + W.T)) * signs * (force / length))
+        r, v, q = reactions(*posed.last[1:]) / force, np.zeros(len(free)), free / length
+        options = numerics.SolverOptions(getattr(numerics, "SICONOS_FRICTION_2D_" + name))
+        options.dparam[numerics.SICONOS_DPARAM_TOL] = tolerance
+        options.iparam[numerics.SICONOS_IPARAM_MAX_ITER] = max_iterations
+        local = numerics.FrictionContactProblem(2, problem.n_c, scaled, q, posed.mu.copy())
+        _SEEN.append((local, options, scaled, q))
+        numerics.fc2d_driver(local, r, v, options)
+        _, p_n, p_t = answer(problem, np.zeros(problem.n_u), r * force)
+        return lu.solve(posed.force - C.T @ np.column_stack([p_n, p_t]).ravel()), p_n, p_t
+
+    return solve
