@@ -75,17 +75,17 @@ def errors(
         mu: friction of this increment where that changes, (n_c,).
         scales: those of the increments before, so that errors are relative to the largest of a history.
     """
-    u, rest = u if isinstance(u, tuple) else (u, None)
+    whole, rest = u if isinstance(u, tuple) else (u, None)
     p_t = _tangential("p_t", problem, p_t)
     answer = {
         "force": vector("force", force, problem.n_u), "gap": vector("gap", gap, problem.n_c),
         "mu": problem.mu if mu is None else vector("mu", mu, problem.n_c),
-        "w_last": _tangential("w_t_last", problem, w_t_last), "u": vector("u", u, problem.n_u),
+        "w_last": _tangential("w_t_last", problem, w_t_last), "u": vector("u", whole, problem.n_u),
         "u_rest": np.zeros(0) if rest is None else vector("u[1]", rest, problem.n_u),
         "p_n": vector("p_n", p_n, problem.n_c), "p_t": p_t[0], "p_o": p_t[1],
     }
     laws, contact, found = problem._core.errors(answer, scales)
-    return Errors(*laws, contact=np.array(list(contact), dtype=np.uint8), scales=found)
+    return Errors(**dict(zip(LAWS, laws)), contact=np.array(list(contact), dtype=np.uint8), scales=found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,8 +191,8 @@ def judge(
             seconds += time.process_time() - start
             answer = (np.asarray(u, float), np.asarray(p_n, float), np.asarray(p_t, float).reshape(n_c, d))
             judged = errors(problem, force, *answer, gap=gap, w_t_last=w, mu=mu, scales=scales)
-        except (ArithmeticError, LookupError, RuntimeError, TypeError, ValueError) as error:
-            remark = f"increment {k + 1}: {type(error).__name__}: {error}"
+        except (ArithmeticError, LookupError, RuntimeError, TypeError, ValueError) as raised:
+            remark = f"increment {k + 1}: {type(raised).__name__}: {raised}"
             rows.append([np.inf] * 6)
             break
         scales = judged.scales

@@ -34,6 +34,7 @@ class LinearSolver(Protocol):
 
     def solve(self, b: Array, /) -> Array:
         """With the last factors: x, (n,)."""
+        ...
 
 
 def vector(name: str, values: ArrayLike, length: int) -> Array:
@@ -299,7 +300,7 @@ class ContactProblem:
             raise ValueError("K is singular: the body has free motions, and no compliance")
         maps = [self.C_n, *self.C_t]
         order = np.arange(len(maps) * self.n_c).reshape(len(maps), -1).T.ravel()
-        C = sp.vstack(maps, format="csr")[order]
+        C: Any = sp.csr_array(sp.vstack(maps, format="csr"))[order]
         return C @ splu(self.K).solve(C.T.toarray()), C
 
     def residual(

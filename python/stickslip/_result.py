@@ -82,9 +82,9 @@ class Result:
         errors = [[nan if r["kkt"][law] is None else r["kkt"][law] for law in LAWS] for r in records]
         table = raw["iterations"].reshape(-1, 5)
         kinds = [("increment", int), ("iteration", int), ("theta", float), ("step", float), ("error", float)]
-        iterations = np.rec.fromarrays(
-            [column.astype(kind) for column, (_, kind) in zip(table.T, kinds)], names=[name for name, _ in kinds]
-        )
+        iterations = np.empty(len(table), dtype=kinds).view(np.recarray)
+        for (name, _), column in zip(kinds, table.T):
+            iterations[name] = column
         result = cls(
             status=raw["status"], reason=report.get("reason", ""), t=np.array([r["time"] for r in records]),
             p_n=raw["p_n"], p_t=pair(raw["p_t"], raw["p_o"]), contact=raw["contact"], gap=raw["gap"], mu=raw["mu"],
@@ -178,7 +178,8 @@ class Result:
             data.append(stress[start : start + len(nodes)])
             start += len(nodes)
         points = {"displacement": self.displacement(k), "p_n": force, "status": code}
-        return meshio.Mesh(model.points, model.cells, point_data=points, cell_data={"stress": data})
+        cells: list[Any] = list(model.cells)
+        return meshio.Mesh(model.points, cells, point_data=points, cell_data={"stress": data})
 
     def to_pyvista(self, k: int = -1) -> Any:
         """A `pyvista.UnstructuredGrid` with the same fields."""
@@ -229,7 +230,7 @@ class Result:
     def save(self, path: Any) -> None:
         """Writes all of it to an npz file, the scene's text included."""
         arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _NOT_ARRAYS}
-        words = {"status": self.status, "reason": self.reason, "records": self.records, "report": self.report}
+        words: dict[str, Any] = {"status": self.status, "reason": self.reason, "records": self.records, "report": self.report}
         words["kept"] = list(self.kept)
         words["model"] = self.model._words() if self.model is not None else None
         arrays["iterations"] = np.asarray(self.iterations)

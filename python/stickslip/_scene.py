@@ -177,17 +177,19 @@ class Model:
         if tolerance is not None and not 0 < tolerance < 1:
             raise ValueError("tolerance must be between 0 and 1")
         bar: Any = None
-        told = callback
+        told: Callback | None = callback
         if progress:
             from tqdm.auto import tqdm
 
             bar = tqdm(total=len(self.times), unit="increment")
 
-            def told(index: int, time: float, status: str, iterations: int, error: float) -> None:
+            def counted(index: int, time: float, status: str, iterations: int, error: float) -> None:
                 bar.update(1)
                 bar.set_postfix(error=f"{error:.1e}")
                 if callback is not None:
                     callback(index, time, status, iterations, error)
+
+            told = counted
 
         try:
             kept = keep(keep_u, len(self.times))

@@ -38,7 +38,7 @@ def contact(result: Result, k: int = -1, ax: Any = None) -> Any:
     order = np.argsort(x, kind="stable")
     ax.plot(x[order], (result.p_n[k] / weight)[order], label="normal")
     for d in range(result.p_t.shape[2]):
-        ax.plot(x[order], (result.p_t[k, :, d] / weight)[order], label=f"tangential {d + 1}")
+        ax.plot(x[order], (result.p_t[k, :, d] / weight)[order], label="tangential" if result.p_t.shape[2] == 1 else f"tangential {d + 1}")
     low = min(0.0, *ax.get_ylim())
     for code, name, marker in ((0, "open", "_"), (1, "stick", "s"), (2, "slip", "o")):
         here = result.contact[k] == code
@@ -70,7 +70,7 @@ def history(result: Result, ax: Any = None) -> Any:
     ax = _axes(ax)
     ax.plot(result.t, result.p_n.sum(axis=1), ".-", label="sum of p_n")
     for d in range(result.p_t.shape[2]):
-        ax.plot(result.t, result.p_t[:, :, d].sum(axis=1), ".-", label=f"sum of p_t, tangent {d + 1}")
+        ax.plot(result.t, result.p_t[:, :, d].sum(axis=1), ".-", label="sum of p_t" if result.p_t.shape[2] == 1 else f"sum of p_t, tangent {d + 1}")
     ax.set_xlabel("t, s")
     ax.set_ylabel("force, N")
     ax.legend()

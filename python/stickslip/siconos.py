@@ -51,7 +51,7 @@ def to_siconos(
         raise ValueError("C_t: Siconos's friction problems need tangents")
     w = np.zeros((n_c, d)) if w_t_last is None else np.asarray(w_t_last, dtype=float).reshape(n_c, d)
     order = np.arange((1 + d) * n_c).reshape(1 + d, n_c).T.ravel()
-    H = sp.vstack([-problem.C_n, *problem.C_t], format="csr")[order].T.tocsc()
+    H = sp.csr_array(sp.vstack([-problem.C_n, *problem.C_t], format="csr"))[order].T.tocsc()
     b = np.column_stack([vector("gap", gap, n_c), -w]).ravel()
     return GlobalFriction(1 + d, problem.K, H, vector("force", force, problem.n_u), b, problem.mu)
 
@@ -97,7 +97,7 @@ def fc2d(name: str, tolerance: float = 1e-12, max_iterations: int = 100_000) -> 
         name: what follows SICONOS_FRICTION_2D_.
         tolerance, max_iterations: what Siconos is told.
     """
-    from siconos import numerics
+    from siconos import numerics  # pyright: ignore[reportAttributeAccessIssue]
 
     def solve(posed: Posed) -> tuple[Array, Array, Array]:
         problem, cache = posed.problem, posed.cache
