@@ -81,7 +81,7 @@ class Natural:
         along, ratio = tau / safe[:, None], np.where(slides, radius / safe, 1.0)
 
         def diagonal(values: Array) -> Any:
-            return sp.diags_array(values)
+            return sp.csr_array(sp.diags(values))
 
         turns = self.problem.mu * closed * slides
         rows: list[list[Any]] = [[self.K, self.C_n.T, *[C.T for C in self.C_t]]]
@@ -94,4 +94,4 @@ class Natural:
                 of_u = of_u - diagonal(share * self.r) @ self.C_t[b]
                 of_t.append(diagonal(float(a == b) - share))
             rows.append([of_u, -diagonal(turns * along[:, a]), *of_t])
-        return sp.csc_array(sp.block_array(rows, format="csc"))
+        return sp.csc_array(sp.bmat(rows, format="csc"))

@@ -81,10 +81,12 @@ def history(result: Result, ax: Any = None) -> Any:
 def comparison(table: Comparison, ax: Any = None) -> Any:
     """Error against CPU time; what breaks a law by more than the tolerance is red."""
     ax = _axes(ax)
-    for verdict in table.verdicts:
-        colour = _GOOD if verdict.holds else _BAD
-        ax.loglog(max(verdict.seconds, 1e-6), max(verdict.error, 1e-17), "o", color=colour)
-        ax.annotate(f" {verdict.name}", (max(verdict.seconds, 1e-6), max(verdict.error, 1e-17)), color=colour)
+    for k, verdict in enumerate(table.verdicts):
+        colour, at = _GOOD if verdict.holds else _BAD, (max(verdict.seconds, 1e-6), max(verdict.error, 1e-17))
+        ax.loglog(*at, "o", color=colour)
+        # Above and below in turn, for those that are near each other.
+        ax.annotate(verdict.name, at, (0, 6 if k % 2 else -14), textcoords="offset points", ha="center", color=colour)
+    ax.margins(0.25)
     ax.axhline(table.tolerance, linestyle=":", color="grey")
     ax.set_xlabel("CPU time, s")
     ax.set_ylabel("largest error of any law")

@@ -100,7 +100,7 @@ def test_matrices_of_another_assembly_are_the_same_body() -> None:
     f = skfem.asm(skfem.LinearForm(lambda v, w: -10e6 * v[1]), top)
     free = basis.complement_dofs(basis.get_dofs(lambda x: x[0] == 0.0))
     nodes = np.flatnonzero((mesh.p[1] == 0.0) & (mesh.p[0] > 0.0))
-    I = sp.eye_array(K.shape[0], format="csr")[:, free]
+    I = sp.csr_array(sp.identity(K.shape[0]))[:, free]
     C_n, C_t = -I[basis.nodal_dofs[1, nodes]], I[basis.nodal_dofs[0, nodes]]
     problem = ss.ContactProblem(K[free][:, free], C_n, C_t, 0.4)
     result = problem.solve(f[free], np.linspace(0, 1, 6)[1:], gap=1e-5).check()
