@@ -117,7 +117,9 @@ def fc2d(name: str, tolerance: float = 1e-12, max_iterations: int = 100_000) -> 
         options.iparam[numerics.SICONOS_IPARAM_MAX_ITER] = max_iterations
         local = numerics.FrictionContactProblem(2, problem.n_c, scaled, q, posed.mu.copy())
         _SEEN.append((local, options, scaled, q))
-        numerics.fc2d_driver(local, r, v, options)
+        info = numerics.fc2d_driver(local, r, v, options)
+        if info != 0:
+            raise RuntimeError(f"fc2d_driver returns {info}")
         _, p_n, p_t = answer(problem, np.zeros(problem.n_u), r * force)
         return lu.solve(posed.force - C.T @ np.column_stack([p_n, p_t]).ravel()), p_n, p_t
 
