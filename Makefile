@@ -1,5 +1,9 @@
 # make demo   solve the paper's block, 100 x 100 elements, and say where the results are
 # make test   all tests
+# make python the Python module, compiled and tested in an environment of its own; needs a network once
+# make python-docs its pages, run, in target/python-docs
+# make wheel  its wheel for any Linux since glibc 2.17, in target/wheels
+# make wheel-test the same, installed and run in fresh environments of the Pythons at hand
 # make bench  the benchmarks (minutes)
 # make instructions the instructions of each kernel, counted by callgrind
 # make lines  the lines of code, comments and tests
@@ -16,7 +20,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
+.PHONY: demo test python python-docs wheel wheel-test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -24,8 +28,41 @@ demo: deps
 # Unit tests take seconds however they are compiled. Tests run side by side, so that each has one thread.
 test: deps
 	cargo test --lib --config profile.test.package.stickslip.opt-level=0
-	OPENBLAS_NUM_THREADS=1 cargo test --workspace --bins --example outside --test '*'
+	OPENBLAS_NUM_THREADS=1 cargo test --workspace --exclude stickslip-python --bins --example outside --test '*'
 	cargo test --doc
+
+PYTHON = target/python/bin/python
+PYTHON_NEEDS = maturin ziglang numpy scipy pytest hypothesis meshio matplotlib pandas xarray tqdm mypy scikit-fem nbconvert ipykernel
+PYTHON_WHEELS ?= python3.10 python3.11 python3.12 python3.13
+# In the profile and with the features of what is compiled for the program without C libraries: all but the module itself is there then.
+PYTHON_BUILD ?= --profile dev --features cli
+
+# Needs a network once. No part of `make test`: its features of the library are others.
+$(PYTHON):
+	@python3 -c 'import ensurepip' 2>/dev/null || { $(SUDO) apt-get update -q && \
+		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends python3-venv; }
+	python3 -m venv target/python
+	$(PYTHON) -m pip install -q --retries 1 $(PYTHON_NEEDS) || { rm -rf target/python; exit 1; }
+
+# Without a network nothing can be installed; in CI that is a failure.
+python:
+	@if ! $(MAKE) --no-print-directory $(PYTHON); then \
+		[ -z "$$CI" ] && echo "the Python module is passed over: its tools cannot be installed"; exit; \
+	fi; \
+	cd python && . ../target/python/bin/activate && maturin develop $(PYTHON_BUILD) --quiet && \
+		mypy --no-error-summary && python -m pytest -q
+
+python-docs: python
+	cd python/docs && ../../$(PYTHON) -m nbconvert --execute --to html --output-dir $(CURDIR)/target/python-docs *.ipynb
+
+wheel: $(PYTHON)
+	python/licences.sh
+	cd python && . ../target/python/bin/activate && \
+		RUSTFLAGS="--remap-path-prefix=$(CURDIR)=stickslip --remap-path-prefix=$${CARGO_HOME:-$$HOME/.cargo}=cargo" \
+		maturin build --release --compatibility manylinux2014 --out ../target/wheels -- -C linker=$(CURDIR)/python/zigcc
+
+wheel-test: wheel
+	python/wheel_test.sh target/wheels/stickslip-*-abi3-*.whl $(PYTHON_WHEELS)
 
 bench: deps
 	cargo bench --bench factor

@@ -88,9 +88,7 @@ impl Condensed {
         let border = problem.contact_displacements();
         let basis = OwnBasis::of(problem);
         let (factor, stiffness) = schur_complement(problem.stiffness(), &border, basis.as_ref(), by.into())?;
-        let cases = loading.cases().iter().map(|case| factor.reduce(case.force())).collect::<Result<Vec<_>, _>>()?;
-        let reduced = |(case, reduced): (&LoadCase, &Reduced)| case.on(forces(&border, basis.as_ref(), reduced));
-        Ok(Condensed {
+        let mut condensed = Condensed {
             problem: ContactProblem::of(Parts {
                 stiffness,
                 c_n: restrict(problem.c_n(), &border, basis.as_ref(), |_| true),
@@ -110,13 +108,28 @@ impl Condensed {
                         .collect(),
                 ),
             }),
-            loading: loading.with_cases(loading.cases().iter().zip(&cases).map(reduced).collect()),
+            loading: Loading::default(),
             factor,
             border,
-            cases,
+            cases: Vec::new(),
             basis,
             part: None,
-        })
+        };
+        condensed.load(loading)?;
+        Ok(condensed)
+    }
+
+    /// Puts the body under other loads; one with some of the contact nodes only knows those of its nodes.
+    ///
+    /// # Errors
+    /// When memory is short.
+    pub(crate) fn load(&mut self, loading: &Loading) -> Result<(), LinearError> {
+        let cases =
+            loading.cases().iter().map(|case| self.factor.reduce(case.force())).collect::<Result<Vec<_>, _>>()?;
+        let reduced = |(case, reduced): (&LoadCase, &Reduced)| case.on(self.on_contact(reduced));
+        self.loading = loading.with_cases(loading.cases().iter().zip(&cases).map(reduced).collect());
+        self.cases = cases;
+        Ok(())
     }
 
     /// The same with these contact `nodes` alone, ascending; the others are free of forces, and their displacements in the interior.

@@ -8,6 +8,7 @@
 //! | from one time to the next, in parts if need be, and what is told of them | `path.rs`, `told.rs` |
 //! | the increments of one set-up of the equations, and what it leaves to the next | `stage.rs`, `position.rs` |
 //! | which contact nodes join condensed equations that do not hold all | `working_set.rs` |
+//! | one increment at a time, under loads that nobody knows beforehand | `stepper.rs` |
 //! | the exact path in time, from event to event | `events.rs` |
 //! | what the increments leave: the work of friction and the tangential forces | `increment_error.rs` |
 //! | how far loads have carried a body that contact alone holds | `carried.rs` |
@@ -56,6 +57,7 @@ mod saved;
 mod settings;
 mod solver;
 mod stage;
+mod stepper;
 mod system;
 mod tangent;
 mod task;
@@ -74,6 +76,7 @@ pub use observer::{Observer, Step};
 pub use record::{ContactCounts, IncrementRecord, Seconds, Status, Tally};
 pub use settings::HistorySettings;
 pub use solver::Solver;
+pub use stepper::Stepper;
 pub use system::{LinearAlgebra, System, UnknownLinearAlgebra};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
 pub use working_set::WorkingSet;
@@ -86,8 +89,6 @@ use crate::loading::Loading;
 use crate::problem::error::{expect_each, expect_finite, expect_increasing};
 use crate::problem::{ContactProblem, ProblemError, State};
 use events::ExactHistory;
-use position::Position;
-use saved::Saved;
 use stage::Stages;
 
 /// The result of a history.
@@ -200,26 +201,7 @@ pub fn run_with(
     if !algorithm.knows(&outcome.layout) {
         return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
     }
-    let saved = settings.from.as_ref().map(|from| Saved::read(from, problem, times, settings)).transpose()?;
-    let mut stages = Stages {
-        problem,
-        loading,
-        times,
-        settings,
-        observer,
-        outcome,
-        position: Position::start(problem),
-        start,
-        begun: None,
-        done: Statistics::default(),
-        joined: 0,
-        is_ready: false,
-        saved: None,
-    };
-    if let Some(Saved { outcome, position, stage, statistics, .. }) = saved {
-        stages.outcome = outcome.resume(stages.outcome);
-        (stages.position, stages.done, stages.saved) = (position, statistics, Some(stage));
-    }
+    let mut stages = Stages::new(problem, loading, times, settings, observer, outcome, start)?;
     match system {
         System::Whole(linear) => {
             let mut linear = linear.after(stages.done);

@@ -20,6 +20,12 @@ pub enum Error {
         /// The method.
         method: Method,
     },
+    /// The method follows a path whose end it knows.
+    #[error("the method {method} takes no single increments: it follows the whole path of the loads")]
+    NotInSteps {
+        /// The method.
+        method: Method,
+    },
     /// The linear algebra cannot go on.
     #[error(transparent)]
     Linear(#[from] LinearError),

@@ -47,7 +47,43 @@ pub(super) struct Stages<'a> {
     pub saved: Option<SavedStage>,
 }
 
-impl Stages<'_> {
+impl<'a> Stages<'a> {
+    /// A history with this `outcome` so far, that began at `start`, or goes on from where the settings say.
+    ///
+    /// # Errors
+    /// When the checkpoint there is of another history.
+    pub(super) fn new(
+        problem: &'a ContactProblem,
+        loading: &'a Loading,
+        times: &'a [f64],
+        settings: &'a HistorySettings,
+        observer: &'a mut dyn Observer,
+        outcome: HistoryOutcome,
+        start: Instant,
+    ) -> Result<Self, Error> {
+        let saved = settings.from.as_ref().map(|from| Saved::read(from, problem, times, settings)).transpose()?;
+        let mut stages = Stages {
+            problem,
+            loading,
+            times,
+            settings,
+            observer,
+            outcome,
+            position: Position::start(problem),
+            start,
+            begun: None,
+            done: Statistics::default(),
+            joined: 0,
+            is_ready: false,
+            saved: None,
+        };
+        if let Some(Saved { outcome, position, stage, statistics, .. }) = saved {
+            stages.outcome = outcome.resume(stages.outcome);
+            (stages.position, stages.done, stages.saved) = (position, statistics, Some(stage));
+        }
+        Ok(stages)
+    }
+
     /// Solves the history on the contact displacements.
     ///
     /// # Errors

@@ -121,13 +121,18 @@ impl Direct {
         &self.statistics
     }
 
-    /// Symbolic analysis of the pattern of `a`, once a run.
+    /// Symbolic analysis of the pattern of `a`, once a run. A sparse one that is the last one's is not analysed again.
     ///
     /// # Errors
     /// As [`LinearSolver::analyze`].
     pub fn analyze(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
         let start = Instant::now();
         self.generation += 1;
+        let known = self.pattern.take().is_some_and(|pattern| pattern == *a.pattern());
+        if known && matches!(self.solver, Solver::Sparse(_)) {
+            self.pattern = Some(Arc::clone(a.pattern()));
+            return Ok(());
+        }
         self.solver.analyze(a)?;
         self.pattern = Some(Arc::clone(a.pattern()));
         self.statistics.analyses += 1;

@@ -52,6 +52,7 @@ mod scene_values;
 mod second_order;
 mod second_order_contact;
 mod several_bodies;
+mod steps;
 mod surfaces;
 mod turning;
 mod two_bodies;

@@ -5,7 +5,7 @@ use serde::Deserialize;
 pub const REGISTRY: &str = "registry+https://github.com/rust-lang/crates.io-index";
 
 /// The packages of this workspace, which come from nowhere.
-const OWN: [&str; 3] = ["stickslip", "stickslip-fuzz", "stickslip-studies"];
+const OWN: [&str; 4] = ["stickslip", "stickslip-fuzz", "stickslip-python", "stickslip-studies"];
 
 #[derive(Deserialize)]
 struct Lock {

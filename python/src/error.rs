@@ -1,0 +1,62 @@
+//! Errors of the library as exceptions of Python.
+
+use pyo3::PyErr;
+use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
+use stickslip::history::Error as HistoryError;
+use stickslip::linear::LinearError;
+use stickslip::model::ModelError;
+use stickslip::problem::ProblemError;
+use stickslip::run::RunError;
+use stickslip::scene::SceneError as Refused;
+
+pyo3::import_exception!(stickslip._errors, SceneError);
+
+/// A scene that is refused without a place in its text.
+fn unplaced(message: String, help: String) -> PyErr {
+    SceneError::new_err((message, None::<String>, None::<usize>, None::<String>, help))
+}
+
+pub(crate) fn of_scene(error: Refused) -> PyErr {
+    match error {
+        Refused::Io { path, error } => PyOSError::new_err((error.raw_os_error(), error.to_string(), path)),
+        Refused::Invalid(at) => {
+            let at = *at;
+            SceneError::new_err((at.message, Some(at.file), Some(at.line), Some(at.key), at.help))
+        }
+        Refused::Override { text, message, help } => {
+            let key = text.split('=').next().unwrap_or_default().to_string();
+            SceneError::new_err((message, None::<String>, None::<usize>, Some(key), help))
+        }
+    }
+}
+
+fn of_model(error: ModelError) -> PyErr {
+    match error {
+        ModelError::Scene(error) => of_scene(error),
+        other => unplaced(other.to_string(), String::new()),
+    }
+}
+
+pub(crate) fn of_problem(error: ProblemError) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+fn of_history(error: HistoryError) -> PyErr {
+    match error {
+        HistoryError::Linear(LinearError::OutOfMemory { .. }) => PyMemoryError::new_err(error.to_string()),
+        HistoryError::Linear(LinearError::NotBuiltIn { .. })
+        | HistoryError::Problem(_)
+        | HistoryError::NotInSteps { .. }
+        | HistoryError::NoWeight { .. } => PyValueError::new_err(error.to_string()),
+        error => PyRuntimeError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn of_run(error: RunError) -> PyErr {
+    match error {
+        RunError::Model(error) => of_model(error),
+        RunError::NoRoom { .. } => PyMemoryError::new_err(error.to_string()),
+        RunError::SlidesInAPlane => PyValueError::new_err(error.to_string()),
+        RunError::History(error) => of_history(error),
+    }
+}

@@ -1,0 +1,50 @@
+//! `stickslip._core`: what the Python package `stickslip` stands on. Arrays in, arrays out; the words are in Python.
+//!
+//! | what | file |
+//! | --- | --- |
+//! | a problem of matrices, and the judge of anybody's answer | `problem.rs` |
+//! | a scene, discretised | `scene.rs` |
+//! | histories of forces and gaps from tables | `loading.rs` |
+//! | one increment after the other | `stepper.rs` |
+//! | a run: its linear algebra, signals and panics | `solve.rs` |
+//! | what is kept of a run | `recorder.rs` |
+//! | a linear solver that is a Python object | `foreign.rs` |
+//! | arrays in and out; errors out | `arrays.rs`, `error.rs` |
+
+#![allow(clippy::needless_pass_by_value)] // What Python hands over is handed over.
+
+mod arrays;
+mod error;
+mod foreign;
+mod loading;
+mod problem;
+mod recorder;
+mod scene;
+mod solve;
+mod stepper;
+
+use pyo3::prelude::*;
+
+/// Freed memory stays in the process: for programs that do nothing but solve.
+#[pyfunction]
+fn keep_freed_memory() {
+    stickslip::linear::process::keep_freed_memory();
+}
+
+#[pymodule(gil_used = false)]
+mod _core {
+    #[pymodule_export]
+    use super::keep_freed_memory;
+    #[pymodule_export]
+    use super::problem::Problem;
+    #[pymodule_export]
+    use super::scene::SceneModel;
+    #[pymodule_export]
+    use super::stepper::Stepper;
+
+    #[pymodule_export]
+    const UMFPACK: bool = cfg!(feature = "umfpack");
+
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+}

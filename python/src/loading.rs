@@ -1,0 +1,80 @@
+//! Histories from tables: a row for each increment.
+
+use std::iter::once;
+
+use numpy::PyUntypedArrayMethods;
+use pyo3::prelude::*;
+use stickslip::loading::{Bend, LoadCase, Loading, Motion};
+use stickslip::problem::{ContactProblem, ProblemError};
+
+use crate::arrays::{Rows, expect_length, rows};
+use crate::error::of_problem;
+
+/// What drives a history whose increments end at `times`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Tables<'py> {
+    times: Vec<f64>,
+    /// Loads (cases × n_u), N.
+    forces: Rows<'py>,
+    /// Their factors (increments × cases).
+    factors: Rows<'py>,
+    /// Gaps, m: one row, or one for t = 0 and one for each increment.
+    gap: Rows<'py>,
+    /// How far the obstacle has moved past each node along each tangent (increments × n_c), m.
+    drift: [Option<Rows<'py>>; 2],
+}
+
+/// The time 0 and the others.
+fn from_zero(times: &[f64]) -> Vec<f64> {
+    once(0.0).chain(times.iter().copied()).collect()
+}
+
+impl Tables<'_> {
+    pub fn times(&self) -> Vec<f64> {
+        self.times.clone()
+    }
+
+    pub fn loading(&self, problem: &ContactProblem) -> PyResult<Loading> {
+        let (increments, contacts) = (self.times.len(), problem.contacts());
+        expect_length("factors", increments, self.factors.shape()[0])?;
+        expect_length("factors[0]", self.forces.shape()[0], self.factors.shape()[1])?;
+        for (name, table) in
+            [("gap", Some(&self.gap)), ("drift", self.drift[0].as_ref()), ("drift", self.drift[1].as_ref())]
+        {
+            if let Some(table) = table {
+                expect_length(name, contacts, table.shape()[1])?;
+            }
+        }
+        self.parts().map_err(of_problem)
+    }
+
+    fn parts(&self) -> Result<Loading, ProblemError> {
+        let factors = self.factors.as_array();
+        let case = |(force, factors): (Vec<f64>, Vec<f64>)| {
+            let points = self.times.iter().zip(factors).map(|(time, factor)| [*time, factor]);
+            LoadCase::new(force, once([0.0, 0.0]).chain(points.filter(|point| point[0] > 0.0)).collect())
+        };
+        let columns = factors.columns().into_iter().map(|column| column.to_vec());
+        let cases = rows(&self.forces).into_iter().zip(columns).map(case).collect::<Result<Vec<_>, _>>()?;
+        let gaps = rows(&self.gap);
+        let first = gaps.first().cloned().unwrap_or_default();
+        let nodes = 0..first.len();
+        let mut motions = Vec::new();
+        for (d, drift) in self.drift.iter().enumerate() {
+            let Some(drift) = drift else { continue };
+            for (k, row) in rows(drift).into_iter().enumerate() {
+                let along = row.into_iter().map(|drift| if d == 0 { [drift, 0.0] } else { [0.0, drift] });
+                let hat = from_zero(&self.times).into_iter().enumerate();
+                let hat = hat.map(|(j, time)| [time, f64::from(u8::from(j == k + 1))]);
+                motions.push(Motion::new(nodes.clone(), vec![0.0; nodes.len()], along.collect(), hat.collect())?);
+            }
+        }
+        let mut bends = Vec::new();
+        if gaps.len() > 1 {
+            let beyond = gaps.iter().map(|row| row.iter().zip(&first).map(|(gap, first)| gap - first).collect());
+            bends.push(Bend::new(nodes, from_zero(&self.times), beyond.collect())?);
+        }
+        Loading::new(cases, first)?.with_motions(motions, bends)
+    }
+}

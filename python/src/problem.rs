@@ -1,0 +1,241 @@
+//! A problem of matrices: solved, and the judge of anybody's answer.
+
+use std::sync::Arc;
+
+use numpy::PyArray1;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use stickslip::auto::Choice;
+use stickslip::contact::{KktErrors, KktScales, statuses};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Solver, System};
+use stickslip::loading::Loading;
+use stickslip::memory::Budget;
+use stickslip::problem::{ContactProblem, Increment, Parts, State};
+use stickslip::reach;
+use stickslip::run::RunError;
+
+use crate::arrays::{Compressed, Exported, Rows, Vector, export_lower, export_map, map, rows, symmetric};
+use crate::error::of_problem;
+use crate::foreign::Raised;
+use crate::loading::Tables;
+use crate::recorder::{Keep, Recorder, codes};
+use crate::solve::{Algebra, method, watched};
+
+/// A body against rigid obstacles: K, `C_n`, `C_t`, `C_o`, mu, l and the free motions.
+#[pyclass(frozen, module = "stickslip._core")]
+pub(crate) struct Problem(pub Arc<ContactProblem>);
+
+/// A state and what drove it, as the judge wants it.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Answer<'py> {
+    force: Vector<'py>,
+    gap: Vector<'py>,
+    mu: Vector<'py>,
+    w_last: [Vector<'py>; 2],
+    u: Vector<'py>,
+    u_rest: Vector<'py>,
+    p_n: Vector<'py>,
+    p_t: Vector<'py>,
+    p_o: Vector<'py>,
+}
+
+/// The words of `ContactProblem.solve`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Options {
+    method: String,
+    setting: String,
+    r_factor: f64,
+    tolerance: Option<f64>,
+    max_iterations: usize,
+}
+
+impl Options {
+    pub fn solver(&self, linear: Option<LinearAlgebra>) -> PyResult<Solver> {
+        let solver = Solver::new(method(&self.method, &self.setting, self.r_factor)?);
+        let tolerance = self.tolerance.unwrap_or(solver.tolerance);
+        if !(tolerance > 0.0 && tolerance < 1.0) {
+            return Err(PyValueError::new_err(format!("tolerance is {tolerance}, but must be between 0 and 1")));
+        }
+        if self.max_iterations == 0 {
+            return Err(PyValueError::new_err("max_iterations is 0, but must be 1 or more"));
+        }
+        Ok(Solver { linear, tolerance, max_iterations: self.max_iterations, ..solver })
+    }
+}
+
+/// The linear system and the settings of a history: the cheapest where nobody says which.
+fn prepared(
+    problem: &ContactProblem,
+    loading: &Loading,
+    times: &[f64],
+    solver: &Solver,
+) -> Result<(System, HistorySettings), RunError> {
+    let settings = solver.settings(problem, loading)?;
+    if let Some(LinearAlgebra::Whole(_)) = solver.linear {
+        return Ok((solver.linear.unwrap_or_default().into(), settings));
+    }
+    let condensing = match solver.linear {
+        Some(LinearAlgebra::Condensed(cholesky)) => Some(cholesky),
+        _ => None,
+    };
+    let mut reach = reach::Reach::default();
+    if !solver.method.is_of_paper() {
+        reach = reach::working_set(problem, loading, times, reach::AFFORDABLE, condensing)?;
+    }
+    let linear = match solver.linear {
+        Some(linear) => linear,
+        None => {
+            let left = Budget::of_process().map(|budget| budget.bytes);
+            Choice::cheapest(problem, &reach, solver.method, times.len(), left)?.linear
+        }
+    };
+    Ok((linear.into(), HistorySettings { working_set: reach.nodes, ..settings }))
+}
+
+/// An outcome with what was recorded of it.
+pub(crate) fn exported<'py>(
+    py: Python<'py>,
+    outcome: &HistoryOutcome,
+    recorder: Recorder,
+) -> PyResult<Bound<'py, PyDict>> {
+    let result = PyDict::new(py);
+    let json = |error: serde_json::Error| PyValueError::new_err(error.to_string());
+    result.set_item("status", outcome.status.to_string())?;
+    result.set_item("records", serde_json::to_string(&recorder.records).map_err(json)?)?;
+    result.set_item("analyses", outcome.linear.analyses)?;
+    result.set_item("factorizations", outcome.linear.factorizations)?;
+    recorder.write(&result)?;
+    Ok(result)
+}
+
+#[pymethods]
+impl Problem {
+    /// K by the columns of its lower triangle, the maps by rows.
+    #[new]
+    #[pyo3(signature = (order, stiffness, maps, mu, weight, free_motions))]
+    fn new(
+        py: Python<'_>,
+        order: usize,
+        stiffness: Compressed<'_>,
+        maps: [Compressed<'_>; 3],
+        mu: Vector<'_>,
+        weight: Option<Vector<'_>>,
+        free_motions: Option<Rows<'_>>,
+    ) -> PyResult<Self> {
+        let [c_n, c_t, c_o] = [0, 1, 2].map(|k| map(["C_n", "C_t", "C_t[1]"][k], order, &maps[k]));
+        let parts = Parts {
+            stiffness: symmetric("K", order, &stiffness)?,
+            c_n: c_n?,
+            c_t: c_t?,
+            c_o: c_o?,
+            mu: mu.as_slice()?.to_vec(),
+            weight: weight.map(|weight| weight.as_slice().map(<[f64]>::to_vec)).transpose()?,
+            free_motions: free_motions.as_ref().map(rows),
+        };
+        py.detach(|| ContactProblem::new(parts)).map(|problem| Problem(Arc::new(problem))).map_err(of_problem)
+    }
+
+    #[getter]
+    fn n_u(&self) -> usize {
+        self.0.displacements()
+    }
+
+    #[getter]
+    fn n_c(&self) -> usize {
+        self.0.contacts()
+    }
+
+    #[getter]
+    fn mu<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.0.mu())
+    }
+
+    #[getter]
+    fn weight<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.0.weight().map(|weight| PyArray1::from_slice(py, weight))
+    }
+
+    /// `r_i = 1 / (largest eigenvalue of the compliance of node i)`, N/m.
+    #[getter]
+    fn contact_stiffness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, self.0.contact_stiffness())
+    }
+
+    fn free_motions(&self) -> Vec<Vec<f64>> {
+        self.0.free_motions().to_vec()
+    }
+
+    /// The lower triangle of K by columns: data, row indices, column starts.
+    fn lower<'py>(&self, py: Python<'py>) -> Exported<'py> {
+        export_lower(py, self.0.stiffness())
+    }
+
+    /// `C_n` (0), `C_t` (1) or `C_o` (2) by rows.
+    fn map<'py>(&self, py: Python<'py>, which: usize) -> PyResult<Exported<'py>> {
+        match which {
+            0 => Ok(export_map(py, self.0.c_n())),
+            1 => Ok(export_map(py, self.0.c_t())),
+            2 => Ok(export_map(py, self.0.c_o())),
+            _ => Err(PyValueError::new_err("a map is 0, 1 or 2")),
+        }
+    }
+
+    /// The error measure of an answer to one increment: by law, the statuses, the scales.
+    fn errors<'py>(
+        &self,
+        py: Python<'py>,
+        answer: Answer<'py>,
+        scales: (f64, f64),
+    ) -> PyResult<(Vec<f64>, Vec<u8>, (f64, f64))> {
+        let own = |values: &Vector<'_>| values.as_slice().map(<[f64]>::to_vec);
+        let state = State {
+            u: own(&answer.u)?,
+            u_rest: own(&answer.u_rest)?,
+            p_t: own(&answer.p_t)?,
+            p_o: own(&answer.p_o)?,
+            p_n: own(&answer.p_n)?,
+        };
+        let increment = Increment {
+            force: answer.force.as_slice()?,
+            gap: answer.gap.as_slice()?,
+            mu: answer.mu.as_slice()?,
+            w_t_last: answer.w_last[0].as_slice()?,
+            w_o_last: answer.w_last[1].as_slice()?,
+        };
+        let earlier = KktScales { force: scales.0, length: scales.1 };
+        let judged = py.detach(|| {
+            let scales = KktScales::after(&earlier, &self.0, &increment, &state);
+            let errors = KktErrors::measure(&self.0, &increment, &state, &scales)?;
+            let statuses = statuses(&self.0, &increment, &state, &scales)?;
+            Ok((errors.components().map(|(_, error)| error).to_vec(), codes(&statuses).collect(), scales))
+        });
+        let (errors, statuses, scales) = judged.map_err(of_problem)?;
+        Ok((errors, statuses, (scales.force, scales.length)))
+    }
+
+    /// Solves a history.
+    #[pyo3(signature = (tables, options, linear, keep, callback))]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        tables: Tables<'py>,
+        options: Options,
+        linear: Option<&Bound<'py, PyAny>>,
+        keep: Keep,
+        callback: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let problem = &*self.0;
+        let (loading, times) = (tables.loading(problem)?, tables.times());
+        let raised = Raised::default();
+        let (linear, own) = Algebra::new(linear, &raised)?.split(None);
+        let solver = options.solver(linear)?;
+        let (outcome, recorder) = watched(py, Recorder::new(keep, callback, raised), |recorder| {
+            let (system, settings) = prepared(problem, &loading, &times, &solver)?;
+            Ok(history::run(problem, &loading, &times, &settings, own.unwrap_or(system), recorder)?)
+        })?;
+        exported(py, &outcome, recorder)
+    }
+}

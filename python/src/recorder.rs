@@ -1,0 +1,178 @@
+//! Keeps what happens, and asks Python whether to go on.
+
+use std::time::{Duration, Instant};
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use stickslip::contact::ContactStatus;
+use stickslip::history::{IncrementRecord, Observer, Step};
+use stickslip::nonlinear::{Flow, IterationRecord};
+
+use crate::arrays::table;
+use crate::foreign::Raised;
+
+/// 0 open, 1 stick, 2 slip, as in the VTU files.
+pub(crate) fn codes(statuses: &[ContactStatus]) -> impl Iterator<Item = u8> + '_ {
+    statuses.iter().map(|status| match status {
+        ContactStatus::Open => 0,
+        ContactStatus::Stick => 1,
+        ContactStatus::Slip => 2,
+    })
+}
+
+/// Between two looks at signals. Attaching costs nothing beside this, unless another thread of Python is busy: then each
+/// costs its switch interval, 5 ms.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// The increments whose displacements and forces of size n_u are kept.
+#[derive(FromPyObject)]
+pub(crate) enum Keep {
+    /// `True`: all; `False`: none.
+    All(bool),
+    /// Those of these numbers, from 1; 0 stands for the last.
+    These(Vec<usize>),
+}
+
+/// A table that grows by rows.
+#[derive(Default)]
+struct Growing {
+    rows: usize,
+    values: Vec<f64>,
+}
+
+impl Growing {
+    fn push(&mut self, row: &[f64]) {
+        self.rows += 1;
+        self.values.extend_from_slice(row);
+    }
+
+    fn replace(&mut self, row: &[f64]) {
+        *self = Growing::default();
+        self.push(row);
+    }
+
+    fn write(self, into: &Bound<'_, PyDict>, name: &str) -> PyResult<()> {
+        into.set_item(name, table(into.py(), self.rows, self.values)?)
+    }
+}
+
+/// The columns of size n_c.
+const OF_NODES: [&str; 7] = ["p_n", "p_t", "p_o", "gap", "mu", "w_t_last", "w_o_last"];
+
+pub(crate) struct Recorder {
+    looked: Instant,
+    keep: Keep,
+    callback: Option<Py<PyAny>>,
+    /// An exception, a `KeyboardInterrupt` for one, that ends the run.
+    pub raised: Raised,
+    /// The numbers of the increments whose `u` is kept.
+    kept: Vec<usize>,
+    of_body: [Growing; 3],
+    of_nodes: [Growing; OF_NODES.len()],
+    statuses: Vec<u8>,
+    iterations: Growing,
+    /// The records, for runs that hand back no report.
+    pub records: Vec<IncrementRecord>,
+}
+
+impl Recorder {
+    pub fn new(keep: Keep, callback: Option<Py<PyAny>>, raised: Raised) -> Self {
+        Recorder {
+            looked: Instant::now(),
+            keep,
+            callback,
+            raised,
+            kept: Vec::new(),
+            of_body: Default::default(),
+            of_nodes: Default::default(),
+            statuses: Vec::new(),
+            iterations: Growing::default(),
+            records: Vec::new(),
+        }
+    }
+
+    /// Calls Python, if the time has come; whether to go on.
+    fn look(&mut self, call: impl FnOnce(Python<'_>) -> PyResult<()>, now: bool) -> Flow {
+        if self.raised.is_set() {
+            return Flow::Stop;
+        }
+        if !now && self.looked.elapsed() < PATIENCE {
+            return Flow::Continue;
+        }
+        self.looked = Instant::now();
+        match Python::attach(|py| py.check_signals().and_then(|()| call(py))) {
+            Ok(()) => Flow::Continue,
+            Err(error) => {
+                self.raised.set(error);
+                Flow::Stop
+            }
+        }
+    }
+
+    fn keep(&mut self, step: &Step<'_>) {
+        let (number, state) = (step.record.index, step.state);
+        // Every row has its rest, which is empty where it does not matter.
+        let rest = if state.u_rest.is_empty() { vec![0.0; state.u.len()] } else { state.u_rest.clone() };
+        let rows = [&state.u[..], &rest, step.increment.force];
+        let last = match &self.keep {
+            Keep::All(all) if *all => false,
+            Keep::These(numbers) if numbers.contains(&number) => false,
+            Keep::These(numbers) if numbers.contains(&0) => true,
+            _ => return,
+        };
+        if last {
+            self.kept.clear();
+            self.of_body.iter_mut().zip(rows).for_each(|(kept, row)| kept.replace(row));
+        } else {
+            self.of_body.iter_mut().zip(rows).for_each(|(kept, row)| kept.push(row));
+        }
+        self.kept.push(number);
+    }
+
+    /// All that was kept, as arrays.
+    pub fn write(self, into: &Bound<'_, PyDict>) -> PyResult<()> {
+        let increments = self.of_nodes[0].rows;
+        into.set_item("kept", self.kept)?;
+        for (name, kept) in ["u", "u_rest", "force"].into_iter().zip(self.of_body) {
+            kept.write(into, name)?;
+        }
+        for (name, kept) in OF_NODES.into_iter().zip(self.of_nodes) {
+            kept.write(into, name)?;
+        }
+        into.set_item("contact", table(into.py(), increments, self.statuses)?)?;
+        self.iterations.write(into, "iterations")
+    }
+}
+
+impl Observer for Recorder {
+    fn waits_for(&mut self, _index: usize) -> bool {
+        false
+    }
+
+    fn iteration(&mut self, index: usize, record: &IterationRecord) -> Flow {
+        let IterationRecord { iteration, theta, step, error, .. } = *record;
+        self.iterations.push(&[index as f64, iteration as f64, theta, step, error.unwrap_or(f64::NAN)]);
+        self.look(|_| Ok(()), false)
+    }
+
+    fn increment(&mut self, step: &Step<'_>) -> Flow {
+        self.keep(step);
+        let (state, data) = (step.state, step.increment);
+        let columns: [&[f64]; OF_NODES.len()] =
+            [&state.p_n, &state.p_t, &state.p_o, data.gap, data.mu, data.w_t_last, data.w_o_last];
+        self.of_nodes.iter_mut().zip(columns).for_each(|(kept, row)| kept.push(row));
+        self.statuses.extend(codes(step.statuses));
+        self.records.push(step.record.clone());
+        let IncrementRecord { index, time, status, iterations, .. } = *step.record;
+        let error = step.record.kkt.worst().1;
+        let callback = self.callback.as_ref().map(|callback| Python::attach(|py| callback.clone_ref(py)));
+        let now = callback.is_some();
+        self.look(
+            |py| match callback {
+                Some(callback) => callback.call1(py, (index, time, status.to_string(), iterations, error)).map(drop),
+                None => Ok(()),
+            },
+            now,
+        )
+    }
+}

@@ -1,0 +1,230 @@
+//! A scene, discretised.
+
+use std::sync::Arc;
+
+use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use stickslip::history::Solver;
+use stickslip::mesh::{Boundary, Cell, CellKind, Mesh};
+use stickslip::model::Model;
+use stickslip::run::{Run, discretise};
+use stickslip::scene::{Override, OverrideSyntax, Scene};
+
+use crate::arrays::{Vector, rows, table};
+use crate::error::{of_problem, of_run, of_scene};
+use crate::foreign::Raised;
+use crate::problem::Problem;
+use crate::recorder::{Keep, Recorder};
+use crate::solve::{Algebra, watched};
+
+/// The kinds of cells by the names of meshio.
+const KINDS: [(&str, CellKind); 7] = [
+    ("triangle", CellKind::Triangle),
+    ("quad", CellKind::Quadrilateral),
+    ("tetra", CellKind::Tetrahedron),
+    ("hexahedron", CellKind::Hexahedron),
+    ("wedge", CellKind::Prism),
+    ("triangle6", CellKind::Triangle6),
+    ("tetra10", CellKind::Tetrahedron10),
+];
+
+fn kind_name(kind: CellKind) -> &'static str {
+    KINDS.iter().find(|(_, known)| *known == kind).map_or("", |(name, _)| name)
+}
+
+/// A mesh of arrays: points in m, cells with the material group of each, boundaries by their facets.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct GivenMesh<'py> {
+    points: PyReadonlyArray2<'py, f64>,
+    cells: Vec<(String, PyReadonlyArray2<'py, i64>, PyReadonlyArray1<'py, i64>)>,
+    groups: Vec<String>,
+    boundaries: Vec<(String, Vec<Vec<usize>>)>,
+}
+
+impl GivenMesh<'_> {
+    fn mesh(self) -> PyResult<Mesh> {
+        let fault = |message: String| PyValueError::new_err(format!("mesh: {message}"));
+        let point =
+            |point: Vec<f64>| <[f64; 3]>::try_from(point).map_err(|_| fault("points have 3 coordinates".into()));
+        let nodes = rows(&self.points).into_iter().map(point).collect::<PyResult<Vec<_>>>()?;
+        let mut cells = Vec::new();
+        for (name, of_kind, groups) in &self.cells {
+            let kind = KINDS.iter().find(|(known, _)| known == name);
+            let (_, kind) = kind.ok_or_else(|| fault(format!("no cells of the kind {name}")))?;
+            let index = |n: i64| usize::try_from(n).map_err(|_| fault(format!("a cell has the node {n}")));
+            for (corners, group) in of_kind.as_array().rows().into_iter().zip(groups.as_array()) {
+                let nodes = corners.iter().map(|n| index(*n)).collect::<PyResult<_>>()?;
+                cells.push(Cell { kind: *kind, nodes, group: index(*group)? });
+            }
+        }
+        let boundaries = self.boundaries.into_iter().map(|(name, facets)| Boundary { name, facets }).collect();
+        Mesh::new(nodes, cells, self.groups, boundaries).map_err(|error| fault(error.to_string()))
+    }
+}
+
+#[pyclass(frozen, module = "stickslip._core")]
+pub(crate) struct SceneModel {
+    scene: Scene,
+    model: Model,
+}
+
+#[pymethods]
+impl SceneModel {
+    #[new]
+    #[pyo3(signature = (name, text, overrides, mesh))]
+    fn new(
+        py: Python<'_>,
+        name: &str,
+        text: &str,
+        overrides: Vec<String>,
+        mesh: Option<GivenMesh<'_>>,
+    ) -> PyResult<Self> {
+        let overrides = overrides.iter().map(|text| text.parse()).collect::<Result<Vec<Override>, _>>();
+        let overrides = overrides.map_err(|error: OverrideSyntax| PyValueError::new_err(error.to_string()))?;
+        let mesh = mesh.map(GivenMesh::mesh).transpose()?;
+        py.detach(|| {
+            let mut scene = Scene::parse(name, text, &overrides).map_err(of_scene)?;
+            if let Some(mesh) = mesh {
+                scene.description.mesh = mesh.into();
+            }
+            let model = discretise(&scene).map_err(of_run)?;
+            Ok(SceneModel { scene, model })
+        })
+    }
+
+    #[getter]
+    fn title(&self) -> &str {
+        &self.scene.title
+    }
+
+    #[getter]
+    fn text(&self) -> &str {
+        self.scene.text()
+    }
+
+    #[getter]
+    fn dimension(&self) -> usize {
+        self.model.mesh.dimension
+    }
+
+    #[getter]
+    fn times(&self) -> Vec<f64> {
+        self.model.times().to_vec()
+    }
+
+    #[getter]
+    fn tolerance(&self) -> f64 {
+        self.scene.solver.tolerance
+    }
+
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        table(py, self.model.mesh.nodes.len(), self.model.mesh.nodes.as_flattened().to_vec())
+    }
+
+    /// Kind, nodes and group of each cell, in the order of the mesh.
+    fn cells(&self) -> Vec<(&'static str, Vec<usize>, usize)> {
+        self.model.mesh.cells.iter().map(|cell| (kind_name(cell.kind), cell.nodes.clone(), cell.group)).collect()
+    }
+
+    fn groups(&self) -> Vec<String> {
+        self.model.mesh.groups.clone()
+    }
+
+    /// Node and position of each contact node.
+    fn contacts(&self) -> Vec<(usize, [f64; 3])> {
+        self.model.contacts.iter().map(|contact| (contact.node, contact.position)).collect()
+    }
+
+    /// Normal towards the obstacle and tangents of each contact node.
+    fn frames(&self) -> Vec<[[f64; 3]; 3]> {
+        let facings = self.model.contacts.iter().map(|contact| &contact.facing);
+        facings.map(|facing| [facing.normal, facing.tangents[0], facing.tangents[1]]).collect()
+    }
+
+    /// Name of each boundary with contact, and its nodes among all contact nodes.
+    fn boundaries(&self) -> Vec<(String, Vec<usize>)> {
+        let all = self.model.contact_boundaries.iter();
+        all.map(|boundary| (boundary.name.clone(), boundary.nodes.clone())).collect()
+    }
+
+    fn problem(&self) -> Problem {
+        Problem(Arc::new(self.model.problem.clone()))
+    }
+
+    /// The displacements (m) of all nodes at time `t` (s) that the unknowns `u` are.
+    fn displacements<'py>(&self, py: Python<'py>, t: f64, u: Vector<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let all = self.model.displacements(t, u.as_slice()?).map_err(of_problem)?;
+        table(py, all.len(), all.as_flattened().to_vec())
+    }
+
+    /// The stress (Pa; xx, yy, zz, xy, yz, zx) in the middle of each cell.
+    fn stresses<'py>(&self, py: Python<'py>, t: f64, u: Vector<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let all = self.model.displacements(t, u.as_slice()?).map_err(of_problem)?;
+        let stresses = self.model.centre_stresses(t, &all).map_err(of_problem)?;
+        table(py, stresses.len(), stresses.as_flattened().to_vec())
+    }
+
+    /// Loads, factors (increments × loads), gaps (increments + 1), drifts and friction (increments).
+    fn history<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let loading = &self.model.loading;
+        let (times, cases) = (self.model.times(), loading.cases());
+        let history = PyDict::new(py);
+        let rows = |all: Vec<Vec<f64>>| table(py, all.len(), all.concat());
+        let factors = times.iter().map(|t| cases.iter().map(|case| case.factor(*t)).collect());
+        let n_u = self.model.problem.displacements();
+        let forces = cases.iter().flat_map(|case| case.force().to_vec()).collect();
+        history.set_item("cases", numpy::PyArray1::from_vec(py, forces).reshape([cases.len(), n_u])?)?;
+        history.set_item("factors", rows(factors.collect())?)?;
+        history.set_item("gap", rows([0.0].iter().chain(times).map(|t| loading.gaps_at(*t)).collect())?)?;
+        for (k, name) in ["drift", "drift_o"].into_iter().enumerate() {
+            history.set_item(name, rows(times.iter().map(|t| loading.drift_at(*t, k)).collect())?)?;
+        }
+        let mu = |t: &f64| loading.friction().map_or_else(|| self.model.problem.mu().to_vec(), |mu| mu.at(*t));
+        history.set_item("mu", rows(times.iter().map(mu).collect())?)?;
+        Ok(history)
+    }
+
+    #[pyo3(signature = (linear, keep, callback, uniqueness, max_iterations, tolerance))]
+    #[allow(clippy::too_many_arguments)]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        linear: Option<&Bound<'py, PyAny>>,
+        keep: Keep,
+        callback: Option<Py<PyAny>>,
+        uniqueness: bool,
+        max_iterations: Option<usize>,
+        tolerance: Option<f64>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let SceneModel { scene, model } = self;
+        let raised = Raised::default();
+        let (linear, own) = Algebra::new(linear, &raised)?.split(scene.solver.linear);
+        let solver = Solver {
+            linear,
+            max_iterations: max_iterations.unwrap_or(scene.solver.max_iterations),
+            tolerance: tolerance.unwrap_or(scene.solver.tolerance),
+            ..scene.solver
+        };
+        let (report, recorder) = watched(py, Recorder::new(keep, callback, raised), |recorder| {
+            let mut run = Run::of(model, model.times().to_vec(), solver)?;
+            if uniqueness {
+                run = run.with_uniqueness()?;
+            }
+            match own {
+                Some(system) => run.solve_with(system, recorder),
+                None => run.solve(recorder),
+            }
+        })?;
+        let result = PyDict::new(py);
+        let json = |error: serde_json::Error| PyValueError::new_err(error.to_string());
+        result.set_item("status", report.status.to_string())?;
+        result.set_item("records", serde_json::to_string(&report.increments).map_err(json)?)?;
+        result.set_item("report", report.to_json().map_err(json)?)?;
+        result.set_item("factorizations", report.totals.factorizations)?;
+        recorder.write(&result)?;
+        Ok(result)
+    }
+}

@@ -1,0 +1,88 @@
+//! A run from Python: its method and linear algebra, its signals, its exceptions.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyString;
+use stickslip::formulation::NewtonSystem;
+use stickslip::history::{LinearAlgebra, Method, Start, System};
+use stickslip::run::RunError;
+
+use crate::error::of_run;
+use crate::foreign::{Foreign, Raised};
+use crate::recorder::Recorder;
+
+/// The linear algebra that was asked for.
+pub(crate) enum Algebra {
+    /// What the scene says, or else the cheapest.
+    Unsaid,
+    /// The cheapest.
+    Auto,
+    Named(LinearAlgebra),
+    Foreign(Box<Foreign>),
+}
+
+impl Algebra {
+    pub fn new(linear: Option<&Bound<'_, PyAny>>, raised: &Raised) -> PyResult<Self> {
+        let Some(linear) = linear else { return Ok(Algebra::Unsaid) };
+        let Ok(word) = linear.cast::<PyString>() else {
+            return Ok(Algebra::Foreign(Box::new(Foreign::new(linear.clone().unbind(), raised.clone()))));
+        };
+        if word == "auto" {
+            return Ok(Algebra::Auto);
+        }
+        let word = word.to_string();
+        let named: LinearAlgebra = word.parse().map_err(|_| {
+            PyValueError::new_err(format!("linear: no {word:?}, but auto, faer, condensed, umfpack or an object"))
+        })?;
+        if !named.is_built_in() {
+            return Err(PyValueError::new_err(format!("linear: this build has no {word}, see stickslip.UMFPACK")));
+        }
+        Ok(Algebra::Named(named))
+    }
+
+    /// What a run is told of it, where a scene says `said`, and the system that takes the place of the chosen one.
+    pub fn split(self, said: Option<LinearAlgebra>) -> (Option<LinearAlgebra>, Option<System>) {
+        match self {
+            Algebra::Unsaid => (said, None),
+            Algebra::Auto => (None, None),
+            Algebra::Named(linear) => (Some(linear), None),
+            Algebra::Foreign(solver) => (Some(LinearAlgebra::default()), Some(System::from(solver as Box<_>))),
+        }
+    }
+}
+
+/// A method with its setting, as scenes call them.
+pub(crate) fn method(name: &str, setting: &str, r_factor: f64) -> PyResult<Method> {
+    if !(r_factor > 0.0 && r_factor.is_finite()) {
+        return Err(PyValueError::new_err(format!("r_factor is {r_factor}, but must be finite and above 0")));
+    }
+    match (name, setting) {
+        ("bn", "default") => Ok(Method::Bn { r_factor, rescue: true }),
+        ("bn", "paper") => Ok(Method::PaperBn),
+        ("ip", "default") => Ok(Method::Ip { newton: NewtonSystem::Reduced }),
+        ("ip", "paper") => Ok(Method::paper_ip(Start::Safe)),
+        ("events", "default") => Ok(Method::EVENTS),
+        _ => Err(PyValueError::new_err(format!("method: no {name:?} in the setting {setting:?}"))),
+    }
+}
+
+/// Runs without the lock of the interpreter. Whatever Python has raised meanwhile comes out, and a panic as an exception.
+pub(crate) fn watched<T: Send>(
+    py: Python<'_>,
+    mut recorder: Recorder,
+    run: impl FnOnce(&mut Recorder) -> Result<T, RunError> + Send,
+) -> PyResult<(T, Recorder)> {
+    let (outcome, recorder) = py.detach(move || {
+        let outcome = catch_unwind(AssertUnwindSafe(|| run(&mut recorder)));
+        (outcome, recorder)
+    });
+    if let Some(error) = recorder.raised.take() {
+        return Err(error);
+    }
+    match outcome {
+        Ok(done) => Ok((done.map_err(of_run)?, recorder)),
+        Err(_) => Err(PyRuntimeError::new_err("a bug in stickslip: please report it with the arrays that led to it")),
+    }
+}

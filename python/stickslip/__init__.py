@@ -1,0 +1,27 @@
+"""Quasi-static elastic contact with Coulomb friction: the exact law, and a judge that does not trust the solver.
+
+SI units throughout; in two dimensions forces are per m of depth.
+
+    result = stickslip.run("block.toml", {"contact.friction": 0.3})
+    result = stickslip.ContactProblem(K, C_n, C_t, mu=0.3).solve(force, gap=1e-5)
+    errors = stickslip.errors(problem, force, u, p_n, p_t, gap=1e-5)
+    table = stickslip.compare(model, {"mine": my_solver})
+"""
+
+from . import builder, mesh, siconos
+from ._cite import cite
+from ._core import UMFPACK, VERSION as __version__, keep_freed_memory
+from ._errors import NotConverged, NotConvergedWarning, SceneError, StickslipError
+from ._judge import Comparison, Errors, Posed, Verdict, compare, errors, judge
+from ._problem import ContactProblem, LinearSolver
+from ._result import LAWS, OPEN, SLIP, STICK, Result
+from ._scene import Model, run
+from ._stepper import Stepper
+from .builder import Scene
+
+__all__ = [
+    "LAWS", "OPEN", "SLIP", "STICK", "UMFPACK",
+    "Comparison", "ContactProblem", "Errors", "LinearSolver", "Model", "NotConverged", "NotConvergedWarning", "Posed",
+    "Result", "Scene", "SceneError", "Stepper", "StickslipError", "Verdict",
+    "__version__", "builder", "cite", "compare", "errors", "judge", "keep_freed_memory", "mesh", "run", "siconos",
+]

@@ -1,0 +1,23 @@
+"""What to cite."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ._result import Result
+
+_PAPER = (
+    "P. W. Christensen, A. Klarbring, J. S. Pang, N. Strömberg: Formulation and comparison of algorithms for "
+    "frictional contact problems. Int. J. Numer. Meth. Engng 42 (1998) 145-173."
+)
+
+
+def cite(result: Result | None = None) -> str:
+    """What a text that uses `result` should cite: the software, and the paper behind equations and methods."""
+    from ._core import VERSION
+
+    software = f"stickslip {VERSION}: quasi-static elastic contact with Coulomb friction."
+    method = result.report.get("method") if result is not None else None
+    what = {"bn": "Algorithm BN", "ip": "Algorithm IP"}.get(str(method), "equations and error measure")
+    return f"{software}\n{what}: {_PAPER}"

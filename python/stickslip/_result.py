@@ -1,0 +1,256 @@
+"""What a run gives back."""
+
+from __future__ import annotations
+
+import html
+import json
+import warnings
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import plot as _plot
+from ._errors import NotConverged, NotConvergedWarning
+
+if TYPE_CHECKING:
+    from ._scene import Model
+
+Array = NDArray[Any]
+
+OPEN, STICK, SLIP = 0, 1, 2
+
+#: The laws of the error measure, in the order of the columns of `Result.errors`.
+LAWS = ("equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Result:
+    """A history; row k of every array is the end of increment k, the one that failed included.
+
+    SI units; in two dimensions forces are per m of depth. m increments, n_u free displacements, n_c contact nodes, d tangents.
+
+    Attributes:
+        status: the verdict, "converged" or the reason of the first increment that did not.
+        reason: why the run ended early, in words; empty if it converged.
+        t: ends of the increments, s, (m,).
+        p_n: normal contact forces, N, positive in compression, (m, n_c).
+        p_t: tangential contact forces of the body on the obstacle, N, (m, n_c, d).
+        contact: `OPEN`, `STICK` or `SLIP`, uint8, (m, n_c).
+        gap: prescribed gaps, m, (m, n_c).
+        mu: friction coefficients, (m, n_c).
+        w_t_last: tangential displacements before the increment, m, (m, n_c, d); of its last part if it was halved.
+        errors: the independent error measure, relative, (m, 6), columns `LAWS`.
+        kept: the indices k of the increments whose `u`, `u_rest` and `force` are kept.
+        u: free displacements, m, (len(kept), n_u).
+        u_rest: what rounding u leaves off, m, (len(kept), n_u); slender bodies need it.
+        force: external nodal forces, N, (len(kept), n_u).
+        records: a dictionary for each increment: iterations, parts, energies, seconds, ...
+        iterations: a structured array with a row for each iteration: increment, iteration, theta, step, error.
+        report: all that the program's `--json` says; empty for a problem of matrices.
+    """
+
+    status: str
+    reason: str
+    t: Array
+    p_n: Array
+    p_t: Array
+    contact: Array
+    gap: Array
+    mu: Array
+    w_t_last: Array
+    errors: Array
+    kept: tuple[int, ...]
+    u: Array
+    u_rest: Array
+    force: Array
+    records: list[dict[str, Any]]
+    iterations: Array
+    report: dict[str, Any]
+    model: Model | None = field(default=None)
+
+    @classmethod
+    def _of(cls, raw: dict[str, Any], tangents: int, model: Model | None = None, *, stacklevel: int = 3) -> Result:
+        records: list[dict[str, Any]] = json.loads(raw["records"])
+        report: dict[str, Any] = json.loads(raw.get("report", "{}"))
+
+        def pair(first: Array, second: Array) -> Array:
+            return np.stack([first, second][:tangents], axis=-1) if tangents else np.zeros((*first.shape, 0))
+
+        nan = float("nan")
+        errors = [[nan if r["kkt"][law] is None else r["kkt"][law] for law in LAWS] for r in records]
+        table = raw["iterations"].reshape(-1, 5)
+        kinds = [("increment", int), ("iteration", int), ("theta", float), ("step", float), ("error", float)]
+        iterations = np.empty(len(table), dtype=kinds).view(np.recarray)
+        for (name, _), column in zip(kinds, table.T):
+            iterations[name] = column
+        result = cls(
+            status=raw["status"], reason=report.get("reason", ""), t=np.array([r["time"] for r in records]),
+            p_n=raw["p_n"], p_t=pair(raw["p_t"], raw["p_o"]), contact=raw["contact"], gap=raw["gap"], mu=raw["mu"],
+            w_t_last=pair(raw["w_t_last"], raw["w_o_last"]), errors=np.array(errors).reshape(len(records), 6),
+            kept=tuple(k - 1 for k in raw["kept"]), u=raw["u"], u_rest=raw["u_rest"], force=raw["force"],
+            records=records, iterations=iterations, report=report, model=model,
+        )
+        if not result.converged:
+            warnings.warn(result._verdict(), NotConvergedWarning, stacklevel=stacklevel)
+        return result
+
+    @property
+    def converged(self) -> bool:
+        """Whether every law holds within the tolerance in every increment."""
+        return self.status == "converged"
+
+    @property
+    def error(self) -> float:
+        """The largest error of all laws and increments; NaN if there is none or one is NaN."""
+        return float(self.errors.max()) if self.errors.size else float("nan")
+
+    def check(self) -> Result:
+        """Itself; raises `NotConverged` if it did not converge."""
+        if not self.converged:
+            raise NotConverged(self._verdict(), self)
+        return self
+
+    def _verdict(self) -> str:
+        if self.converged:
+            return self.status
+        if not len(self.t):
+            return f"{self.status} before the first increment" + (f": {self.reason}" if self.reason else "")
+        last = self.errors[-1]
+        law = LAWS[int(np.argmax(np.where(np.isnan(last), np.inf, last)))]
+        at = f"in increment {len(self.t)} (t = {self.t[-1]:g} s): {law} is violated by {last.max():.1e}"
+        return f"{self.status} {at}" + (f"; {self.reason}" if self.reason else "")
+
+    def __repr__(self) -> str:
+        total = sum(r["iterations"] for r in self.records)
+        head = f"<Result {self._verdict()}; {len(self.t)} increments, {total} iterations, error {self.error:.1e}"
+        if not len(self.t):
+            return head + ">"
+        counts = {name: int((self.contact[-1] == code).sum()) for name, code in _CODES.items()}
+        return f"{head}; at the end " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ">"
+
+    def _repr_html_(self) -> str:
+        colour = "#1a7f37" if self.converged else "#cf222e"
+        rows = "".join(
+            f"<tr><td>{law}</td><td style='text-align:right'>{error:.1e}</td></tr>"
+            for law, error in zip(LAWS, self.errors.max(axis=0) if len(self.t) else [])
+        )
+        title = html.escape(self.model.title) if self.model is not None else "contact problem"
+        verdict = html.escape(self._verdict())
+        return (
+            f"<div><b>{title}</b>: <b style='color:{colour}'>{verdict}</b>, {len(self.t)} increments, "
+            f"{sum(r['iterations'] for r in self.records)} iterations"
+            f"<table><tr><th>law</th><th>largest error</th></tr>{rows}</table></div>"
+        )
+
+    # With a mesh.
+
+    def _model(self) -> Model:
+        if self.model is None:
+            raise ValueError("this result is of a problem of matrices: it has no mesh")
+        return self.model
+
+    def _row(self, k: int) -> int:
+        """The row of `u` that belongs to increment k."""
+        number = range(len(self.t))[k]
+        if number not in self.kept:
+            raise ValueError(f"k: the displacements of increment {number} were not kept, see keep_u")
+        return self.kept.index(number)
+
+    def displacement(self, k: int = -1) -> Array:
+        """Displacements of all nodes at the end of increment k, m, (nodes, 3)."""
+        return self._model().displacement(self.u[self._row(k)], float(self.t[k]))
+
+    def stress(self, k: int = -1) -> Array:
+        """Stresses in the middle of each cell at the end of increment k, Pa, (cells, 6): xx, yy, zz, xy, yz, zx."""
+        return self._model().stress(self.u[self._row(k)], float(self.t[k]))
+
+    def to_meshio(self, k: int = -1) -> Any:
+        """A `meshio.Mesh` with displacement, p_n and status at the points and stress in the cells."""
+        import meshio
+
+        model = self._model()
+        force, code = np.full(len(model.points), np.nan), np.full(len(model.points), -1)
+        force[model.contact_nodes], code[model.contact_nodes] = self.p_n[k], self.contact[k]
+        stress, data, start = self.stress(k), [], 0
+        for _, nodes in model.cells:
+            data.append(stress[start : start + len(nodes)])
+            start += len(nodes)
+        points = {"displacement": self.displacement(k), "p_n": force, "status": code}
+        cells: list[Any] = list(model.cells)
+        return meshio.Mesh(model.points, cells, point_data=points, cell_data={"stress": data})
+
+    def to_pyvista(self, k: int = -1) -> Any:
+        """A `pyvista.UnstructuredGrid` with the same fields."""
+        import pyvista
+
+        return pyvista.from_meshio(self.to_meshio(k))
+
+    def to_pandas(self) -> Any:
+        """A `DataFrame` with a row for each increment: the records, errors by law."""
+        import pandas
+
+        frame = pandas.json_normalize(self.records)
+        return frame.rename(columns=lambda name: name.removeprefix("kkt.")).set_index("index")
+
+    def to_xarray(self) -> Any:
+        """A `Dataset` of what is known of the contact nodes, over increments, nodes and tangents."""
+        import xarray
+
+        nodes, tangents = ("t", "node"), ("t", "node", "tangent")
+        data: dict[str, Any] = {name: (nodes, getattr(self, name)) for name in ("p_n", "contact", "gap", "mu")}
+        data |= {name: (tangents, getattr(self, name)) for name in ("p_t", "w_t_last")}
+        data["errors"] = (("t", "law"), self.errors)
+        coordinates: dict[str, Any] = {"t": self.t, "law": list(LAWS)}
+        if self.model is not None:
+            points = self.model.contact_points
+            coordinates |= {name: ("node", points[:, c]) for c, name in enumerate("xyz")}
+        dataset = xarray.Dataset(data, coordinates, {"status": self.status})
+        for name, unit in (("p_n", "N"), ("p_t", "N"), ("gap", "m"), ("w_t_last", "m")):
+            dataset[name].attrs["units"] = unit
+        return dataset
+
+    # Pictures.
+
+    def plot(self, k: int = -1, ax: Any = None) -> Any:
+        """Contact stresses of increment k along x, statuses below them; returns the axes."""
+        return _plot.contact(self, k, ax)
+
+    def plot_convergence(self, ax: Any = None) -> Any:
+        """The error of every law over the increments; returns the axes."""
+        return _plot.convergence(self, ax)
+
+    def plot_history(self, ax: Any = None) -> Any:
+        """Sums of the contact forces over time; returns the axes."""
+        return _plot.history(self, ax)
+
+    # Files.
+
+    def save(self, path: Any) -> None:
+        """Writes all of it to an npz file, the scene's text included."""
+        arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _NOT_ARRAYS}
+        words: dict[str, Any] = {"status": self.status, "reason": self.reason, "records": self.records, "report": self.report}
+        words["kept"] = list(self.kept)
+        words["model"] = self.model._words() if self.model is not None else None
+        arrays["iterations"] = np.asarray(self.iterations)
+        np.savez_compressed(path, words=np.array(json.dumps(words)), **arrays)
+
+    @classmethod
+    def load(cls, path: Any) -> Result:
+        """What `save` has written; the model is made again of the scene's text."""
+        from ._scene import Model
+
+        with np.load(path, allow_pickle=False) as file:
+            words = json.loads(str(file["words"]))
+            arrays = {name: file[name] for name in file.files if name != "words"}
+        arrays["iterations"] = arrays["iterations"].view(np.recarray)
+        model = Model(words["model"]["text"], name=words["model"]["name"]) if words["model"] else None
+        return cls(
+            status=words["status"], reason=words["reason"], records=words["records"], report=words["report"],
+            kept=tuple(words["kept"]), model=model, **arrays,
+        )
+
+
+_CODES = {"open": OPEN, "stick": STICK, "slip": SLIP}
+_NOT_ARRAYS = ("status", "reason", "records", "report", "kept", "model", "iterations")

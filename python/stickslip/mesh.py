@@ -1,0 +1,218 @@
+"""Meshes from meshio, gmsh, pyvista or arrays, as `Model(scene, mesh=...)` takes them.
+
+Boundaries and material groups are physical groups (gmsh, and meshio's `field_data`), cell sets of meshio, or chosen by
+`boundaries`: a function of points (n, 3) that says which are on the boundary, or the facets themselves.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypedDict, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[Any]
+
+#: Which outer facets a boundary has: by their corners' points, or by their nodes.
+Where = Union[Callable[[Array], Array], Sequence[Sequence[int]]]
+
+#: The sides of each kind of cell, corners first, then the nodes in the middle of their edges.
+SIDES: dict[str, tuple[tuple[int, ...], ...]] = {
+    "triangle": ((0, 1), (1, 2), (2, 0)),
+    "quad": ((0, 1), (1, 2), (2, 3), (3, 0)),
+    "tetra": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)),
+    "hexahedron": ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
+    "wedge": ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
+    "triangle6": ((0, 1, 3), (1, 2, 4), (2, 0, 5)),
+    "tetra10": ((0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 3, 2, 7, 9, 6)),
+}
+
+_DIMENSION = {name: 2 if name in ("triangle", "quad", "triangle6") else 3 for name in SIDES}
+_FACETS = {2: ("line", "line3"), 3: ("triangle", "quad", "triangle6")}
+_GMSH = {
+    1: "line", 2: "triangle", 3: "quad", 4: "tetra", 5: "hexahedron", 6: "wedge", 8: "line3", 9: "triangle6", 11: "tetra10",
+}
+
+
+class Given(TypedDict):
+    """A mesh of arrays.
+
+    points: m, (n, 3). cells: (kind, nodes (k, corners), group of each (k,)). groups: names of the materials.
+    boundaries: (name, facets by their nodes).
+    """
+
+    points: Array
+    cells: list[tuple[str, Array, Array]]
+    groups: list[str]
+    boundaries: list[tuple[str, list[list[int]]]]
+
+
+def outer_facets(cells: Iterable[tuple[str, Array]]) -> list[list[int]]:
+    """The facets that belong to one cell only."""
+    seen: Counter[tuple[int, ...]] = Counter()
+    facets: dict[tuple[int, ...], list[int]] = {}
+    for kind, nodes in cells:
+        for side in SIDES[kind]:
+            for facet in np.asarray(nodes)[:, side].tolist():
+                key = tuple(sorted(facet))
+                seen[key] += 1
+                facets[key] = facet
+    return [facets[key] for key, count in seen.items() if count == 1]
+
+
+def from_arrays(
+    points: ArrayLike, cells: Iterable[tuple[str, ArrayLike]], boundaries: Mapping[str, Where], *, scale: float = 1.0,
+    groups: Mapping[str, Sequence[ArrayLike]] | None = None,
+) -> Given:
+    """A mesh of points and cells.
+
+    Args:
+        points: (n, 2) or (n, 3).
+        cells: (kind, nodes (k, corners)) of the kinds in `SIDES`, in the order of VTK.
+        boundaries: by name; see the head of this module.
+        scale: the length of the unit of `points`, m.
+        groups: by name, for each block of cells the numbers of those in the material group.
+    """
+    try:
+        xyz = np.asarray(points, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"points: {error}") from None
+    if xyz.ndim != 2 or xyz.shape[1] not in (2, 3):
+        raise ValueError(f"points has the shape {xyz.shape}, expected (n, 2) or (n, 3)")
+    xyz = np.column_stack([xyz, np.zeros((len(xyz), 3 - xyz.shape[1]))]) * scale
+    blocks = [(kind, np.asarray(nodes, dtype=np.int64)) for kind, nodes in cells]
+    for kind, nodes in blocks:
+        if kind not in SIDES:
+            raise ValueError(f"cells of the kind {kind!r}, expected one of {', '.join(SIDES)}")
+        if nodes.ndim != 2 or (nodes.size and (nodes.min() < 0 or nodes.max() >= len(xyz))):
+            raise ValueError(f"cells: {kind} has nodes that are not among the {len(xyz)} points")
+    if not blocks or not any(len(nodes) for _, nodes in blocks):
+        raise ValueError("cells: there is none")
+    dimension = max(_DIMENSION[kind] for kind, _ in blocks)
+    if any(_DIMENSION[kind] != dimension for kind, _ in blocks):
+        raise ValueError("cells: some are of the plane, others of space; leave the facets out")
+    if dimension == 2 and np.ptp(xyz[:, 2]) == 0:
+        xyz[:, 2] = 0.0
+    names = list(groups or {})
+    tagged = [(kind, nodes, np.zeros(len(nodes), dtype=np.int64)) for kind, nodes in blocks]
+    for number, name in enumerate(names):
+        for (_, _, of_cell), chosen in zip(tagged, (groups or {})[name]):
+            of_cell[np.asarray(chosen, dtype=np.int64)] = number
+    outer: list[list[int]] | None = None
+    chosen_facets = []
+    for name, where in boundaries.items():
+        if callable(where):
+            outer = outer_facets(blocks) if outer is None else outer
+            on = np.asarray(where(xyz), dtype=bool)
+            if on.shape != (len(xyz),):
+                raise ValueError(f"boundaries[{name!r}] gives the shape {on.shape}, expected {(len(xyz),)}")
+            facets = [facet for facet in outer if on[facet].all()]
+        else:
+            facets = [[int(node) for node in facet] for facet in where]
+        if not facets:
+            raise ValueError(f"boundaries[{name!r}] has no facet")
+        chosen_facets.append((name, facets))
+    return _used({"points": xyz, "cells": tagged, "groups": names, "boundaries": chosen_facets})
+
+
+def _used(mesh: Given) -> Given:
+    """The same without points that no cell has, such as those of geometry."""
+    used = np.unique(np.concatenate([nodes.ravel() for _, nodes, _ in mesh["cells"]]))
+    number = np.full(len(mesh["points"]), -1, dtype=np.int64)
+    number[used] = np.arange(len(used))
+    facets = [(name, [[int(number[n]) for n in facet] for facet in all_]) for name, all_ in mesh["boundaries"]]
+    for name, all_ in facets:
+        if any(n < 0 for facet in all_ for n in facet):
+            raise ValueError(f"boundaries[{name!r}] has a node that no cell has")
+    return {
+        "points": np.ascontiguousarray(mesh["points"][used]),
+        "cells": [(kind, np.ascontiguousarray(number[nodes]), group) for kind, nodes, group in mesh["cells"]],
+        "groups": mesh["groups"], "boundaries": facets,
+    }
+
+
+def from_meshio(mesh: Any, boundaries: Mapping[str, Where] | None = None, *, scale: float = 1.0) -> Given:
+    """Of a `meshio.Mesh`: physical groups, cell sets, and `boundaries` beside them."""
+    dimension = max((_DIMENSION.get(block.type, 0) for block in mesh.cells), default=0)
+    body = [k for k, block in enumerate(mesh.cells) if _DIMENSION.get(block.type) == dimension]
+    skin = [k for k, block in enumerate(mesh.cells) if dimension and block.type in _FACETS[dimension]]
+    tags = mesh.cell_data.get("gmsh:physical")
+    groups: dict[str, list[Any]] = {}
+    named: dict[str, Where] = {}
+
+    def take(name: str, members: Callable[[int], Any]) -> None:
+        facets = [facet for k in skin for facet in mesh.cells[k].data[members(k)].tolist()]
+        inside = [np.asarray(members(k), dtype=np.int64) for k in body]
+        if facets:
+            named[name] = facets
+        elif any(len(cells) for cells in inside):
+            groups[name] = inside
+
+    if tags is not None:
+        for name, (tag, of) in mesh.field_data.items():
+            blocks = body if of == dimension else skin if of == dimension - 1 else []
+            take(name, lambda k: np.flatnonzero(tags[k] == tag) if k in blocks else np.zeros(0, dtype=np.int64))
+    for name, by_block in getattr(mesh, "cell_sets", {}).items():
+        if name not in named and name not in groups and not name.startswith("gmsh:"):
+            take(name, lambda k: np.asarray([] if by_block[k] is None else by_block[k], dtype=np.int64))
+    cells = [(mesh.cells[k].type, mesh.cells[k].data) for k in body]
+    return from_arrays(mesh.points, cells, {**named, **(boundaries or {})}, scale=scale, groups=groups)
+
+
+def from_gmsh(model: Any, boundaries: Mapping[str, Where] | None = None, *, scale: float = 1.0) -> Given:
+    """Of `gmsh.model` (or `gmsh`) as it is meshed now: physical groups are boundaries and materials."""
+    model = getattr(model, "model", model)
+    tags, coordinates, _ = model.mesh.getNodes()
+    number = {int(tag): k for k, tag in enumerate(tags)}
+    dimension = max(dim for dim, _ in model.getEntities())
+
+    def blocks(dim: int, entity: int) -> list[tuple[str, Array]]:
+        found = []
+        for kind, _, nodes in zip(*model.mesh.getElements(dim, entity)):
+            if kind not in _GMSH:
+                raise ValueError(f"mesh: elements of gmsh's type {kind}, expected those of first order, or simplices of second")
+            count = int(model.mesh.getElementProperties(kind)[3])
+            table = np.array([number[int(n)] for n in nodes], dtype=np.int64).reshape(-1, count)
+            if _GMSH[kind] == "tetra10":
+                table[:, [8, 9]] = table[:, [9, 8]]
+            found.append((_GMSH[kind], table))
+        return found
+
+    cells: list[tuple[str, Array]] = []
+    owner: list[int] = []
+    for dim, entity in model.getEntities(dimension):
+        new = blocks(dim, entity)
+        cells += new
+        owner += [entity] * len(new)
+    groups: dict[str, list[Any]] = {}
+    named: dict[str, Where] = {}
+    for dim, tag in model.getPhysicalGroups():
+        name = model.getPhysicalName(dim, tag) or str(tag)
+        entities = {int(entity) for entity in model.getEntitiesForPhysicalGroup(dim, tag)}
+        if dim == dimension:
+            groups[name] = [np.arange(len(nodes) if of in entities else 0) for (_, nodes), of in zip(cells, owner)]
+        elif dim == dimension - 1:
+            named[name] = [facet for entity in entities for _, nodes in blocks(dim, entity) for facet in nodes.tolist()]
+    points = np.asarray(coordinates, dtype=float).reshape(-1, 3)
+    return from_arrays(points, cells, {**named, **(boundaries or {})}, scale=scale, groups=groups)
+
+
+def from_pyvista(grid: Any, boundaries: Mapping[str, Where], *, scale: float = 1.0) -> Given:
+    """Of a `pyvista.UnstructuredGrid`, which has no names for its boundaries: choose them by `boundaries`."""
+    kinds = {5: "triangle", 9: "quad", 10: "tetra", 12: "hexahedron", 13: "wedge", 22: "triangle6", 24: "tetra10"}
+    cells = [(kinds[int(kind)], nodes) for kind, nodes in grid.cells_dict.items() if int(kind) in kinds]
+    dimension = max((_DIMENSION[kind] for kind, _ in cells), default=0)
+    return from_arrays(grid.points, [c for c in cells if _DIMENSION[c[0]] == dimension], boundaries, scale=scale)
+
+
+def given(mesh: Any) -> Given:
+    """Whatever `mesh=` takes."""
+    if isinstance(mesh, dict):
+        return mesh  # type: ignore[return-value]
+    if hasattr(mesh, "field_data") and isinstance(getattr(mesh, "cells", None), list):
+        return from_meshio(mesh)
+    if hasattr(getattr(mesh, "model", mesh), "getPhysicalGroups"):
+        return from_gmsh(mesh)
+    raise ValueError(f"mesh: {type(mesh).__name__} is none of meshio, gmsh; use stickslip.mesh.from_arrays or from_pyvista")

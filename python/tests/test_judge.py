@@ -1,0 +1,109 @@
+"""The judge, and the bridges whose answers it judges."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import stickslip as ss
+from scenes import SCENES, block
+from stickslip import siconos
+
+
+def test_the_judge_agrees_with_the_run_and_sees_wrong_answers() -> None:
+    model = ss.Model(block())
+    result, p = model.run(), model.problem
+    scales = (0.0, 0.0)
+    for k in range(len(result.t)):
+        judged = ss.errors(p, result.force[k], (result.u[k], result.u_rest[k]), result.p_n[k], result.p_t[k],
+                           gap=result.gap[k], w_t_last=result.w_t_last[k], scales=scales)
+        scales = judged.scales
+        np.testing.assert_allclose([getattr(judged, law) for law in ss.LAWS], result.errors[k], rtol=1e-6, atol=1e-13)
+        assert (judged.contact == result.contact[k]).all()
+    wrong = ss.errors(p, result.force[-1], result.u[-1], result.p_n[-1], -result.p_t[-1], gap=1e-5)
+    assert wrong.worst[1] > 1e-3
+
+
+def test_each_law_is_seen_by_itself() -> None:
+    K, C_n, C_t = np.eye(2), [[1.0, 0.0]], [[0.0, 1.0]]
+    p = ss.ContactProblem(K, C_n, C_t, 0.5)
+
+    def worst(force: list[float], u: list[float], p_n: float, p_t: float) -> str:
+        return ss.errors(p, force, u, [p_n], [p_t]).worst[0]
+
+    assert worst([1.0, 0.0], [0.5, 0.0], 0.0, 0.0) in ("equilibrium", "penetration")
+    assert worst([1.0, 0.0], [1.0, 0.0], 0.0, 0.0) == "penetration"
+    assert worst([-1.0, 0.0], [0.0, 0.0], -1.0, 0.0) == "tension"
+    assert worst([0.0, 0.0], [-1.0, 0.0], 1.0, 0.0) == "complementarity"
+    assert worst([1.0, 0.8], [0.0, 0.0], 1.0, 0.8) == "cone"
+    assert worst([1.0, 0.8], [0.0, 0.8], 1.0, 0.0) == "dissipation"
+
+
+def test_compare_marks_what_is_wrong() -> None:
+    model = ss.Model(block())
+    result = model.run()
+
+    def honest(posed: ss.Posed) -> tuple[object, object, object]:
+        k = posed.index - 1
+        return result.u[k], result.p_n[k], result.p_t[k]
+
+    def turned(posed: ss.Posed) -> tuple[object, object, object]:
+        u, p_n, p_t = honest(posed)
+        return u, p_n, -np.asarray(p_t)
+
+    def silent(posed: ss.Posed) -> tuple[object, object, object]:
+        raise RuntimeError("no luck")
+
+    table = ss.compare(model, {"stickslip": "stickslip", "ip": "ip", "honest": honest, "turned": turned, "silent": silent})
+    assert [verdict.holds for verdict in table.verdicts] == [True, True, True, False, False]
+    assert table["silent"].remark == "increment 1: RuntimeError: no luck"
+    assert str(table).count("WRONG") == 2 and table._repr_html_().count("#cf222e") == 2
+    pytest.importorskip("pandas")
+    assert list(table.to_pandas().index) == ["stickslip", "ip", "honest", "turned", "silent"]
+
+
+@pytest.mark.parametrize("scene, overrides", [(block(), {}), (SCENES / "cube.toml", {"mesh.elements": [3, 3, 3]})])
+def test_signs_of_siconos_there_and_back(scene: object, overrides: dict[str, object]) -> None:
+    model = ss.Model(scene, overrides)  # type: ignore[arg-type]
+    result, p, k = model.run(), model.problem, -2
+    force, gap, w = result.force[k], result.gap[k], result.w_t_last[k]
+    dimension, M, H, q, b, mu = siconos.to_siconos(p, force, gap, w)
+    r, v = siconos.reactions(result.p_n[k], result.p_t[k]), result.u[k]
+    # Their laws, in their words: M v = q + H r, and of the local u = H' v + b the normal is complementary to r_n, ...
+    assert abs(M @ v - q - H @ r).max() < 1e-9 * abs(r).max()
+    u, r = (H.T @ v + b).reshape(-1, dimension), r.reshape(-1, dimension)
+    length = abs(v).max()
+    assert u[:, 0].min() > -1e-9 * length and r[:, 0].min() > -1e-9 * r.max()
+    assert abs(u[:, 0] * r[:, 0]).max() < 1e-9 * length * r.max()
+    # ... and where it slides, the tangential reaction is against the slip, mu r_n long.
+    size = np.linalg.norm(u[:, 1:], axis=1)
+    sliding = (size > 1e-6 * length) & (r[:, 0] > 1e-6 * r.max())
+    assert sliding.any()
+    against = -(mu * r[:, 0] / np.where(size > 0, size, 1))[:, None] * u[:, 1:]
+    np.testing.assert_allclose(r[sliding, 1:], against[sliding], rtol=0, atol=1e-6 * r.max())
+    posed = siconos.from_siconos(M, H, q, b, mu)
+    assert abs(posed.problem.C_n - p.C_n).max() == 0 and (posed.w_t_last == w).all() and (posed.gap == gap).all()
+    again = siconos.answer(posed.problem, v, r.ravel())
+    assert ss.errors(posed.problem, posed.force, *again, gap=posed.gap, w_t_last=posed.w_t_last).worst[1] < 1e-9
+
+
+def test_matrices_of_another_assembly_are_the_same_body() -> None:
+    skfem = pytest.importorskip("skfem")
+    from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+    n = 8
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1))
+    basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementQuad1()))
+    K = skfem.asm(linear_elasticity(*lame_parameters(210e9, 0.3)), basis)
+    top = skfem.FacetBasis(mesh, basis.elem, facets=mesh.facets_satisfying(lambda x: x[1] == 1.0))
+    f = skfem.asm(skfem.LinearForm(lambda v, w: -10e6 * v[1]), top)
+    free = basis.complement_dofs(basis.get_dofs(lambda x: x[0] == 0.0))
+    nodes = np.flatnonzero((mesh.p[1] == 0.0) & (mesh.p[0] > 0.0))
+    I = sp.csr_array(sp.identity(K.shape[0]))[:, free]
+    C_n, C_t = -I[basis.nodal_dofs[1, nodes]], I[basis.nodal_dofs[0, nodes]]
+    problem = ss.ContactProblem(K[free][:, free], C_n, C_t, 0.4)
+    result = problem.solve(f[free], np.linspace(0, 1, 6)[1:], gap=1e-5).check()
+    scene = block(n=n, increments=5).to_dict()
+    scene["load"], scene["time"]["end"] = scene["load"][:1], 1.0
+    np.testing.assert_allclose(result.p_n.sum(axis=1), ss.run(scene).p_n.sum(axis=1), rtol=1e-6)

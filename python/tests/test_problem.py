@@ -1,0 +1,155 @@
+"""Problems of matrices."""
+
+from __future__ import annotations
+
+import pickle
+import threading
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+import stickslip as ss
+from scenes import SCENES, block
+from stickslip.newton import Natural
+
+
+def one_node() -> ss.ContactProblem:
+    K = sp.csc_array([[2.0, 1.5], [1.5, 2.0]])
+    return ss.ContactProblem(K, sp.csr_array([[0.0, 1.0]]), sp.csr_array([[1.0, 0.0]]), mu=0.3)
+
+
+def test_one_node_is_what_it_is_by_hand() -> None:
+    result = one_node().solve([1.0, 1.0]).check()
+    assert result.p_n[0, 0] == pytest.approx(0.25 / 0.775, rel=1e-14)
+    assert result.p_t[0, 0, 0] == pytest.approx(0.3 * 0.25 / 0.775, rel=1e-14)
+    assert result.contact[0, 0] == ss.SLIP
+
+
+@pytest.mark.parametrize("scene", [block(), SCENES / "cube.toml"])
+def test_the_matrices_of_a_scene_solve_to_the_same_answer(scene: object) -> None:
+    overrides = {} if isinstance(scene, ss.Scene) else {"mesh.elements": [3, 3, 3]}
+    model = ss.Model(scene, overrides)  # type: ignore[arg-type]
+    result, h, p = model.run().check(), model.history, model.problem
+    again = ss.ContactProblem(p.K, p.C_n, p.C_t, p.mu, weight=p.weight)
+    for linear in ("auto", "faer", "condensed"):
+        other = again.solve(h["cases"], h["factors"], gap=h["gap"], drift=h["drift"], linear=linear).check()
+        np.testing.assert_allclose(other.u, result.u, rtol=0, atol=1e-9 * abs(result.u).max())
+        np.testing.assert_allclose(other.p_t, result.p_t, rtol=0, atol=1e-8 * abs(result.p_n).max())
+
+
+def test_a_chain_of_increments_is_the_history() -> None:
+    model = ss.Model(block())
+    result, p = model.run(), model.problem
+    w = np.zeros((p.n_c, 1))
+    for k, f in enumerate(model.history["force"]):
+        step = p.solve_increment(f, gap=1e-5, w_t_last=w).check()
+        np.testing.assert_allclose(step.p_t[0], result.p_t[k], rtol=0, atol=1e-7 * abs(result.p_n).max())
+        w = p.slip(step.u[0])
+
+
+class Scipy:
+    """SuperLU as the linear algebra of a method."""
+
+    factorizations = 0
+
+    def analyze(self, n, indptr, indices):  # type: ignore[no-untyped-def]
+        self.shape, self.indptr, self.indices = (n, n), indptr, indices
+
+    def factorize(self, data):  # type: ignore[no-untyped-def]
+        self.factorizations += 1
+        try:
+            self.lu = spla.splu(sp.csc_matrix((data, self.indices, self.indptr), shape=self.shape))
+        except RuntimeError as error:
+            raise ZeroDivisionError(str(error)) from error
+
+    def solve(self, b):  # type: ignore[no-untyped-def]
+        return self.lu.solve(b)
+
+
+@pytest.mark.parametrize("linear", ["auto", "faer", "condensed", Scipy()])
+@pytest.mark.parametrize("method", ["bn", "ip"])
+def test_linear_algebra_and_methods_agree(linear: object, method: str) -> None:
+    reference = ss.run(block())
+    result = ss.Model(block(method=method)).run(linear=linear).check()  # type: ignore[arg-type]
+    np.testing.assert_allclose(result.p_n, reference.p_n, rtol=0, atol=1e-8 * abs(reference.p_n).max())
+    if isinstance(linear, Scipy):
+        assert linear.factorizations > 0
+
+
+def test_what_a_foreign_solver_raises_comes_out() -> None:
+    class Broken(Scipy):
+        def solve(self, b):  # type: ignore[no-untyped-def]
+            raise KeyError("mine")
+
+    class Short(Scipy):
+        def solve(self, b):  # type: ignore[no-untyped-def]
+            return b[:-1]
+
+    with pytest.raises(KeyError, match="mine"):
+        one_node().solve([1.0, 1.0], linear=Broken())
+    with pytest.raises(ValueError, match=r"linear\.solve: length"):
+        one_node().solve([1.0, 1.0], linear=Short())
+
+
+@pytest.mark.parametrize("n", [2, 3])
+def test_the_residual_vanishes_at_a_solution_and_newton_finds_it(n: int) -> None:
+    scene, overrides = (block(), {}) if n == 2 else (SCENES / "cube.toml", {"mesh.elements": [3, 3, 3]})
+    model = ss.Model(scene, overrides)  # type: ignore[arg-type]
+    result, p, k = model.run(), model.problem, 5
+    data = {"force": result.force[k], "gap": result.gap[k], "w_t_last": result.w_t_last[k]}
+    state = (result.u[k], result.p_n[k], result.p_t[k])
+    assert abs(p.residual(*state, **data)).max() < 1e-8 * result.p_n.max()
+    natural = Natural(p, data["force"], gap=data["gap"], w_t_last=data["w_t_last"])
+    # Away from kinks the Jacobian is the derivative: central differences along a random direction.
+    rng = np.random.default_rng(n)
+    z = np.concatenate([state[0], state[1], state[2].T.ravel()])
+    size = np.concatenate([np.full(p.n_u, abs(state[0]).max()), np.full(len(z) - p.n_u, state[1].max())])
+    z = z + 1e-2 * size * rng.standard_normal(len(z))
+
+    def split(z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return z[: p.n_u], z[p.n_u : p.n_u + p.n_c], z[p.n_u + p.n_c :].reshape(p.tangents, p.n_c).T
+
+    step = 1e-7 * size * rng.standard_normal(len(z))
+    difference = natural.residual(*split(z + step)) - natural.residual(*split(z - step))
+    predicted = 2 * natural.jacobian(*split(z)) @ step
+    assert abs(difference - predicted).max() < 1e-4 * abs(predicted).max()
+
+
+def test_problems_pickle_and_threads_agree_to_the_last_bit() -> None:
+    model = pickle.loads(pickle.dumps(ss.Model(block())))
+    problem = pickle.loads(pickle.dumps(model.problem))
+    assert abs(problem.K - model.problem.K).max() == 0
+    results: list[ss.Result | None] = [None] * 4
+
+    def work(k: int) -> None:
+        results[k] = model.run()
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    first = model.run()
+    assert all(r is not None and (r.u == first.u).all() and (r.p_t == first.p_t).all() for r in results)
+
+
+def test_displacements_are_kept_as_asked() -> None:
+    model = ss.Model(block())
+    everything = model.run()
+    for keep, kept in (("all", range(10)), ("last", [9]), ("none", []), ([0, 4, -1], [0, 4, 9]), (False, [])):
+        result = model.run(keep_u=keep)  # type: ignore[arg-type]
+        assert result.kept == tuple(kept)
+        assert len(result.u) == len(result.force) == len(list(kept))
+        assert all((result.u[row] == everything.u[k]).all() for row, k in enumerate(kept))
+    with pytest.raises(ValueError, match="keep_u"):
+        model.run(keep_u="none").displacement()
+
+
+def test_a_body_that_only_friction_holds_has_its_free_motions_found() -> None:
+    K = sp.csc_array([[1.0, 0.0], [0.0, 0.0]])
+    problem = ss.ContactProblem(K, [[1.0, 0.0]], [[0.0, 1.0]], 0.5)
+    assert abs(abs(problem.free_motions) - [[0.0, 1.0]]).max() < 1e-12
+    with pytest.raises(ValueError, match="free motions"):
+        problem.condensed()

@@ -1,0 +1,121 @@
+"""Wrong input: an exception that names the argument, never a panic."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import stickslip as ss
+from scenes import block
+
+EYE, ROW = np.eye(3), np.array([[0.0, 0.0, 1.0]])
+
+
+@pytest.mark.parametrize("name, arguments", [
+    ("K", ([[1.0, 2.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], ROW, ROW, 0.1)),
+    ("K", (EYE[:2], ROW, ROW, 0.1)),
+    ("K", (EYE * np.nan, ROW, ROW, 0.1)),
+    ("K", ("a word", ROW, ROW, 0.1)),
+    ("stiffness", (-EYE, ROW, ROW, 0.1)),
+    ("C_n", (EYE, ROW[:, :2], ROW, 0.1)),
+    ("C_t", (EYE, ROW, sp.csr_array((2, 3)), 0.1)),
+    ("C_t", (EYE, ROW, (ROW, ROW, ROW), 0.1)),
+    ("mu", (EYE, ROW, ROW, [0.1, 0.1])),
+    ("mu", (EYE, ROW, ROW, -0.1)),
+    ("mu", (EYE, ROW, ROW, np.nan)),
+    ("mu", (EYE, ROW, ROW, "much")),
+])
+def test_matrices(name: str, arguments: tuple[object, ...]) -> None:
+    with pytest.raises(ValueError, match=name):
+        ss.ContactProblem(*arguments)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name, arguments", [
+    ("weight", {"weight": [1.0, 2.0]}), ("weight", {"weight": 0.0}), ("free_motions", {"free_motions": [[1.0, 2.0]]}),
+    ("free_motions", {"free_motions": [[1.0, 0.0, 0.0]]}),
+])
+def test_what_goes_with_matrices(name: str, arguments: dict[str, object]) -> None:
+    with pytest.raises(ValueError, match=name):
+        ss.ContactProblem(EYE, ROW, ROW, 0.1, **arguments)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name, force, options", [
+    ("force", [1.0, 2.0], {}), ("force", [1.0, np.nan, 0.0], {}), ("force", [[[1.0, 0.0, 0.0]]], {}),
+    ("factors", [1.0, 0.0, 0.0], {"factors": [[1.0, 2.0]]}), ("factors", [1.0, 0.0, 0.0], {"factors": []}),
+    ("gap", [1.0, 0.0, 0.0], {"gap": [0.0, 1.0]}), ("gap", [1.0, 0.0, 0.0], {"gap": [[0.0], [1.0], [2.0]]}),
+    ("gap", [1.0, 0.0, 0.0], {"gap": np.nan}), ("drift", [1.0, 0.0, 0.0], {"drift": [1.0]}),
+    ("times", [1.0, 0.0, 0.0], {"times": [0.0]}), ("times", [1.0, 0.0, 0.0], {"times": [1.0, 2.0]}),
+    ("method", [1.0, 0.0, 0.0], {"method": "newton"}), ("method", [1.0, 0.0, 0.0], {"setting": "magic"}),
+    ("linear", [1.0, 0.0, 0.0], {"linear": "magic"}), ("tolerance", [1.0, 0.0, 0.0], {"tolerance": -1.0}),
+    ("max_iterations", [1.0, 0.0, 0.0], {"max_iterations": 0}), ("r_factor", [1.0, 0.0, 0.0], {"r_factor": 0.0}),
+    ("keep_u", [1.0, 0.0, 0.0], {"keep_u": "some"}), ("keep_u", [1.0, 0.0, 0.0], {"keep_u": [5]}),
+    ("weight", [1.0, 0.0, 0.0], {"setting": "paper"}),
+])
+def test_histories(name: str, force: object, options: dict[str, object]) -> None:
+    with pytest.raises(ValueError, match=name):
+        ss.ContactProblem(EYE, ROW, ROW[:, [2, 0, 1]], 0.1).solve(force, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name, arguments", [
+    ("force", {"force": [0.0]}), ("u", {"u": [0.0] * 2}), ("p_n", {"p_n": [0.0, 1.0]}), ("p_t", {"p_t": [0.0, 1.0]}),
+    ("gap", {"gap": [0.0, 1.0]}), ("w_t_last", {"w_t_last": [0.0, 1.0]}), ("u", {"u": [0.0, 0.0, np.inf]}),
+])
+def test_answers(name: str, arguments: dict[str, object]) -> None:
+    good: dict[str, object] = {"force": [0.0] * 3, "u": [0.0] * 3, "p_n": [0.0]}
+    with pytest.raises(ValueError, match=name):
+        ss.errors(ss.ContactProblem(EYE, ROW, ROW[:, [2, 0, 1]], 0.1), **{**good, **arguments})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name, arguments", [
+    ("keep_u", {"keep_u": "some"}), ("linear", {"linear": "magic"}), ("max_iterations", {"max_iterations": 0}),
+    ("tolerance", {"tolerance": 2.0}),
+])
+def test_runs(name: str, arguments: dict[str, object]) -> None:
+    with pytest.raises(ValueError, match=name):
+        ss.run(block(), **arguments)
+
+
+numbers = st.one_of(st.floats(allow_nan=True, allow_infinity=True), st.floats(-2, 2), st.just(0.0))
+
+
+def arrays(rows: st.SearchStrategy[int], columns: st.SearchStrategy[int]) -> st.SearchStrategy[np.ndarray]:
+    def of(shape: tuple[int, int]) -> st.SearchStrategy[np.ndarray]:
+        size = shape[0] * shape[1]
+        return st.lists(numbers, min_size=size, max_size=size).map(lambda values: np.array(values).reshape(shape))
+
+    return st.tuples(rows, columns).flatmap(of)
+
+
+def few(n: int) -> st.SearchStrategy[int]:
+    """Mostly n."""
+    return st.one_of(st.just(n), st.just(n), st.integers(0, 3))
+
+
+@settings(max_examples=100, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+@given(data=st.data())
+@pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::stickslip.NotConvergedWarning")
+def test_random_input_is_an_answer_or_a_value_error(data: st.DataObject) -> None:
+    half = data.draw(arrays(few(3), few(3)))
+    K = half.T @ half if data.draw(st.booleans()) else half
+    try:
+        problem = ss.ContactProblem(
+            K, data.draw(arrays(few(1), few(3))), data.draw(st.one_of(st.none(), arrays(few(1), few(3)))),
+            data.draw(numbers), weight=data.draw(st.one_of(st.none(), numbers)),
+        )
+        force = data.draw(arrays(few(2), few(3)))
+        result = problem.solve(
+            force, gap=data.draw(st.one_of(numbers, arrays(few(3), few(1)))), times=data.draw(st.one_of(st.none(), st.just([1, 2]))),
+            method=data.draw(st.sampled_from(["bn", "ip", "events"])), setting=data.draw(st.sampled_from(["default", "paper"])),
+            linear=data.draw(st.sampled_from(["auto", "faer", "condensed"])), max_iterations=20,
+        )
+    except ValueError as error:
+        assert any(name in str(error) for name in NAMES), error
+        return
+    assert isinstance(result.status, str) and len(result.t) <= len(force)
+
+
+#: Every argument, and what `ContactProblem` calls K.
+NAMES = ("K", "stiffness", "C_n", "C_t", "mu", "weight", "force", "gap", "times", "factors", "method", "free motions", "drift")

@@ -1,0 +1,129 @@
+//! A chain of single increments is the history.
+
+#![allow(clippy::unwrap_used)]
+
+use stickslip::history::{self, Error, HistorySettings, LinearAlgebra, Method, Status, Stepper};
+use stickslip::loading::{LoadCase, Loading};
+use stickslip::model::Model;
+use stickslip::problem::ContactProblem;
+use stickslip::run::{Recording, discretise};
+use stickslip::scene::Scene;
+
+const BLOCK: &str = include_str!("../../data/scenes/block.toml");
+
+fn model() -> (Model, Vec<f64>) {
+    let set = ["mesh.elements=[8,8]", "time.increments=8"].map(|text| text.parse().unwrap());
+    let scene = Scene::parse("block.toml", BLOCK, &set).unwrap();
+    (discretise(&scene).unwrap(), scene.time.all())
+}
+
+fn history(model: &Model, times: &[f64], settings: &HistorySettings, linear: LinearAlgebra) -> Recording {
+    let mut all = Recording::all();
+    let outcome = history::run(&model.problem, &model.loading, times, settings, linear.into(), &mut all).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    all
+}
+
+/// The loads of an increment and no others: the force then and now, as a coupling would hand it over.
+fn between(model: &Model, from: f64, to: f64) -> Loading {
+    let ends = [(from, [[from, 1.0], [to, 0.0]]), (to, [[from, 0.0], [to, 1.0]])];
+    let case = |(time, factor): (f64, [[f64; 2]; 2])| {
+        LoadCase::new(model.loading.force_at(time, &model.problem).unwrap(), factor.to_vec()).unwrap()
+    };
+    Loading::new(ends.map(case).to_vec(), model.loading.gaps_at(0.0)).unwrap()
+}
+
+fn built_in() -> impl Iterator<Item = LinearAlgebra> {
+    LinearAlgebra::WORDS.into_iter().map(|(_, linear)| linear).filter(|linear| linear.is_built_in())
+}
+
+fn norm(a: &[f64]) -> f64 {
+    a.iter().fold(0.0, |m, x| x.abs().max(m))
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let difference: Vec<_> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    norm(&difference) / norm(b)
+}
+
+#[test]
+fn under_the_loads_of_the_history_single_increments_are_those_of_the_history_to_the_last_bit() {
+    let (model, times) = model();
+    for method in [Method::BN, Method::PaperBn, Method::IP] {
+        let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap();
+        for linear in built_in() {
+            let whole = history(&model, &times, &settings, linear);
+            let mut stepper = Stepper::new(&model.problem, settings.clone(), linear.into()).unwrap();
+            for (time, expected) in times.iter().zip(&whole.increments) {
+                let mut one = Recording::all();
+                let outcome = stepper.step(&model.loading, *time, &mut one).unwrap();
+                let [one] = &one.increments[..] else { panic!("{} increments", one.increments.len()) };
+                assert_eq!(one.state, expected.state, "{method} {linear} at {time}");
+                assert_eq!(one.record.kkt, expected.record.kkt);
+                assert_eq!(
+                    (one.record.index, one.record.iterations),
+                    (expected.record.index, expected.record.iterations)
+                );
+                assert_eq!((outcome.reached, outcome.tally.increments), (*time, expected.record.index));
+            }
+        }
+    }
+}
+
+#[test]
+fn an_increment_needs_the_loads_of_its_two_ends_only() {
+    let (model, times) = model();
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    for linear in built_in() {
+        let whole = history(&model, &times, &settings, linear);
+        let mut stepper = Stepper::new(&model.problem, settings.clone(), linear.into()).unwrap();
+        for (time, expected) in times.iter().zip(&whole.increments) {
+            let state = stepper.step(&between(&model, stepper.time(), *time), *time, &mut ()).unwrap().state;
+            let of = |errors: [f64; 2]| errors[0].max(errors[1]);
+            let error = of([distance(&state.u, &expected.state.u), distance(&state.p_n, &expected.state.p_n)]);
+            assert!(error < 1e-12, "{linear} at {time}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn the_pattern_is_analysed_once() {
+    let (model, times) = model();
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let mut stepper = Stepper::new(&model.problem, settings, LinearAlgebra::default().into()).unwrap();
+    let outcomes: Vec<_> = times.iter().map(|t| stepper.step(&model.loading, *t, &mut ()).unwrap()).collect();
+    assert_eq!(outcomes.last().map(|outcome| outcome.linear.analyses), Some(1));
+}
+
+#[test]
+fn an_increment_that_failed_is_tried_again_from_where_the_last_one_ended() {
+    let (model, times) = model();
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let short = HistorySettings { halvings: 0, ..settings.clone() };
+    for linear in built_in() {
+        let expected = history(&model, &times[..2], &short, linear);
+        let mut stepper = Stepper::new(&model.problem, short.clone(), linear.into()).unwrap();
+        assert_eq!(stepper.step(&model.loading, times[0], &mut ()).unwrap().status, Status::Converged);
+        // Forces beyond all numbers leave nothing to go on from.
+        let torn = Loading::new(
+            vec![LoadCase::new(vec![1e308; model.problem.displacements()], vec![]).unwrap()],
+            model.loading.gaps_at(0.0),
+        )
+        .unwrap();
+        let failed = stepper.step(&torn, times[1], &mut ());
+        assert!(failed.is_ok_and(|outcome| outcome.status != Status::Converged));
+        assert_eq!(stepper.time(), times[0]);
+        assert!(matches!(stepper.step(&model.loading, times[0], &mut ()), Err(Error::Problem(_))));
+        let again = stepper.step(&model.loading, times[1], &mut ()).unwrap();
+        assert_eq!(again.state, expected.increments[1].state, "{linear}");
+    }
+}
+
+#[test]
+fn a_path_that_knows_its_end_is_not_followed_in_steps() {
+    let (model, _) = model();
+    let problem: &ContactProblem = &model.problem;
+    let settings = HistorySettings::new(problem, &model.loading, Method::EVENTS).unwrap();
+    let stepper = Stepper::new(problem, settings, LinearAlgebra::default().into());
+    assert!(matches!(stepper.err(), Some(Error::NotInSteps { .. })));
+}
