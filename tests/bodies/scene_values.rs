@@ -196,11 +196,3 @@ const VALUES: &[Fault] = &[
 fn values_out_of_range() {
     verify_all(VALUES);
 }
-
-/// What the cargo features leave out is named, with what there is in its place.
-#[cfg(not(feature = "umfpack"))]
-#[test]
-fn a_backend_that_is_not_built_in() {
-    let help = "use \"faer\" or \"condensed\"";
-    verify_all(&[("\"paper\"", "\"paper\"\nlinear = \"umfpack\"", "linear", &["this build has no UMFPACK"], help)]);
-}
