@@ -41,6 +41,9 @@ struct Answer<'py> {
     p_o: Vector<'py>,
 }
 
+/// Errors by law, statuses of the nodes, scales of force and length.
+type Judged = (Vec<f64>, Vec<u8>, (f64, f64));
+
 /// The words of `ContactProblem.solve`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -85,12 +88,11 @@ fn prepared(
     if !solver.method.is_of_paper() {
         reach = reach::working_set(problem, loading, times, reach::AFFORDABLE, condensing)?;
     }
-    let linear = match solver.linear {
-        Some(linear) => linear,
-        None => {
-            let left = Budget::of_process().map(|budget| budget.bytes);
-            Choice::cheapest(problem, &reach, solver.method, times.len(), left)?.linear
-        }
+    let linear = if let Some(linear) = solver.linear {
+        linear
+    } else {
+        let left = Budget::of_process().map(|budget| budget.bytes);
+        Choice::cheapest(problem, &reach, solver.method, times.len(), left)?.linear
     };
     Ok((linear.into(), HistorySettings { working_set: reach.nodes, ..settings }))
 }
@@ -184,12 +186,7 @@ impl Problem {
     }
 
     /// The error measure of an answer to one increment: by law, the statuses, the scales.
-    fn errors<'py>(
-        &self,
-        py: Python<'py>,
-        answer: Answer<'py>,
-        scales: (f64, f64),
-    ) -> PyResult<(Vec<f64>, Vec<u8>, (f64, f64))> {
+    fn errors<'py>(&self, py: Python<'py>, answer: Answer<'py>, scales: (f64, f64)) -> PyResult<Judged> {
         let own = |values: &Vector<'_>| values.as_slice().map(<[f64]>::to_vec);
         let state = State {
             u: own(&answer.u)?,
