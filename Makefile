@@ -25,10 +25,14 @@ SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
 
+# What the program does for itself: OpenBLAS falls back to its oldest kernel on processors that it does not know.
+KERNEL := $(shell if grep -qw avx512vl /proc/cpuinfo; then echo SKYLAKEX; elif grep -qw avx2 /proc/cpuinfo; then echo HASWELL; fi 2>/dev/null)
+BLAS = OPENBLAS_NUM_THREADS=1 $(if $(KERNEL),OPENBLAS_CORETYPE=$(KERNEL))
+
 # Unit tests take seconds however they are compiled. Tests run side by side, so that each has one thread.
 test: deps
 	cargo test --lib --config profile.test.package.stickslip.opt-level=0
-	OPENBLAS_NUM_THREADS=1 cargo test --workspace --exclude stickslip-python --bins --example outside --test '*'
+	$(BLAS) cargo test --workspace --exclude stickslip-python --bins --example outside --test '*'
 	cargo test --doc
 
 PYTHON = target/python/bin/python

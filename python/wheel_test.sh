@@ -22,21 +22,32 @@ if grep -raohE "($root|$HOME|/home|/root|/Users)/[[:alnum:]._/-]+" "$scratch/whe
 fi
 
 tried=0
-for python in "$@"; do
-	command -v "$python" >/dev/null || { echo "$python: not here"; continue; }
-	"$python" -m venv "$scratch/$(basename "$python")-$tried"
-	own=$scratch/$(basename "$python")-$tried/bin/python
-	"$own" -m pip install -q "$wheel[plot]"
-	(cd "$scratch" && MPLBACKEND=agg "$own" -W error -c '
+environment() { # environment PYTHON WHAT-TO-INSTALL...
+	own=$scratch/environment-$tried/bin
+	tried=$((tried + 1))
+	"$1" -m venv "${own%/bin}"
+	"$own/pip" install -q "${@:2}"
+	(cd "$scratch" && MPLBACKEND=agg "$own/python" -W error -W ignore::DeprecationWarning:matplotlib -c '
 import sys
+import numpy, scipy
 import stickslip as ss
 result = ss.run(sys.argv[1], {"mesh.elements": [20, 20]}).check()
 result.plot().figure.savefig("block.png")
-print(sys.version.split()[0], result)
+print(sys.version.split()[0], "numpy", numpy.__version__, "scipy", scipy.__version__, result)
 ' "$scene")
 	[ -s "$scratch/block.png" ]
 	rm "$scratch/block.png"
-	tried=$((tried + 1))
+}
+oldest=
+for python in "$@"; do
+	command -v "$python" >/dev/null || { echo "$python: not here"; continue; }
+	environment "$python" "$wheel[plot]"
+	# The oldest numpy and scipy that are promised are no longer made for new Pythons.
+	"$python" -c 'import sys; sys.exit(sys.version_info >= (3, 12))' && oldest=${oldest:-$python}
 done
+if [ -n "$oldest" ]; then
+	environment "$oldest" "$wheel[plot]" numpy==1.24.* scipy==1.10.* pytest hypothesis meshio
+	"$own/pytest" -q "$root/python/tests"
+fi
 [ "$tried" -gt 0 ]
-echo "$tried Pythons, $(stat -c %s "$wheel") bytes"
+echo "$tried environments, $(stat -c %s "$wheel") bytes"

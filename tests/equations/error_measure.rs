@@ -13,7 +13,8 @@ use stickslip::sparse::{Csr, Symmetric};
 #[test]
 fn every_law_holds_on_the_block() {
     for n in [5, 10, 20, 50, 100] {
-        for mu in [0.0, 0.1, 0.4, 0.8] {
+        let mus = if n < 100 { &[0.0, 0.1, 0.4, 0.8][..] } else { &[0.4] };
+        for mu in mus {
             let scene = common::block(&[
                 &format!("mesh.elements=[{n},{n}]"),
                 &format!("contact.friction={mu}"),
