@@ -97,7 +97,7 @@ fn licences_that_bind_more_are_found() {
 
 #[test]
 fn every_c_library_that_is_linked_is_named_with_its_licence() {
-    let script = include_str!("../../ffi/link.rs");
+    let script = include_str!("../../ffi/suitesparse.rs");
     let linked: BTreeSet<_> =
         script.split("rustc-link-lib=dylib=").skip(1).map(|rest| rest.split('"').next().unwrap().to_string()).collect();
     let named: BTreeSet<_> = Licences::read().linked.into_iter().map(|linked| linked.library).collect();
