@@ -7,6 +7,7 @@
 
 mod gmres;
 mod grid;
+mod hierarchy;
 mod node;
 mod small;
 mod stiffness;
@@ -17,8 +18,10 @@ use super::petsc::{Amg, Rows};
 use super::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu};
 use crate::sparse::Pattern;
 pub use grid::{Contact, Grid};
+use hierarchy::Hierarchy;
+use node::Eliminated;
 pub use stiffness::Form;
-use stiffness::{Layout, Stiffness};
+use stiffness::{Border, Layout};
 
 /// Where more are needed a direct solver is faster.
 const MOST_ITERATIONS: usize = 60;
@@ -33,6 +36,8 @@ pub struct Multigrid {
     layout: Option<Layout>,
     values: Vec<f64>,
     factored: Option<Factored>,
+    /// One for the matrix in which all contact nodes are held, which comes again in every increment, and one for the others.
+    hierarchies: Vec<Hierarchy>,
     make_cycle: MakeCycle,
     instead: Option<Box<dyn LinearSolver>>,
     /// What nobody has asked for yet.
@@ -41,8 +46,10 @@ pub struct Multigrid {
 
 /// A matrix with its hierarchy.
 struct Factored {
-    stiffness: Stiffness,
-    cycle: Box<dyn Cycle>,
+    nodes: Vec<Eliminated>,
+    border: Vec<Border>,
+    /// Which of the hierarchies serves.
+    hierarchy: usize,
     work: Work,
 }
 
@@ -79,6 +86,7 @@ impl Multigrid {
             layout: None,
             values: Vec::new(),
             factored: None,
+            hierarchies: Vec::new(),
             make_cycle: |rows, motions| Ok(Box::new(Amg::new(rows, motions)?)),
             instead: None,
             iterated: Iterated::default(),
@@ -89,10 +97,11 @@ impl Multigrid {
         let (Some(pattern), Some(layout)) = (&self.pattern, &self.layout) else {
             return Err(LinearError::Order { missing: "analyze" });
         };
-        let Some(Factored { stiffness, cycle, work }) = &mut self.factored else {
+        let Some(Factored { nodes, border, hierarchy, work }) = &mut self.factored else {
             return Err(LinearError::Order { missing: "factorize" });
         };
         let (grid, values, form) = (&self.grid, &self.values, self.form);
+        let hierarchy = &mut self.hierarchies[*hierarchy];
         let product = |x: &[f64], y: &mut [f64]| {
             y.fill(0.0);
             let (starts, rows) = (pattern.column_starts(), pattern.row_indices());
@@ -102,9 +111,10 @@ impl Multigrid {
                 }
             }
         };
-        let precondition = |r: &[f64], z: &mut [f64]| apply(grid, layout, stiffness, form, cycle.as_mut(), work, r, z);
+        let precondition = |r: &[f64], z: &mut [f64]| apply(grid, layout, nodes, border, form, hierarchy, work, r, z);
         let found = gmres::solve(b, x, tolerance, MOST_ITERATIONS, product, precondition)?;
         self.iterated.iterations += found.iterations;
+        hierarchy.took(found.iterations, found.residual);
         Ok(found)
     }
 }
@@ -113,9 +123,10 @@ impl Multigrid {
 fn apply(
     grid: &Grid,
     layout: &Layout,
-    stiffness: &Stiffness,
+    nodes: &[Eliminated],
+    border: &[Border],
     form: Form,
-    cycle: &mut dyn Cycle,
+    hierarchy: &mut Hierarchy,
     work: &mut Work,
     r: &[f64],
     z: &mut [f64],
@@ -134,28 +145,28 @@ fn apply(
     let rows = |forces: &[Option<usize>; 3]| forces.map(|place| place.map_or(0.0, |place| r[place]));
     let mut held: Vec<[f64; 3]> = Vec::with_capacity(layout.contacts.len());
     let mut lacking: Vec<[f64; 3]> = Vec::with_capacity(layout.contacts.len());
-    for (&(node, forces), eliminated) in layout.contacts.iter().zip(&stiffness.nodes) {
+    for (&(node, forces), eliminated) in layout.contacts.iter().zip(nodes) {
         let own = eliminated.into_frame(vector(rest, node, d));
         lacking.push(own);
         put(rest, node, d, own);
         held.push(eliminated.prescribed(rows(&forces)));
     }
     // Held displacements, and the forces that follow them, go to the right-hand side.
-    for (i, (&(node, forces), eliminated)) in layout.contacts.iter().zip(&stiffness.nodes).enumerate() {
+    for (i, (&(node, forces), eliminated)) in layout.contacts.iter().zip(nodes).enumerate() {
         let following = eliminated.on_equilibrium(eliminated.following(rows(&forces), held[i]));
         let mut own = vector(rest, node, d);
         own.iter_mut().zip(following).for_each(|(own, f)| *own -= f);
         put(rest, node, d, own);
     }
     for (i, &(node, _)) in layout.contacts.iter().enumerate() {
-        for (row, w) in stiffness.border[i].iter().zip(held[i]).filter(|(_, w)| *w != 0.0) {
+        for (row, w) in border[i].iter().zip(held[i]).filter(|(_, w)| *w != 0.0) {
             for (k, &column) in layout.columns(node).iter().enumerate() {
                 (0..d).for_each(|c| rest[column * d + c] -= row[k * d + c] * w);
             }
         }
     }
     // The free directions, by the cycle.
-    for (&(node, _), eliminated) in layout.contacts.iter().zip(&stiffness.nodes) {
+    for (&(node, _), eliminated) in layout.contacts.iter().zip(nodes) {
         let mut own = vector(rest, node, d);
         if form == Form::Oblique {
             let before = own;
@@ -166,13 +177,13 @@ fn apply(
         let gone = eliminated.gone();
         put(rest, node, d, [0, 1, 2].map(|k| if gone[k] { 0.0 } else { own[k] }));
     }
-    cycle.cycle(rest, correction)?;
-    for (i, (&(node, _), eliminated)) in layout.contacts.iter().zip(&stiffness.nodes).enumerate() {
+    hierarchy.cycle(layout, nodes, rest, correction)?;
+    for (i, (&(node, _), eliminated)) in layout.contacts.iter().zip(nodes).enumerate() {
         let (own, gone) = (vector(correction, node, d), eliminated.gone());
         put(correction, node, d, [0, 1, 2].map(|k| if gone[k] { held[i][k] } else { own[k] }));
     }
     // The forces, of which the reactions are what equilibrium lacks.
-    for (i, (&(node, forces), eliminated)) in layout.contacts.iter().zip(&stiffness.nodes).enumerate() {
+    for (i, (&(node, forces), eliminated)) in layout.contacts.iter().zip(nodes).enumerate() {
         let w = vector(correction, node, d);
         let following = eliminated.following(rows(&forces), w);
         let by_following = eliminated.on_equilibrium(following);
@@ -182,7 +193,7 @@ fn apply(
                 .iter()
                 .enumerate()
                 .flat_map(|(k, &column)| (0..d).map(move |c| (k * d + c, column * d + c)))
-                .map(|(entry, at)| stiffness.border[i][a][entry] * correction[at])
+                .map(|(entry, at)| border[i][a][entry] * correction[at])
                 .sum();
             lacking[i][a] - by_body - by_following[a]
         });
@@ -193,7 +204,7 @@ fn apply(
             }
         }
     }
-    for (&(node, _), eliminated) in layout.contacts.iter().zip(&stiffness.nodes) {
+    for (&(node, _), eliminated) in layout.contacts.iter().zip(nodes) {
         let own = eliminated.out_of_frame(vector(correction, node, d));
         put(correction, node, d, own);
     }
@@ -219,6 +230,7 @@ impl LinearSolver for Multigrid {
 
     fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
         (self.factored, self.instead) = (None, None);
+        self.hierarchies.clear();
         self.layout = Some(Layout::new(&self.grid, pattern)?);
         self.pattern = Some(Arc::clone(pattern));
         Ok(())
@@ -229,24 +241,30 @@ impl LinearSolver for Multigrid {
             return Err(LinearError::Order { missing: "analyze" });
         };
         super::error::expect_length("values", pattern.len(), values.len())?;
-        // The old hierarchy goes before there is a new one.
         self.factored = None;
         self.values.clear();
         self.values.extend_from_slice(values);
         if let Some(instead) = &mut self.instead {
             return instead.factorize(values);
         }
-        let mut stiffness = layout.stiffness(pattern, values, self.form);
-        let entries = stiffness.values.len();
-        let rows = Rows {
-            starts: std::mem::take(&mut stiffness.starts),
-            columns: std::mem::take(&mut stiffness.columns),
-            values: std::mem::take(&mut stiffness.values),
-            block: layout.dimension,
-            symmetric: self.form == Form::Symmetric,
+        let nodes = layout.nodes(pattern, values);
+        // In the oblique form what is swept out differs from matrix to matrix.
+        let serves = |hierarchy: &Hierarchy| self.form == Form::Symmetric && hierarchy.serves(&nodes);
+        let (hierarchy, border) = if let Some(serving) = self.hierarchies.iter().position(serves) {
+            self.hierarchies[serving].lend();
+            (serving, layout.border(pattern, values, &nodes))
+        } else {
+            // The old one goes before there is a new one.
+            let all_held = hierarchy::all_held(&nodes);
+            self.hierarchies.retain(|hierarchy| hierarchy.all_held != all_held);
+            let stiffness = layout.stiffness(pattern, values, &nodes, self.form);
+            let (rows, border) = stiffness.split(layout.dimension, self.form == Form::Symmetric);
+            let cycle = (self.make_cycle)(rows, kernel(&self.grid, layout, &nodes))?;
+            self.hierarchies.push(Hierarchy::new(cycle, &nodes));
+            (self.hierarchies.len() - 1, border)
         };
-        let cycle = (self.make_cycle)(rows, kernel(&self.grid, layout, &stiffness))?;
-        self.factored = Some(Factored { stiffness, cycle, work: Work::default() });
+        let entries = layout.entries();
+        self.factored = Some(Factored { nodes, border, hierarchy, work: Work::default() });
         Ok(FactorInfo { entries, flops: 0.0, pivot_ratio: 1.0, peak_bytes: 0.0 })
     }
 
@@ -273,6 +291,7 @@ impl LinearSolver for Multigrid {
         direct.factorize(&self.values)?;
         direct.solve(b, x)?;
         self.factored = None;
+        self.hierarchies.clear();
         self.iterated.gave_way = true;
         self.instead = Some(direct);
         Ok(())
@@ -284,13 +303,13 @@ impl LinearSolver for Multigrid {
 }
 
 /// The rigid motions in the frames, orthonormal.
-fn kernel(grid: &Grid, layout: &Layout, stiffness: &Stiffness) -> Vec<Vec<f64>> {
+fn kernel(grid: &Grid, layout: &Layout, nodes: &[Eliminated]) -> Vec<Vec<f64>> {
     let d = layout.dimension;
     let mut kernel: Vec<Vec<f64>> = Vec::new();
     for motion in grid.motions() {
         let mut all = vec![0.0; layout.order()];
         layout.place.iter().zip(&motion).for_each(|(&(node, direction), u)| all[node * d + direction] = *u);
-        for (&(node, _), eliminated) in layout.contacts.iter().zip(&stiffness.nodes) {
+        for (&(node, _), eliminated) in layout.contacts.iter().zip(nodes) {
             let own = eliminated.into_frame(vector(&all, node, d));
             put(&mut all, node, d, own);
         }

@@ -8,6 +8,7 @@ use super::node::{Eliminated, Local};
 use super::small::Small;
 use crate::linear::LinearError;
 use crate::linear::error::expect_length;
+use crate::linear::petsc::Rows;
 use crate::sparse::Pattern;
 
 /// Where everything is, for one pattern.
@@ -31,16 +32,17 @@ pub(super) struct Layout {
     columns: Vec<Vec<usize>>,
 }
 
-/// `K̂` as compressed rows, with what is needed of it beside.
+/// `K̂` as compressed rows, and what is needed beside.
 pub(super) struct Stiffness {
     pub starts: Vec<i32>,
     pub columns: Vec<i32>,
     pub values: Vec<f64>,
-    /// The contact nodes.
-    pub nodes: Vec<Eliminated>,
-    /// Their rows of the stiffness, in all frames, before anything is held: as long as the block row, for each direction.
-    pub border: Vec<[Vec<f64>; 3]>,
+    /// The rows of the contact nodes.
+    pub border: Vec<Border>,
 }
+
+/// The rows of a contact node in the stiffness, in all frames, before anything is held: as long as the block row, for each direction.
+pub(super) type Border = [Vec<f64>; 3];
 
 /// How friction gets into `K̂`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -135,6 +137,11 @@ impl Layout {
         self.own.len() * self.dimension
     }
 
+    /// Entries of `K̂`.
+    pub(super) fn entries(&self) -> usize {
+        self.columns.iter().map(|columns| columns.len() * self.dimension * self.dimension).sum()
+    }
+
     /// The columns of the block row of `node`.
     pub(super) fn columns(&self, node: usize) -> &[usize] {
         &self.columns[node]
@@ -164,47 +171,52 @@ impl Layout {
         self.contacts.iter().map(local).collect()
     }
 
-    /// `K̂` of the matrix with `values`.
-    pub(super) fn stiffness(&self, pattern: &Pattern, values: &[f64], form: Form) -> Stiffness {
-        let nodes: Vec<Eliminated> = self.locals(pattern, values).iter().map(Local::eliminated).collect();
-        let mut stiffness =
-            Stiffness { starts: vec![0], columns: Vec::new(), values: Vec::new(), nodes, border: Vec::new() };
-        let mut border: Vec<[Vec<f64>; 3]> = vec![Default::default(); self.contacts.len()];
+    /// The contact nodes of the matrix with `values`.
+    pub(super) fn nodes(&self, pattern: &Pattern, values: &[f64]) -> Vec<Eliminated> {
+        self.locals(pattern, values).iter().map(Local::eliminated).collect()
+    }
+
+    /// `K̂` of the matrix with `values` and these contact nodes, and their rows beside.
+    pub(super) fn stiffness(&self, pattern: &Pattern, values: &[f64], nodes: &[Eliminated], form: Form) -> Stiffness {
+        let entries = self.entries();
+        let mut stiffness = Stiffness {
+            starts: vec![0],
+            columns: Vec::with_capacity(entries),
+            values: Vec::with_capacity(entries),
+            border: vec![Border::default(); self.contacts.len()],
+        };
+        let directions = 0..self.dimension;
         let mut at = vec![0; self.own.len()];
         for node in 0..self.own.len() {
-            self.columns[node].iter().enumerate().for_each(|(k, &column)| at[column] = k);
-            let mut rows = self.rows(node, pattern, values, &at, &stiffness.nodes);
+            let mut rows = self.rows(node, pattern, values, &mut at, nodes);
             if let Some(contact) = self.contact[node] {
-                border[contact] = rows.clone();
-                stiffness.nodes[contact].take_friction(form, &mut rows, at[node] * self.dimension, self.dimension);
+                stiffness.border[contact] = rows.clone();
+                nodes[contact].take_friction(form, &mut rows, at[node] * self.dimension, self.dimension);
             }
-            self.hold(node, at[node], &mut rows, &stiffness.nodes);
+            self.hold(node, at[node], &mut rows, nodes);
             for row in rows.into_iter().take(self.dimension) {
-                let directions = 0..self.dimension;
-                stiffness.columns.extend(
-                    self.columns[node]
-                        .iter()
-                        .flat_map(|column| directions.clone().map(move |c| (column * self.dimension + c) as i32)),
-                );
+                let columns = self.columns[node].iter();
+                let places =
+                    columns.flat_map(|column| directions.clone().map(move |c| (column * self.dimension + c) as i32));
+                stiffness.columns.extend(places);
                 stiffness.values.extend(row);
                 stiffness.starts.push(stiffness.values.len() as i32);
             }
         }
-        stiffness.border = border;
         stiffness
     }
 
-    /// The block row of `node` of `K̃`, in all frames.
-    fn rows(
-        &self,
-        node: usize,
-        pattern: &Pattern,
-        values: &[f64],
-        at: &[usize],
-        nodes: &[Eliminated],
-    ) -> [Vec<f64>; 3] {
+    /// The rows of the contact nodes alone, where another matrix stands for `K̂`.
+    pub(super) fn border(&self, pattern: &Pattern, values: &[f64], nodes: &[Eliminated]) -> Vec<Border> {
+        let mut at = vec![0; self.own.len()];
+        self.contacts.iter().map(|&(node, _)| self.rows(node, pattern, values, &mut at, nodes)).collect()
+    }
+
+    /// The block row of `node` of `K̃`, in all frames; its columns are left in `at`.
+    fn rows(&self, node: usize, pattern: &Pattern, values: &[f64], at: &mut [usize], nodes: &[Eliminated]) -> Border {
         let d = self.dimension;
-        let mut rows: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; self.columns[node].len() * d]);
+        self.columns[node].iter().enumerate().for_each(|(k, &column)| at[column] = k);
+        let mut rows: Border = std::array::from_fn(|_| vec![0.0; self.columns[node].len() * d]);
         for (row, dof) in rows.iter_mut().zip(self.own[node]) {
             let Some(dof) = dof else { continue };
             self.each_neighbour(dof, pattern, |slot, factor, to| {
@@ -231,7 +243,7 @@ impl Layout {
     }
 
     /// Empties rows and columns of directions that are not solved for, but for the diagonal.
-    fn hold(&self, node: usize, own: usize, rows: &mut [Vec<f64>; 3], nodes: &[Eliminated]) {
+    fn hold(&self, node: usize, own: usize, rows: &mut Border, nodes: &[Eliminated]) {
         let d = self.dimension;
         let gone = |node: usize| match self.contact[node] {
             Some(contact) => nodes[contact].gone(),
@@ -261,7 +273,7 @@ impl Layout {
 impl Eliminated {
     /// Adds the springs to the rows of this node, whose own block begins at `own`, and takes from the free ones what the reactions
     /// in the held ones bring into them.
-    fn take_friction(&self, form: Form, rows: &mut [Vec<f64>; 3], own: usize, dimension: usize) {
+    fn take_friction(&self, form: Form, rows: &mut Border, own: usize, dimension: usize) {
         let free = self.gone().map(|gone| !gone);
         let springs: Small = match form {
             Form::Oblique => self.springs,
@@ -284,5 +296,13 @@ impl Eliminated {
                 }
             }
         }
+    }
+}
+
+impl Stiffness {
+    /// The matrix itself, and the rows beside.
+    pub(super) fn split(self, block: usize, symmetric: bool) -> (Rows, Vec<Border>) {
+        let Stiffness { starts, columns, values, border } = self;
+        (Rows { starts, columns, values, block, symmetric }, border)
     }
 }
