@@ -9,17 +9,19 @@ mod gmres;
 mod grid;
 mod hierarchy;
 mod node;
+mod precondition;
 mod small;
 mod stiffness;
 
 use std::sync::Arc;
 
-use super::petsc::{Amg, Rows};
+use super::petsc::Amg;
 use super::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu};
 use crate::sparse::Pattern;
 pub use grid::{Contact, Grid};
-use hierarchy::Hierarchy;
+use hierarchy::{Hierarchy, MakeCycle};
 use node::Eliminated;
+use precondition::{Work, kernel, precondition};
 pub use stiffness::Form;
 use stiffness::{Border, Layout};
 
@@ -51,29 +53,6 @@ struct Factored {
     /// Which of the hierarchies serves.
     hierarchy: usize,
     work: Work,
-}
-
-/// What stands for the inverse of `K̂`.
-trait Cycle: Send {
-    /// `z` with `K̂ z ≈ r`.
-    fn cycle(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError>;
-}
-
-impl Cycle for Amg {
-    fn cycle(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
-        Amg::cycle(self, r, z)
-    }
-}
-
-/// What makes it, from `K̂` and its rigid motions.
-type MakeCycle = fn(Rows, Vec<Vec<f64>>) -> Result<Box<dyn Cycle>, LinearError>;
-
-/// Vectors on all directions.
-#[derive(Default)]
-struct Work {
-    rest: Vec<f64>,
-    correction: Vec<f64>,
-    displacements: Vec<f64>,
 }
 
 impl Multigrid {
@@ -111,116 +90,13 @@ impl Multigrid {
                 }
             }
         };
-        let precondition = |r: &[f64], z: &mut [f64]| apply(grid, layout, nodes, border, form, hierarchy, work, r, z);
-        let found = gmres::solve(b, x, tolerance, MOST_ITERATIONS, product, precondition)?;
+        let approximately =
+            |r: &[f64], z: &mut [f64]| precondition(grid, layout, nodes, border, form, hierarchy, work, r, z);
+        let found = gmres::solve(b, x, tolerance, MOST_ITERATIONS, product, approximately)?;
         self.iterated.iterations += found.iterations;
         hierarchy.took(found.iterations, found.residual);
         Ok(found)
     }
-}
-
-/// `z` with `A z ≈ r` on the whole system.
-fn apply(
-    grid: &Grid,
-    layout: &Layout,
-    nodes: &[Eliminated],
-    border: &[Border],
-    form: Form,
-    hierarchy: &mut Hierarchy,
-    work: &mut Work,
-    r: &[f64],
-    z: &mut [f64],
-) -> Result<(), LinearError> {
-    let (n_u, d) = (layout.displacements, layout.dimension);
-    let Work { rest, correction, displacements } = work;
-    rest.clear();
-    rest.resize(layout.order(), 0.0);
-    correction.clear();
-    correction.resize(layout.order(), 0.0);
-    // Equilibrium, in the frames.
-    displacements.clear();
-    displacements.extend_from_slice(&r[..n_u]);
-    grid.residual_from_mesh(displacements);
-    layout.place.iter().zip(&*displacements).for_each(|(&(node, direction), r)| rest[node * d + direction] = *r);
-    let rows = |forces: &[Option<usize>; 3]| forces.map(|place| place.map_or(0.0, |place| r[place]));
-    let mut held: Vec<[f64; 3]> = Vec::with_capacity(layout.contacts.len());
-    let mut lacking: Vec<[f64; 3]> = Vec::with_capacity(layout.contacts.len());
-    for (&(node, forces), eliminated) in layout.contacts.iter().zip(nodes) {
-        let own = eliminated.into_frame(vector(rest, node, d));
-        lacking.push(own);
-        put(rest, node, d, own);
-        held.push(eliminated.prescribed(rows(&forces)));
-    }
-    // Held displacements, and the forces that follow them, go to the right-hand side.
-    for (i, (&(node, forces), eliminated)) in layout.contacts.iter().zip(nodes).enumerate() {
-        let following = eliminated.on_equilibrium(eliminated.following(rows(&forces), held[i]));
-        let mut own = vector(rest, node, d);
-        own.iter_mut().zip(following).for_each(|(own, f)| *own -= f);
-        put(rest, node, d, own);
-    }
-    for (i, &(node, _)) in layout.contacts.iter().enumerate() {
-        for (row, w) in border[i].iter().zip(held[i]).filter(|(_, w)| *w != 0.0) {
-            for (k, &column) in layout.columns(node).iter().enumerate() {
-                (0..d).for_each(|c| rest[column * d + c] -= row[k * d + c] * w);
-            }
-        }
-    }
-    // The free directions, by the cycle.
-    for (&(node, _), eliminated) in layout.contacts.iter().zip(nodes) {
-        let mut own = vector(rest, node, d);
-        if form == Form::Oblique {
-            let before = own;
-            for (own, coupling) in own.iter_mut().zip(&eliminated.coupling) {
-                *own -= (0..3).map(|j| coupling[j] * before[j]).sum::<f64>();
-            }
-        }
-        let gone = eliminated.gone();
-        put(rest, node, d, [0, 1, 2].map(|k| if gone[k] { 0.0 } else { own[k] }));
-    }
-    hierarchy.cycle(layout, nodes, rest, correction)?;
-    for (i, (&(node, _), eliminated)) in layout.contacts.iter().zip(nodes).enumerate() {
-        let (own, gone) = (vector(correction, node, d), eliminated.gone());
-        put(correction, node, d, [0, 1, 2].map(|k| if gone[k] { held[i][k] } else { own[k] }));
-    }
-    // The forces, of which the reactions are what equilibrium lacks.
-    for (i, (&(node, forces), eliminated)) in layout.contacts.iter().zip(nodes).enumerate() {
-        let w = vector(correction, node, d);
-        let following = eliminated.following(rows(&forces), w);
-        let by_following = eliminated.on_equilibrium(following);
-        let lacking = [0, 1, 2].map(|a| {
-            let by_body: f64 = layout
-                .columns(node)
-                .iter()
-                .enumerate()
-                .flat_map(|(k, &column)| (0..d).map(move |c| (k * d + c, column * d + c)))
-                .map(|(entry, at)| border[i][a][entry] * correction[at])
-                .sum();
-            lacking[i][a] - by_body - by_following[a]
-        });
-        let reactions = eliminated.reactions(lacking);
-        for (k, place) in forces.into_iter().enumerate() {
-            if let Some(place) = place {
-                z[place] = following[k] + reactions[k];
-            }
-        }
-    }
-    for (&(node, _), eliminated) in layout.contacts.iter().zip(nodes) {
-        let own = eliminated.out_of_frame(vector(correction, node, d));
-        put(correction, node, d, own);
-    }
-    z[..n_u].iter_mut().zip(&layout.place).for_each(|(z, &(node, direction))| *z = correction[node * d + direction]);
-    grid.to_mesh(&mut z[..n_u]);
-    Ok(())
-}
-
-fn vector(all: &[f64], node: usize, d: usize) -> [f64; 3] {
-    let mut v = [0.0; 3];
-    v[..d].copy_from_slice(&all[node * d..(node + 1) * d]);
-    v
-}
-
-fn put(all: &mut [f64], node: usize, d: usize, v: [f64; 3]) {
-    all[node * d..(node + 1) * d].copy_from_slice(&v[..d]);
 }
 
 impl LinearSolver for Multigrid {
@@ -302,33 +178,217 @@ impl LinearSolver for Multigrid {
     }
 }
 
-/// The rigid motions in the frames, orthonormal.
-fn kernel(grid: &Grid, layout: &Layout, nodes: &[Eliminated]) -> Vec<Vec<f64>> {
-    let d = layout.dimension;
-    let mut kernel: Vec<Vec<f64>> = Vec::new();
-    for motion in grid.motions() {
-        let mut all = vec![0.0; layout.order()];
-        layout.place.iter().zip(&motion).for_each(|(&(node, direction), u)| all[node * d + direction] = *u);
-        for (&(node, _), eliminated) in layout.contacts.iter().zip(nodes) {
-            let own = eliminated.into_frame(vector(&all, node, d));
-            put(&mut all, node, d, own);
-        }
-        let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let before = norm(&all);
-        for _ in 0..2 {
-            for other in &kernel {
-                let share: f64 = other.iter().zip(&all).map(|(a, b)| a * b).sum();
-                all.iter_mut().zip(other).for_each(|(v, other)| *v -= share * other);
+#[cfg(test)]
+mod tests {
+    //! What is exact, is exact: with a direct factorisation in the place of the cycle one iteration solves.
+
+    use super::hierarchy::Cycle;
+    use super::*;
+    use crate::linear::petsc::Rows;
+    use crate::sparse::{Csc, SystemMatrix};
+
+    /// Gaussian elimination on all of it.
+    struct Inverse(Vec<Vec<f64>>);
+
+    impl Inverse {
+        fn boxed(rows: Rows, _motions: Vec<Vec<f64>>) -> Result<Box<dyn Cycle>, LinearError> {
+            let n = rows.starts.len() - 1;
+            let mut dense = vec![vec![0.0; n]; n];
+            for (i, row) in dense.iter_mut().enumerate() {
+                for k in rows.starts[i] as usize..rows.starts[i + 1] as usize {
+                    row[rows.columns[k] as usize] = rows.values[k];
+                }
             }
-        }
-        let size = norm(&all);
-        if size > 1e-10 * before {
-            all.iter_mut().for_each(|v| *v /= size);
-            kernel.push(all);
+            Ok(Box::new(Inverse(dense)))
         }
     }
-    kernel
-}
 
-#[cfg(test)]
-mod tests;
+    impl Cycle for Inverse {
+        fn cycle(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
+            z.copy_from_slice(&solved(self.0.clone(), r.to_vec()));
+            Ok(())
+        }
+    }
+
+    fn solved(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
+        let n = b.len();
+        for k in 0..n {
+            let p = (k..n).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap();
+            a.swap(k, p);
+            b.swap(k, p);
+            for i in k + 1..n {
+                let factor = a[i][k] / a[k][k];
+                if factor != 0.0 {
+                    let pivot = a[k].clone();
+                    a[i].iter_mut().zip(pivot).skip(k).for_each(|(v, p)| *v -= factor * p);
+                    b[i] -= factor * b[k];
+                }
+            }
+        }
+        for k in (0..n).rev() {
+            let known: f64 = (k + 1..n).map(|j| a[k][j] * b[j]).sum();
+            b[k] = (b[k] - known) / a[k][k];
+        }
+        b
+    }
+
+    /// Numbers between -1 and 1 that look random.
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+    }
+
+    /// What the rows of a contact node are.
+    #[derive(Clone, Copy)]
+    enum Law {
+        Open,
+        Stick,
+        /// With this friction, along the first tangent.
+        Slip(f64),
+        /// On the edge of the cone without slip: held across, free along.
+        Edge(f64),
+        /// Forces that follow the displacements, as in the middle of an interior point method.
+        Compliant(f64),
+    }
+
+    /// A chain of nodes in space, each tied to the next, with a frame of its own at each contact; the last node has no y.
+    fn system(laws: &[Law], changed: bool) -> (Grid, SystemMatrix) {
+        let (m, mut numbers) = (laws.len() + 3, Numbers(5));
+        let n_u = 3 * m - 1;
+        let mut entries: Vec<(usize, usize, f64)> = Vec::new();
+        // Springs between neighbours, along three directions each, and to the ground.
+        for node in 0..m {
+            for _ in 0..3 {
+                let direction = [0, 1, 2].map(|_| numbers.next());
+                let place = |node: usize, c: usize| {
+                    Some(3 * node + c).filter(|dof| *dof != 3 * m - 2).map(|dof| dof.min(n_u - 1))
+                };
+                let ends: Vec<(usize, f64)> = (0..6)
+                    .filter_map(|k| {
+                        let (other, c) = (node + k / 3, k % 3);
+                        let sign = if k < 3 { 1.0 } else { -1.0 };
+                        (other < m).then(|| place(other, c)).flatten().map(|dof| (dof, sign * direction[c]))
+                    })
+                    .collect();
+                for &(i, a) in &ends {
+                    entries.extend(ends.iter().map(|&(j, b)| (i, j, a * b)));
+                }
+            }
+        }
+        entries.extend((0..n_u).map(|i| (i, i, 0.3)));
+        let mut contacts = Vec::new();
+        for (i, law) in laws.iter().enumerate() {
+            let node = i + 1;
+            let places = [0, 1, 2].map(|k| n_u + 3 * i + k);
+            contacts.push(Contact { node, forces: places.map(Some) });
+            // Two tangents and a normal.
+            let (c, s) = (0.3_f64.cos(), 0.3_f64.sin());
+            let frame = [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]];
+            let beyond = changed.then_some((0, 0.25));
+            let mut row = |row: usize, w: [f64; 3], p: [f64; 3]| {
+                for axis in 0..3 {
+                    let coefficient: f64 = (0..3).map(|k| w[k] * frame[k][axis]).sum();
+                    entries.push((row, 3 * node + axis, coefficient));
+                    if let (Some((dof, share)), 0) = (beyond, axis) {
+                        entries.push((row, dof, share * coefficient));
+                    }
+                }
+                (0..3).for_each(|k| entries.push((row, places[k], p[k])));
+            };
+            let [t, o, n] = places;
+            match *law {
+                Law::Open => {
+                    (0..3).for_each(|k| row(places[k], [0.0; 3], [0, 1, 2].map(|j| f64::from(u8::from(j == k)))))
+                }
+                Law::Stick => {
+                    (0..3).for_each(|k| row(places[k], [0, 1, 2].map(|j| f64::from(u8::from(j == k))), [0.0; 3]))
+                }
+                Law::Slip(mu) => {
+                    row(t, [0.0; 3], [1.0, 0.0, -mu]);
+                    row(o, [0.0, 0.2, 0.0], [0.0, 1.0, 0.0]);
+                    row(n, [0.0, 0.0, 1.0], [0.0; 3]);
+                }
+                Law::Edge(mu) => {
+                    row(t, [0.0; 3], [1.0, 0.0, -mu]);
+                    row(o, [0.0, 1.0, 0.0], [0.0; 3]);
+                    row(n, [0.0, 0.0, 1.0], [0.0; 3]);
+                }
+                Law::Compliant(k) => {
+                    row(t, [-k, 0.0, 0.0], [1.0, 0.1, -0.3]);
+                    row(o, [0.1, -k, 0.0], [0.0, 1.0, 0.2]);
+                    row(n, [0.0, 0.0, -2.0 * k], [0.0, 0.0, 1.0]);
+                }
+            }
+            for (k, place) in places.into_iter().enumerate() {
+                for axis in 0..3 {
+                    entries.push((3 * node + axis, place, frame[k][axis]));
+                    if let (Some((dof, share)), 0) = (beyond, axis) {
+                        entries.push((dof, place, share * frame[k][axis]));
+                    }
+                }
+            }
+        }
+        let displacements =
+            (0..m).flat_map(|node| (0..3).map(move |c| (node, c))).filter(|at| *at != (m - 1, 1)).collect();
+        let changes =
+            if changed { (0..laws.len()).map(|i| (3 * (i + 1), vec![(0, -0.25)])).collect() } else { Vec::new() };
+        let motions = (0..3).map(|c| (0..n_u).map(|dof| f64::from(u8::from(dof % 3 == c))).collect()).collect();
+        let n = n_u + 3 * laws.len();
+        let grid = Grid { dimension: 3, nodes: m, displacements, contacts, changed: changes, motions };
+        (grid, SystemMatrix::from(Csc::from_triplets(n, n, &entries).unwrap()))
+    }
+
+    const LAWS: [Law; 8] = [
+        Law::Open,
+        Law::Stick,
+        Law::Slip(0.0),
+        Law::Slip(0.7),
+        Law::Edge(0.4),
+        Law::Compliant(0.5),
+        Law::Stick,
+        Law::Slip(1.6),
+    ];
+
+    fn iterations(laws: &[Law], changed: bool, form: Form) -> usize {
+        let (grid, a) = system(laws, changed);
+        let n = a.order();
+        let mut solver = Multigrid { make_cycle: Inverse::boxed, ..Multigrid::new(grid, form) };
+        solver.analyze(a.pattern()).unwrap();
+        solver.factorize(a.rest().values()).unwrap();
+        let mut numbers = Numbers(11);
+        let b: Vec<f64> = (0..n).map(|_| numbers.next()).collect();
+        let mut x = vec![0.0; n];
+        solver.solve(&b, &mut x).unwrap();
+        let dense = (0..n).map(|i| (0..n).map(|j| a.get(i, j)).collect()).collect();
+        let expected = solved(dense, b);
+        let largest = expected.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        for (found, expected) in x.iter().zip(&expected) {
+            assert!((found - expected).abs() <= 1e-8 * largest, "{found} {expected}");
+        }
+        let Iterated { iterations, gave_way } = solver.iterated();
+        assert!(!gave_way);
+        iterations
+    }
+
+    #[test]
+    fn one_iteration_with_an_inverse_and_friction_in_it() {
+        assert_eq!(iterations(&LAWS, false, Form::Oblique), 1);
+    }
+
+    #[test]
+    fn one_iteration_where_rows_hold_what_is_not_of_their_node() {
+        assert_eq!(iterations(&LAWS, true, Form::Oblique), 1);
+    }
+
+    #[test]
+    fn without_friction_the_symmetric_form_is_exact_too() {
+        let laws = [Law::Open, Law::Stick, Law::Slip(0.0), Law::Edge(0.0), Law::Stick];
+        assert_eq!(iterations(&laws, false, Form::Symmetric), 1);
+        let found = iterations(&LAWS, false, Form::Symmetric);
+        assert!((2..=20).contains(&found), "{found}");
+    }
+}

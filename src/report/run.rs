@@ -19,7 +19,7 @@ use super::warnings::{Warning, WarningKind};
 use crate::auto::{Choice, Faster};
 use crate::contact::{KktErrors, RangeLeft};
 use crate::events::{Jump, Lost};
-use crate::history::{HistoryOutcome, IncrementRecord, Method, Solver, Status, WorkingSet};
+use crate::history::{HistoryOutcome, IncrementRecord, LinearAlgebra, Method, Solver, Status, WorkingSet};
 use crate::linear::blas::Blas;
 use crate::model::Model;
 use crate::scene::Scene;
@@ -313,7 +313,11 @@ impl RunReport {
         warnings.extend(facts.balance.unbalanced(solver.tolerance));
         let blas = Blas::loaded();
         warnings.extend(blas.as_ref().and_then(Warning::of_blas));
-        warnings.extend(Warning::of_multigrid(&outcome.linear));
+        warnings.extend(Warning::of_multigrid(
+            &outcome.linear,
+            choice.linear == LinearAlgebra::Multigrid,
+            &facts.linear,
+        ));
         RunReport {
             schema_version: SCHEMA_VERSION,
             program_version: env!("CARGO_PKG_VERSION"),

@@ -149,8 +149,14 @@ impl Warning {
         blas.is_slow().then_some(Warning { kind: WarningKind::SlowBlas, message })
     }
 
-    /// That multigrid stood still, if it did.
-    pub(super) fn of_multigrid(linear: &Statistics) -> Option<Self> {
+    /// That multigrid was `asked` for and stood still, or could not begin, so that another solver was `taken`.
+    pub(super) fn of_multigrid(linear: &Statistics, asked: bool, taken: &str) -> Option<Self> {
+        if asked && taken != "multigrid" {
+            let message = format!(
+                "multigrid cannot have two obstacles at a node, or contact rows that nodes share: {taken} solved"
+            );
+            return Some(Warning { kind: WarningKind::MultigridGaveWay, message });
+        }
         let message = "multigrid did not come to an end in 60 iterations, so that a direct solver took over, which takes more memory: \
                        meshes that are graded much in two directions and nu of 0.49 and more are not for multigrid; \
                        use solver.linear = \"auto\"";

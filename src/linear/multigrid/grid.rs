@@ -91,3 +91,38 @@ impl Grid {
         motions
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_that_does_not_fit_is_an_error() {
+        // Two nodes in the plane, of which the second has a contact without friction.
+        let grid = Grid {
+            dimension: 2,
+            nodes: 2,
+            displacements: vec![(0, 0), (1, 0), (1, 1)],
+            contacts: vec![Contact { node: 1, forces: [None, None, Some(3)] }],
+            changed: vec![(1, vec![(0, 0.5)])],
+            motions: vec![vec![1.0, 1.0, 0.0]],
+        };
+        assert_eq!(grid.checked(4), Ok(()));
+        let changes: [&dyn Fn(&mut Grid); 9] = [
+            &|grid| grid.dimension = 4,
+            &|grid| grid.displacements[0].0 = 2,
+            &|grid| grid.displacements[0].1 = 2,
+            &|grid| grid.contacts[0].forces[2] = Some(4),
+            &|grid| grid.contacts[0].forces[2] = Some(2),
+            &|grid| grid.contacts.push(grid.contacts[0]),
+            &|grid| grid.changed[0].0 = 3,
+            &|grid| grid.changed[0].1[0].0 = 3,
+            &|grid| grid.motions[0].truncate(2),
+        ];
+        for (k, change) in changes.into_iter().enumerate() {
+            let mut grid = grid.clone();
+            change(&mut grid);
+            assert!(matches!(grid.checked(4), Err(LinearError::Shape { .. })), "{k}");
+        }
+    }
+}

@@ -1,10 +1,25 @@
 //! A multigrid hierarchy, which serves for other matrices than its own: setting one up takes as long as twenty iterations.
 
 use super::node::Eliminated;
-use super::small::{on, transposed_on};
+use super::small::{on, put, transposed_on, vector};
 use super::stiffness::Layout;
-use super::{Cycle, put, vector};
 use crate::linear::LinearError;
+use crate::linear::petsc::{Amg, Rows};
+
+/// What stands for the inverse of `K̂`.
+pub(super) trait Cycle: Send {
+    /// `z` with `K̂ z ≈ r`.
+    fn cycle(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError>;
+}
+
+impl Cycle for Amg {
+    fn cycle(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
+        Amg::cycle(self, r, z)
+    }
+}
+
+/// What makes it, from `K̂` and its rigid motions.
+pub(super) type MakeCycle = fn(Rows, Vec<Vec<f64>>) -> Result<Box<dyn Cycle>, LinearError>;
 
 /// Where the share of contact nodes that are held in more or fewer directions is below this, a hierarchy still serves.
 const CHANGED: f64 = 0.1;

@@ -73,6 +73,18 @@ pub(super) fn transposed_on(a: &Small, x: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|j| (0..3).map(|k| a[k][j] * x[k]).sum())
 }
 
+/// What `all` has at `node`, of `d` directions.
+pub(super) fn vector(all: &[f64], node: usize, d: usize) -> [f64; 3] {
+    let mut v = [0.0; 3];
+    v[..d].copy_from_slice(&all[node * d..(node + 1) * d]);
+    v
+}
+
+/// Puts it there.
+pub(super) fn put(all: &mut [f64], node: usize, d: usize, v: [f64; 3]) {
+    all[node * d..(node + 1) * d].copy_from_slice(&v[..d]);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
