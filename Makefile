@@ -4,6 +4,7 @@
 # make python-docs its pages, run, in target/python-docs
 # make wheel  its wheel for any Linux since glibc 2.17, in target/wheels
 # make wheel-test the same, installed and run in fresh environments of the Pythons at hand
+# make petsc  the program with multigrid, and its tests (installs PETSc and Open MPI)
 # make bench  the benchmarks (minutes)
 # make instructions the instructions of each kernel, counted by callgrind
 # make lines  the lines of code, comments and tests
@@ -20,7 +21,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test python python-docs wheel wheel-test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
+.PHONY: demo test petsc python python-docs wheel wheel-test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -34,6 +35,16 @@ test: deps
 	cargo test --lib --config profile.test.package.stickslip.opt-level=0
 	$(BLAS) cargo test --workspace --exclude stickslip-python --bins --example outside --test '*'
 	cargo test --doc
+
+PETSC_PACKAGES = petsc-dev libopenmpi-dev pkg-config
+
+petsc: deps
+	@pkg-config --exists petsc || { $(SUDO) apt-get update -q && \
+		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $(PETSC_PACKAGES); }
+	cargo build --release --features petsc
+	$(BLAS) cargo test --features petsc --lib --config profile.test.package.stickslip.opt-level=0 -- multigrid petsc forcing
+	$(BLAS) cargo test --features petsc --test multigrid
+	cargo clippy --features petsc --all-targets --quiet -- -D warnings
 
 PYTHON = target/python/bin/python
 PYTHON_WHEELS ?= python3.10 python3.11 python3.12 python3.13

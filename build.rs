@@ -1,11 +1,23 @@
-//! With the feature `umfpack`, binds and links the SuiteSparse that is installed; otherwise nothing.
+//! Binds and links the C libraries that the features ask for; without any, nothing.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)] // This is how a build script speaks.
+
+#[cfg(any(feature = "umfpack", feature = "petsc"))]
+#[path = "ffi/bindings.rs"]
+mod bindings;
+#[cfg(feature = "petsc")]
+#[path = "ffi/petsc.rs"]
+mod petsc;
 #[cfg(feature = "umfpack")]
-#[path = "ffi/link.rs"]
-mod link;
+#[path = "ffi/suitesparse.rs"]
+mod suitesparse;
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
+    #[cfg(any(feature = "umfpack", feature = "petsc"))]
+    println!("cargo:rerun-if-changed=ffi/bindings.rs");
     #[cfg(feature = "umfpack")]
-    link::suitesparse();
+    suitesparse::suitesparse();
+    #[cfg(feature = "petsc")]
+    petsc::petsc();
 }

@@ -142,7 +142,7 @@ impl Choice {
         let Estimates { sparse, condensed } = estimates(Cholesky::predict(problem.stiffness())?);
         let (here, other, solver) = match self.linear {
             LinearAlgebra::Condensed(_) => (condensed, sparse, LinearAlgebra::default()),
-            LinearAlgebra::Whole(_) => (sparse, condensed, LinearAlgebra::condensed()),
+            LinearAlgebra::Whole(_) | LinearAlgebra::Multigrid => (sparse, condensed, LinearAlgebra::condensed()),
         };
         let faster = Faster { solver, seconds: other.seconds, here_seconds: here.seconds };
         let worth_a_word = here.seconds > MUCH * other.seconds && here.seconds > long;
@@ -162,7 +162,7 @@ impl Choice {
         }
         let (taken, other, name) = match self.linear {
             LinearAlgebra::Condensed(_) => (condensed, sparse, LinearAlgebra::default()),
-            LinearAlgebra::Whole(_) => (sparse, condensed, LinearAlgebra::condensed()),
+            LinearAlgebra::Whole(_) | LinearAlgebra::Multigrid => (sparse, condensed, LinearAlgebra::condensed()),
         };
         Some(format!(
             "{} (estimated {:.2} s against {:.2} s for {name}; {:.1e} flops an iteration against {:.1e})",

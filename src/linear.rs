@@ -23,8 +23,12 @@ mod error;
 #[cfg(feature = "faer")]
 mod faer;
 mod kernel;
+#[cfg(feature = "petsc")]
+mod multigrid;
 #[cfg(feature = "umfpack")]
 mod ordering;
+#[cfg(feature = "petsc")]
+mod petsc;
 pub mod process;
 mod refine;
 mod supernodal;
@@ -43,6 +47,8 @@ pub use dense::{Dense, times_transposed};
 pub use direct::{Direct, Statistics};
 pub use error::LinearError;
 pub use kernel::null_space_of;
+#[cfg(feature = "petsc")]
+pub use multigrid::{Contact, Form, Grid, Multigrid};
 pub use refine::{SolveInfo, backward_error, componentwise_error};
 #[cfg(feature = "umfpack")]
 pub use umfpack::{Strategy, Umfpack};
@@ -87,4 +93,32 @@ pub trait LinearSolver: Send {
     /// # Errors
     /// When there are no factors, or the backend fails.
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError>;
+
+    /// Whether it solves by iterations, of which each digit takes some.
+    fn iterates(&self) -> bool {
+        false
+    }
+
+    /// Solves to a residual of `tolerance` times `b`, or better; who does not iterate solves as ever.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve`].
+    fn solve_to(&mut self, tolerance: f64, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        let _ = tolerance;
+        self.solve(b, x)
+    }
+
+    /// What the iterations came to since this was last asked.
+    fn iterated(&mut self) -> Iterated {
+        Iterated::default()
+    }
+}
+
+/// What the iterations of a solver came to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Iterated {
+    /// How many there were.
+    pub iterations: usize,
+    /// Whether they stood still, so that a direct solver took over.
+    pub gave_way: bool,
 }

@@ -26,6 +26,8 @@
 mod companion;
 mod discretise;
 mod error;
+#[cfg(feature = "petsc")]
+mod grid;
 mod increments;
 mod need;
 mod recording;
@@ -48,6 +50,8 @@ use crate::history::{
     self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Observer, Solver, Status, System,
 };
 use crate::linear::{Direct, LinearError};
+#[cfg(feature = "petsc")]
+use crate::linear::{Form, LinearSolver, Multigrid};
 use crate::memory::Budget;
 use crate::model::Model;
 use crate::problem::State;
@@ -314,6 +318,16 @@ impl<'a> Run<'a> {
                 System::from(lu.solver_for(self.model.mesh.dimension == 2 && expected() >= MANY))
             }
             LinearAlgebra::Condensed(cholesky) => System::condensed(cholesky, self.reach.factor.clone()),
+            #[cfg(feature = "petsc")]
+            LinearAlgebra::Multigrid => match grid::grid(&self.model) {
+                Some(grid) => {
+                    let form = if self.solver.method.is_interior() { Form::Oblique } else { Form::Symmetric };
+                    System::from(Box::new(Multigrid::new(grid, form)) as Box<dyn LinearSolver>)
+                }
+                None => System::default(),
+            },
+            #[cfg(not(feature = "petsc"))]
+            LinearAlgebra::Multigrid => System::from(LinearAlgebra::Multigrid),
         }
     }
 

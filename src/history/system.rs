@@ -7,6 +7,7 @@ use std::sync::Arc;
 use serde::{Serialize, Serializer};
 
 use crate::condense::Condensation;
+use crate::linear::built_in;
 use crate::linear::{Cholesky, Direct, FactorInfo, LinearSolver, SparseCholesky, SparseLu, Statistics};
 
 /// How the linear systems of a run are set up, and what factors them.
@@ -20,15 +21,19 @@ pub enum LinearAlgebra {
     Whole(SparseLu),
     /// Static condensation: what no contact touches is eliminated once a run.
     Condensed(SparseCholesky),
+    /// The uncondensed system by GMRES, with contact inside algebraic multigrid, which factors nothing: for bodies that are too large for
+    /// the others.
+    Multigrid,
 }
 
 impl LinearAlgebra {
     /// All of them, each with the word that scenes and reports have for it.
-    pub const WORDS: [(&'static str, LinearAlgebra); 4] = [
+    pub const WORDS: [(&'static str, LinearAlgebra); 5] = [
         ("umfpack", LinearAlgebra::Whole(SparseLu::Umfpack)),
         ("faer", LinearAlgebra::Whole(SparseLu::Faer)),
         ("condensed-cholmod", LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
         ("condensed-faer", LinearAlgebra::Condensed(SparseCholesky::Faer)),
+        ("multigrid", LinearAlgebra::Multigrid),
     ];
 
     /// Condensed by the Cholesky factorisation of this build.
@@ -46,6 +51,7 @@ impl LinearAlgebra {
         match self {
             LinearAlgebra::Whole(lu) => lu.is_built_in(),
             LinearAlgebra::Condensed(cholesky) => cholesky.is_built_in(),
+            LinearAlgebra::Multigrid => cfg!(feature = "petsc"),
         }
     }
 }
@@ -62,6 +68,7 @@ impl fmt::Display for LinearAlgebra {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             LinearAlgebra::Whole(lu) => lu.fmt(f),
+            LinearAlgebra::Multigrid => f.write_str("multigrid"),
             condensed if *condensed == LinearAlgebra::condensed() => f.write_str("condensed"),
             LinearAlgebra::Condensed(cholesky) => write!(f, "condensed-{cholesky}"),
         }
@@ -70,7 +77,7 @@ impl fmt::Display for LinearAlgebra {
 
 /// A word that names no linear algebra.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("it is one of umfpack, faer, condensed, condensed-cholmod and condensed-faer")]
+#[error("it is one of umfpack, faer, condensed, condensed-cholmod, condensed-faer and multigrid")]
 pub struct UnknownLinearAlgebra;
 
 impl FromStr for LinearAlgebra {
@@ -104,10 +111,13 @@ impl Default for System {
 }
 
 impl From<LinearAlgebra> for System {
+    /// The system of a choice. Multigrid has to know where the unknowns are: of a model, see [`crate::run::Run`]; otherwise from
+    /// `linear::Multigrid`.
     fn from(choice: LinearAlgebra) -> Self {
         match choice {
             LinearAlgebra::Whole(lu) => System::from(lu.solver()),
             LinearAlgebra::Condensed(cholesky) => System::Condensed(cholesky.into()),
+            LinearAlgebra::Multigrid => System::from(built_in::without_grid()),
         }
     }
 }

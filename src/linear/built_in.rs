@@ -28,7 +28,11 @@ pub fn faer() -> Box<dyn LinearSolver> {
     }
 }
 
-#[cfg(not(all(feature = "umfpack", feature = "faer")))]
+/// Stands for multigrid where nobody says where the unknowns are.
+pub fn without_grid() -> Box<dyn LinearSolver> {
+    Box::new(absent::Absent("grid of the unknowns, which multigrid needs"))
+}
+
 mod absent {
     use std::sync::Arc;
 

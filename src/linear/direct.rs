@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::expect_length;
 use super::refine::{self, SolveInfo, Workspace};
-use super::{Dense, FactorInfo, LinearError, LinearSolver, SparseLu};
+use super::{Dense, FactorInfo, Iterated, LinearError, LinearSolver, SparseLu};
 use crate::sparse::{Pattern, SystemMatrix};
 
 /// What a [`Direct`] solver has done so far.
@@ -29,6 +29,10 @@ pub struct Statistics {
     pub solve_seconds: f64,
     /// The largest backward error of any solve.
     pub worst_backward_error: f64,
+    /// Iterations within the solves, where they are done so.
+    pub krylov_iterations: usize,
+    /// Whether these stood still, so that a direct solver took over.
+    pub gave_way: bool,
     /// The last factorisation.
     pub factor: FactorInfo,
 }
@@ -70,6 +74,13 @@ impl Solver {
         match self {
             Solver::Sparse(solver) => solver.solve(b, x),
             Solver::Dense(solver) => solver.solve(b, x),
+        }
+    }
+
+    fn iterated(&mut self) -> Iterated {
+        match self {
+            Solver::Sparse(solver) => solver.iterated(),
+            Solver::Dense(_) => Iterated::default(),
         }
     }
 }
@@ -155,6 +166,13 @@ impl Direct {
         Ok(info)
     }
 
+    /// An error unless `a` stands on the analysed pattern, and both vectors fit it.
+    fn fits(&self, a: &SystemMatrix, b: &[f64], x: &[f64]) -> Result<(), LinearError> {
+        self.expect_analysed(a)?;
+        expect_length("right-hand side", a.pattern().rows(), b.len())?;
+        expect_length("solution", a.order(), x.len())
+    }
+
     /// An error unless `a` stands on the analysed pattern. A formulation shares it, so that nothing is compared.
     fn expect_analysed(&self, a: &SystemMatrix) -> Result<(), LinearError> {
         let pattern = self.pattern.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
@@ -172,9 +190,44 @@ impl Direct {
     pub fn solve_roughly(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         let start = Instant::now();
         self.solver.solve(b, x)?;
-        self.statistics.solves += 1;
-        self.statistics.solve_seconds += start.elapsed().as_secs_f64();
+        self.count_solve(start);
         Ok(())
+    }
+
+    /// Whether it solves by iterations.
+    pub fn iterates(&self) -> bool {
+        match &self.solver {
+            Solver::Sparse(solver) => solver.iterates(),
+            Solver::Dense(_) => false,
+        }
+    }
+
+    /// Solves `a x = b` to a residual of `tolerance` times `b` where that is done by iterations; it is not refined then, and its backward
+    /// error is not among the worst of the statistics. Otherwise as [`Direct::solve`].
+    ///
+    /// # Errors
+    /// As [`Direct::solve`].
+    pub fn solve_to(
+        &mut self,
+        tolerance: f64,
+        a: &SystemMatrix,
+        b: &[f64],
+        x: &mut [f64],
+    ) -> Result<SolveInfo, LinearError> {
+        self.fits(a, b, x)?;
+        let start = Instant::now();
+        let solver = match &mut self.solver {
+            Solver::Sparse(solver) if solver.iterates() => solver,
+            _ => return self.solve(a, b, x),
+        };
+        solver.solve_to(tolerance, b, x)?;
+        let error = refine::backward_error(a, b, x)?;
+        self.count_solve(start);
+        if error.is_finite() {
+            Ok(SolveInfo { backward_error: error, refinements: 0 })
+        } else {
+            Err(LinearError::NotFinite)
+        }
     }
 
     /// Solves `a x = b` with the last factors, refined.
@@ -182,16 +235,22 @@ impl Direct {
     /// # Errors
     /// As [`LinearSolver::solve`], [`LinearError::PatternChanged`], and [`LinearError::NotFinite`].
     pub fn solve(&mut self, a: &SystemMatrix, b: &[f64], x: &mut [f64]) -> Result<SolveInfo, LinearError> {
-        self.expect_analysed(a)?;
-        expect_length("right-hand side", a.pattern().rows(), b.len())?;
-        expect_length("solution", a.order(), x.len())?;
+        self.fits(a, b, x)?;
         let start = Instant::now();
         let info = refine::solve(&mut |b, x| self.solver.solve(b, x), a, b, x, &mut self.work)?;
+        self.count_solve(start);
         let statistics = &mut self.statistics;
-        statistics.solves += 1;
         statistics.refinements += info.refinements;
-        statistics.solve_seconds += start.elapsed().as_secs_f64();
         statistics.worst_backward_error = statistics.worst_backward_error.max(info.backward_error);
         Ok(info)
+    }
+
+    fn count_solve(&mut self, start: Instant) {
+        let Iterated { iterations, gave_way } = self.solver.iterated();
+        let statistics = &mut self.statistics;
+        statistics.solves += 1;
+        statistics.solve_seconds += start.elapsed().as_secs_f64();
+        statistics.krylov_iterations += iterations;
+        statistics.gave_way |= gave_way;
     }
 }

@@ -1,6 +1,7 @@
 //! Algorithm BN: the B-differentiable Newton method.
 
 mod beyond;
+mod forcing;
 
 use super::clock::Clock;
 use super::cycle::Cycle;
@@ -8,6 +9,7 @@ use super::{Armijo, End, Flow, Iteration, IterationRecord, LinearSystem, Outcome
 use crate::formulation::Bdiff;
 use crate::linear::{Direct, LinearError};
 use beyond::Branch;
+use forcing::Forcing;
 
 /// Algorithm BN with its workspace.
 pub struct Bn {
@@ -21,6 +23,7 @@ pub struct Bn {
     /// The generation of the factors that `linear` had after this solver's last factorisation: if it is
     /// still the same, its factors are those of the last linearisation.
     factored: Option<usize>,
+    forcing: Forcing,
 }
 
 /// A direction, or why there is none.
@@ -30,7 +33,16 @@ impl Bn {
     /// A solver for `unknowns` equations, with this rule for the step size.
     pub fn new(armijo: Armijo, max_iterations: usize, unknowns: usize) -> Self {
         let zeros = || vec![0.0; unknowns];
-        Bn { armijo, max_iterations, h: zeros(), dz: zeros(), rhs: zeros(), rest: zeros(), factored: None }
+        Bn {
+            armijo,
+            max_iterations,
+            h: zeros(),
+            dz: zeros(),
+            rhs: zeros(),
+            rest: zeros(),
+            factored: None,
+            forcing: Forcing::default(),
+        }
     }
 
     /// Solves `H(z) = 0` from the given `z`, which is left at the last iterate, with its [`Bn::rest`]. `linear` must
@@ -145,7 +157,12 @@ impl Bn {
         self.rhs.copy_from_slice(&self.h);
         formulation.right_hand_side(&mut self.rhs);
         self.rhs.iter_mut().for_each(|b| *b = -*b);
-        match linear.solve(formulation.jacobian(), &self.rhs, &mut self.dz) {
+        let solved = if fresh {
+            linear.solve_to(self.forcing.term(&self.rhs), formulation.jacobian(), &self.rhs, &mut self.dz)
+        } else {
+            linear.solve(formulation.jacobian(), &self.rhs, &mut self.dz)
+        };
+        match solved {
             Ok(info) => Ok(Ok(info.backward_error)),
             Err(error) => Stop::at(error).map(Err),
         }

@@ -72,6 +72,12 @@ impl OwnBasis {
         Some(basis)
     }
 
+    /// The displacements that are changed, each with what it holds of others: `u_e = ũ_e + Σ c ũ_a`.
+    #[cfg(feature = "petsc")]
+    pub(crate) fn changes(&self) -> &[(usize, Vec<(usize, f64)>)] {
+        &self.changed
+    }
+
     /// `u = Q ũ` in the place of `ũ`.
     pub(crate) fn apply(&self, u: &mut [f64]) {
         for (dof, others) in &self.changed {

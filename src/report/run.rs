@@ -19,7 +19,7 @@ use super::warnings::{Warning, WarningKind};
 use crate::auto::{Choice, Faster};
 use crate::contact::{KktErrors, RangeLeft};
 use crate::events::{Jump, Lost};
-use crate::history::{HistoryOutcome, IncrementRecord, Method, Solver, Status, WorkingSet};
+use crate::history::{HistoryOutcome, IncrementRecord, LinearAlgebra, Method, Solver, Status, WorkingSet};
 use crate::linear::blas::Blas;
 use crate::model::Model;
 use crate::scene::Scene;
@@ -219,6 +219,9 @@ pub struct Totals {
     pub factorizations: usize,
     /// Symbolic analyses.
     pub symbolic_analyses: usize,
+    /// Iterations within the linear solves, where multigrid does them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub krylov_iterations: Option<usize>,
     /// CPU time of the process, s.
     pub cpu_seconds: f64,
     /// Wall time since the scene was read, s.
@@ -310,6 +313,11 @@ impl RunReport {
         warnings.extend(facts.balance.unbalanced(solver.tolerance));
         let blas = Blas::loaded();
         warnings.extend(blas.as_ref().and_then(Warning::of_blas));
+        warnings.extend(Warning::of_multigrid(
+            &outcome.linear,
+            choice.linear == LinearAlgebra::Multigrid,
+            &facts.linear,
+        ));
         RunReport {
             schema_version: SCHEMA_VERSION,
             program_version: env!("CARGO_PKG_VERSION"),
@@ -343,6 +351,7 @@ impl RunReport {
                 iterations: outcome.tally.iterations,
                 factorizations: outcome.linear.factorizations,
                 symbolic_analyses: outcome.linear.analyses,
+                krylov_iterations: Some(outcome.linear.krylov_iterations).filter(|iterations| *iterations > 0),
                 cpu_seconds: measured.cpu_seconds,
                 wall_seconds: measured.wall_seconds,
                 setup_seconds: measured.model_seconds + outcome.setup_seconds,

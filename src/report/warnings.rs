@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::description::Action;
 use crate::estimate::expected_locking;
 use crate::fem::Element;
+use crate::linear::Statistics;
 use crate::linear::blas::{Blas, KERNEL_VARIABLE};
 use crate::model::Model;
 use crate::units::Quantity;
@@ -72,6 +73,8 @@ pub enum WarningKind {
     Unbalanced,
     /// A BLAS that is several times slower than the processor could run one. Costs time and no accuracy.
     SlowBlas,
+    /// Multigrid that stood still, so that a direct solver took over. Costs time and no accuracy.
+    MultigridGaveWay,
 }
 
 impl WarningKind {
@@ -99,7 +102,8 @@ impl WarningKind {
             | WarningKind::IncrementsForce
             | WarningKind::CurvedGaps
             | WarningKind::Jump
-            | WarningKind::Unbalanced => true,
+            | WarningKind::Unbalanced
+            | WarningKind::MultigridGaveWay => true,
         }
     }
 }
@@ -143,6 +147,20 @@ impl Warning {
             "the BLAS in use is {blas}; factorisations take longer than they need, up to several times: {cure}"
         );
         blas.is_slow().then_some(Warning { kind: WarningKind::SlowBlas, message })
+    }
+
+    /// That multigrid was `asked` for and stood still, or could not begin, so that another solver was `taken`.
+    pub(super) fn of_multigrid(linear: &Statistics, asked: bool, taken: &str) -> Option<Self> {
+        if asked && taken != "multigrid" {
+            let message = format!(
+                "multigrid cannot have two obstacles at a node, or contact rows that nodes share: {taken} solved"
+            );
+            return Some(Warning { kind: WarningKind::MultigridGaveWay, message });
+        }
+        let message = "multigrid did not come to an end in 60 iterations, so that a direct solver took over, which takes more memory: \
+                       meshes that are graded much in two directions and nu of 0.49 and more are not for multigrid; \
+                       use solver.linear = \"auto\"";
+        linear.gave_way.then(|| Warning { kind: WarningKind::MultigridGaveWay, message: message.to_string() })
     }
 
     /// That elements lock, if it makes the body too stiff by a `share` that counts.

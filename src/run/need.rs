@@ -10,6 +10,9 @@ use crate::model::Model;
 /// Bytes that mesh, assembly and the patterns and values of all formulations take for an entry of the lower triangle of the stiffness.
 const BODY_BYTES: f64 = 160.0;
 
+/// What multigrid takes for a displacement: the matrix with contact eliminated, its hierarchy, the vectors of GMRES.
+const MULTIGRID_BYTES: f64 = 4000.0;
+
 /// What the program takes before it has a mesh, bytes.
 const PROGRAM_BYTES: f64 = 25e6;
 
@@ -50,6 +53,10 @@ impl Need {
         let entries = stiffness.entries as f64;
         let (factors, least) = match linear {
             LinearAlgebra::Whole(_) => (cost::sparse(&sizes, &work, false).bytes, 16.0 * entries),
+            LinearAlgebra::Multigrid => {
+                let bytes = MULTIGRID_BYTES * problem.displacements() as f64;
+                (bytes, 0.5 * bytes)
+            }
             LinearAlgebra::Condensed(_) => (cost::condensed(&sizes, &work).bytes, 8.0 * entries),
         };
         let body = PROGRAM_BYTES + BODY_BYTES * problem.stiffness().lower().values().len() as f64;

@@ -41,6 +41,7 @@ pub(super) enum LinearName {
     Condensed,
     CondensedCholmod,
     CondensedFaer,
+    Multigrid,
     Auto,
 }
 
@@ -63,6 +64,7 @@ impl LinearName {
             LinearName::Condensed => LinearAlgebra::condensed(),
             LinearName::CondensedCholmod => LinearAlgebra::Condensed(SparseCholesky::Cholmod),
             LinearName::CondensedFaer => LinearAlgebra::Condensed(SparseCholesky::Faer),
+            LinearName::Multigrid => LinearAlgebra::Multigrid,
             LinearName::Auto => return None,
         })
     }

@@ -131,6 +131,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "scene",
             "timeline",
             "uniqueness",
+            "vector",
         ],
     ),
     ("sweep", &["report", "scene", "units"]),

@@ -54,6 +54,7 @@ fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgeb
         linear if linear.is_built_in() => return Ok(Some(linear)),
         LinearAlgebra::Whole(SparseLu::Umfpack) => "UMFPACK".to_string(),
         LinearAlgebra::Whole(SparseLu::Faer) => "faer".to_string(),
+        LinearAlgebra::Multigrid => "PETSc, which multigrid is of".to_string(),
         condensed => format!("Cholesky factorisation, which \"{condensed}\" needs"),
     };
     let help = if whole.is_built_in() { format!("use \"{whole}\" or \"condensed\"") } else { BUILD_IT.to_string() };

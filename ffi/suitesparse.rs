@@ -3,11 +3,9 @@
 //! `SUITESPARSE_INCLUDE_DIR` and `SUITESPARSE_LIB_DIR` override where headers and libraries are
 //! looked for. The bindings are made anew on every machine, so 5.x and 7.x headers both serve.
 
-#![allow(clippy::print_stdout, clippy::print_stderr)] // This is how a build script speaks.
-
+use super::bindings::{generate, stop};
 use std::env;
-use std::path::{Path, PathBuf};
-use std::process::exit;
+use std::path::PathBuf;
 
 /// What `linear/` calls; everything else in the headers stays out of the project.
 const ALLOWED: [&str; 6] = [
@@ -21,7 +19,7 @@ const ALLOWED: [&str; 6] = [
 
 /// Everything this file is for.
 pub fn suitesparse() {
-    println!("cargo:rerun-if-changed=ffi/link.rs");
+    println!("cargo:rerun-if-changed=ffi/suitesparse.rs");
     println!("cargo:rerun-if-changed=ffi/suitesparse.h");
     println!("cargo:rerun-if-env-changed=SUITESPARSE_INCLUDE_DIR");
     println!("cargo:rerun-if-env-changed=SUITESPARSE_LIB_DIR");
@@ -36,7 +34,7 @@ pub fn suitesparse() {
     println!("cargo:rustc-link-lib=dylib=umfpack");
     println!("cargo:rustc-link-lib=dylib=cholmod");
     println!("cargo:rustc-link-lib=dylib=suitesparseconfig");
-    generate(&include);
+    generate("ffi/suitesparse.h", "suitesparse.rs", &[format!("-I{}", include.display())], &ALLOWED);
 }
 
 /// The folder that holds `umfpack.h`, or the end of the build with the package to install.
@@ -64,35 +62,4 @@ fn include_dir() -> PathBuf {
             candidates.iter().map(|dir| dir.display().to_string()).collect::<Vec<_>>().join(", ")
         )),
     }
-}
-
-fn generate(include: &Path) {
-    let mut builder = bindgen::Builder::default()
-        .header("ffi/suitesparse.h")
-        .clang_arg(format!("-I{}", include.display()))
-        .generate_comments(false)
-        .layout_tests(false);
-    for item in ALLOWED {
-        builder = builder.allowlist_function(item).allowlist_var(item);
-    }
-    // bindgen panics when libclang itself cannot be loaded; that panic becomes our message.
-    std::panic::set_hook(Box::new(|_| {}));
-    let bindings = match std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| builder.generate())) {
-        Ok(Ok(bindings)) => bindings,
-        Ok(Err(error)) => stop(&format!("the SuiteSparse headers in {} could not be read: {error}", include.display())),
-        Err(_) => stop(
-            "libclang not found; bindgen needs it to read the SuiteSparse headers.\n  \
-             Debian, Ubuntu: apt-get install libclang-dev",
-        ),
-    };
-    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR")).join("suitesparse.rs");
-    if let Err(error) = bindings.write_to_file(&out) {
-        stop(&format!("{} cannot be written: {error}", out.display()));
-    }
-}
-
-fn stop(message: &str) -> ! {
-    println!("cargo:warning=stickslip: {}", message.replace(".\n  ", "; ").replace("\n  ", "; "));
-    eprintln!("\nstickslip: {message}\n");
-    exit(1);
 }

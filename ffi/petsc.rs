@@ -1,0 +1,49 @@
+//! Generates the bindings of the PETSc that is installed, and links it.
+
+use super::bindings::{generate, stop};
+use std::process::Command;
+
+/// What `linear/petsc.rs` calls.
+const ALLOWED: [&str; 8] = [
+    "Petsc(InitializeNoArguments|Initialized|OptionsSetValue|PushErrorHandler|ReturnErrorHandler|PopSignalHandler|GetVersionNumber)",
+    "PETSC_(COMM_WORLD|MPI_THREAD_REQUIRED|VERSION_.*)",
+    "Mat(CreateSeqAIJWithArrays|SetBlockSize|SetOption|SetNearNullSpace|NullSpaceCreate|NullSpaceDestroy|Destroy)",
+    "Vec(CreateSeqWithArray|PlaceArray|ResetArray|Destroy)",
+    "PC(Create|SetType|SetOperators|SetOptionsPrefix|SetFromOptions|SetUp|Apply|Destroy|GetFailedReason)",
+    "MatOption",
+    "PCFailedReason",
+    "PetscErrorCode",
+];
+
+/// Everything this file is for.
+pub fn petsc() {
+    println!("cargo:rerun-if-changed=ffi/petsc.rs");
+    println!("cargo:rerun-if-changed=ffi/petsc.h");
+    println!("cargo:rerun-if-env-changed=PKG_CONFIG_PATH");
+    let mut arguments = Vec::new();
+    for flag in words("pkg-config", &["--cflags", "petsc"]) {
+        arguments.push(flag);
+    }
+    for flag in words("pkg-config", &["--libs", "petsc"]) {
+        if let Some(folder) = flag.strip_prefix("-L") {
+            println!("cargo:rustc-link-search=native={folder}");
+        } else if let Some(library) = flag.strip_prefix("-l") {
+            println!("cargo:rustc-link-lib=dylib={library}");
+        }
+    }
+    arguments.extend(words("mpicc", &["--showme:compile"]));
+    generate("ffi/petsc.h", "petsc.rs", &arguments, &ALLOWED);
+}
+
+/// What a program that tells about an installation says.
+fn words(program: &str, arguments: &[&str]) -> Vec<String> {
+    match Command::new(program).args(arguments).output() {
+        Ok(output) if output.status.success() => {
+            String::from_utf8_lossy(&output.stdout).split_whitespace().map(str::to_owned).collect()
+        }
+        _ => stop(&format!(
+            "`{program} {}` tells nothing of PETSc.\n  Debian, Ubuntu: apt-get install petsc-dev libopenmpi-dev pkg-config",
+            arguments.join(" ")
+        )),
+    }
+}

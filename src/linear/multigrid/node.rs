@@ -1,0 +1,251 @@
+//! Contact eliminated at one node, exactly, from the rows of the Newton matrix alone.
+//!
+//! With the displacements `w` and the forces `p` of the node, equilibrium has `B p`, and its rows are `R w + D p = r`. Where `D` is
+//! singular a combination of the rows holds displacements, whatever the forces: normal and tangents of a node that sticks, the normal of
+//! one that slides, the direction across the slip on the edge of the cone. The singular values of `D` find them, without statuses and
+//! for any frame. Along the other directions the forces follow from the displacements, and act as springs.
+
+use super::small::{Decomposition, Small, decompose, on, pseudo_inverse, times, transposed, transposed_on};
+
+/// `D` is singular where a value is at most this, in units of the stiffness.
+const SINGULAR: f64 = 1e-8;
+/// A row of displacements of which a decomposition leaves less than this depends on the others.
+const DEPENDENT: f64 = 1e-10;
+
+/// The rows and columns of one contact node. What it does not have is 0.
+#[derive(Clone, Copy)]
+pub(super) struct Local {
+    /// What the forces do to equilibrium: a row for each direction.
+    pub b: Small,
+    /// What the displacements do in the rows of the contact laws.
+    pub r: Small,
+    /// What the forces do in them.
+    pub d: Small,
+    /// Which directions the node has, and which forces.
+    pub directions: [bool; 3],
+    pub forces: [bool; 3],
+    /// The largest of its entries on the diagonal of `K`.
+    pub stiffness: f64,
+}
+
+/// One node with its contact eliminated.
+#[derive(Clone, Copy)]
+pub(super) struct Eliminated {
+    /// The frame: its columns are directions, those that are held first.
+    pub frame: Small,
+    pub held: [bool; 3],
+    /// Directions of the frame that the supports have taken.
+    pub missing: [bool; 3],
+    /// What forces do to equilibrium, and displacements to the laws, in the frame.
+    b: Small,
+    r: Small,
+    /// Held displacements by the right-hand side of the rows.
+    prescribed: Small,
+    /// `D⁺`.
+    compliance: Small,
+    /// Forces by what equilibrium lacks in the held directions.
+    reactions: Small,
+    /// What these reactions do in the free directions, by the held ones.
+    pub coupling: Small,
+    /// What the forces that follow the displacements add to the stiffness, in the frame: `-B D⁺ R`.
+    pub springs: Small,
+}
+
+impl Local {
+    pub(super) fn eliminated(&self) -> Eliminated {
+        let mut law = self.scaled();
+        for k in (0..3).filter(|&k| !self.forces[k]) {
+            law.d[k][k] = 1.0;
+        }
+        let Decomposition { left, values, right } = decompose(&law.d);
+        let singular = values.map(|s| s <= SINGULAR);
+        let compliance = {
+            let inverse = [0, 1, 2].map(|k| if singular[k] { 0.0 } else { 1.0 / values[k] });
+            let by_value = right.map(|row| [0, 1, 2].map(|k| row[k] * inverse[k]));
+            let d = times(&by_value, &transposed(&left));
+            [0, 1, 2].map(|i| [0, 1, 2].map(|j| d[i][j] * law.force / law.rows[j]))
+        };
+        // The combinations of rows without forces, and the forces that no row tells.
+        let free_rows = masked_columns(&decompose(&transposed(&law.d)).right, singular);
+        let untold = masked_columns(&right, singular);
+        let constraints = times(&transposed(&law.r), &free_rows);
+        let Decomposition { left: combined, values: strength, right: basis } = decompose(&transposed(&constraints));
+        let independent = [0, 1, 2].map(|k| strength[k] > DEPENDENT);
+        let (frame, held, missing) = self.frame(&basis, independent);
+        let by_rows = times(&transposed(&combined), &transposed(&free_rows));
+        let prescribed = [0, 1, 2].map(|k| {
+            let factor = |j: usize| if independent[k] { by_rows[k][j] / (strength[k] * law.rows[j]) } else { 0.0 };
+            [0, 1, 2].map(factor)
+        });
+        let (b, r) = (times(&transposed(&frame), &self.b), times(&self.r, &frame));
+        let by_untold = times(&b, &untold);
+        let part = |mask: [bool; 3]| [0, 1, 2].map(|i| if mask[i] { by_untold[i] } else { [0.0; 3] });
+        let inverse = pseudo_inverse(&part(held), DEPENDENT);
+        let reactions = times(&untold, &inverse);
+        let coupling = times(&part(held.map(|held| !held)), &inverse);
+        let springs = times(&times(&b, &compliance), &r).map(|row| row.map(|v| -v));
+        Eliminated { frame, held, missing, b, r, prescribed, compliance, reactions, coupling, springs }
+    }
+
+    /// The laws with rows of size one and forces in units of the stiffness.
+    fn scaled(&self) -> Scaled {
+        let force = if self.stiffness > 0.0 { self.stiffness } else { 1.0 };
+        let rows = [0, 1, 2].map(|i| {
+            let size = (0..3).fold(0.0_f64, |size, j| size.hypot(self.r[i][j]).hypot(self.d[i][j] * force));
+            if size > 0.0 { size } else { 1.0 }
+        });
+        let by = |m: &Small, factor: f64| [0, 1, 2].map(|i| m[i].map(|v| v * factor / rows[i]));
+        Scaled { r: by(&self.r, 1.0), d: by(&self.d, force), rows, force }
+    }
+
+    /// The held directions of a `basis` first, then what is left of the axes of the mesh, then those that the node does not have.
+    fn frame(&self, basis: &Small, independent: [bool; 3]) -> (Small, [bool; 3], [bool; 3]) {
+        let mut columns: Vec<[f64; 3]> = (0..3).filter(|&k| independent[k]).map(|k| basis.map(|row| row[k])).collect();
+        let held = columns.len();
+        let present = self.directions.iter().filter(|there| **there).count();
+        while columns.len() < present {
+            let rest = |axis: usize| {
+                let mut e = [0.0; 3];
+                e[axis] = 1.0;
+                for _ in 0..2 {
+                    for column in &columns {
+                        let share: f64 = (0..3).map(|i| column[i] * e[i]).sum();
+                        (0..3).for_each(|i| e[i] -= share * column[i]);
+                    }
+                }
+                e
+            };
+            let size = |v: &[f64; 3]| v.iter().fold(0.0_f64, |size, v| size.hypot(*v));
+            let rests = (0..3).filter(|&axis| self.directions[axis]).map(rest);
+            let Some(largest) = rests.max_by(|a, b| size(a).total_cmp(&size(b))) else { break };
+            columns.push(largest.map(|v| v / size(&largest)));
+        }
+        let missing: Vec<usize> = (0..3).filter(|&axis| !self.directions[axis]).collect();
+        columns.extend(missing.iter().map(|&axis| [0, 1, 2].map(|i| f64::from(u8::from(i == axis)))));
+        let frame = [0, 1, 2].map(|i| [0, 1, 2].map(|k| columns[k][i]));
+        (frame, [0, 1, 2].map(|k| k < held), [0, 1, 2].map(|k| k >= present))
+    }
+}
+
+struct Scaled {
+    r: Small,
+    d: Small,
+    rows: [f64; 3],
+    force: f64,
+}
+
+impl Eliminated {
+    /// The held displacements, in the frame.
+    pub(super) fn prescribed(&self, rows: [f64; 3]) -> [f64; 3] {
+        on(&self.prescribed, rows)
+    }
+
+    /// The forces that follow the displacements `w` of the frame.
+    pub(super) fn following(&self, rows: [f64; 3], w: [f64; 3]) -> [f64; 3] {
+        let by_w = on(&self.r, w);
+        on(&self.compliance, [0, 1, 2].map(|k| rows[k] - by_w[k]))
+    }
+
+    /// What forces do to equilibrium, in the frame.
+    pub(super) fn on_equilibrium(&self, p: [f64; 3]) -> [f64; 3] {
+        on(&self.b, p)
+    }
+
+    /// The forces that make up for what equilibrium lacks in the held directions.
+    pub(super) fn reactions(&self, lacking: [f64; 3]) -> [f64; 3] {
+        on(&self.reactions, [0, 1, 2].map(|k| if self.held[k] { lacking[k] } else { 0.0 }))
+    }
+
+    /// A vector in the frame.
+    pub(super) fn into_frame(&self, v: [f64; 3]) -> [f64; 3] {
+        transposed_on(&self.frame, v)
+    }
+
+    /// A vector of the frame in the directions of the mesh.
+    pub(super) fn out_of_frame(&self, v: [f64; 3]) -> [f64; 3] {
+        on(&self.frame, v)
+    }
+
+    /// Directions of the frame that are not solved for.
+    pub(super) fn gone(&self) -> [bool; 3] {
+        [0, 1, 2].map(|k| self.held[k] || self.missing[k])
+    }
+}
+
+fn masked_columns(m: &Small, keep: [bool; 3]) -> Small {
+    m.map(|row| [0, 1, 2].map(|k| if keep[k] { row[k] } else { 0.0 }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::small::ZERO;
+    use super::*;
+
+    const NORMAL: [f64; 3] = [0.0, -1.0, 0.0];
+    const TANGENT: [f64; 3] = [1.0, 0.0, 0.0];
+
+    /// A node in the plane above an obstacle, with its rows `(p_t, p_n)` of the laws.
+    fn node(r: [[f64; 2]; 2], d: [[f64; 2]; 2]) -> Eliminated {
+        let mut local = Local {
+            b: ZERO,
+            r: ZERO,
+            d: ZERO,
+            directions: [true, true, false],
+            forces: [true, true, false],
+            stiffness: 2.0,
+        };
+        for i in 0..3 {
+            (local.b[i][0], local.b[i][1]) = (TANGENT[i], NORMAL[i]);
+            for row in 0..2 {
+                local.r[row][i] = r[row][0] * TANGENT[i] + r[row][1] * NORMAL[i];
+            }
+        }
+        for row in 0..2 {
+            local.d[row][..2].copy_from_slice(&d[row]);
+        }
+        local.eliminated()
+    }
+
+    #[test]
+    fn an_open_node_keeps_its_forces() {
+        let open = node([[0.0; 2]; 2], [[1.0, 0.0], [0.0, 1.0]]);
+        assert_eq!(open.held, [false; 3]);
+        assert_eq!(open.following([3.0, -4.0, 0.0], [0.0; 3]), [3.0, -4.0, 0.0]);
+    }
+
+    #[test]
+    fn a_node_that_sticks_is_held_and_its_reactions_are_what_lacks() {
+        let stick = node([[1.0, 0.0], [0.0, 1.0]], [[0.0; 2]; 2]);
+        assert_eq!((stick.held, stick.missing), ([true, true, false], [false, false, true]));
+        let w = stick.out_of_frame(stick.prescribed([0.25, 0.5, 0.0]));
+        assert!((w[0] - 0.25).abs() < 1e-15 && (w[1] + 0.5).abs() < 1e-15, "{w:?}");
+        let p = stick.reactions(stick.into_frame([2.0, -3.0, 0.0]));
+        assert!((p[0] - 2.0).abs() < 1e-15 && (p[1] - 3.0).abs() < 1e-15, "{p:?}");
+    }
+
+    #[test]
+    fn one_that_slides_is_held_along_its_normal_and_its_friction_follows() {
+        // p_t + 0.4 p_n = r_t, w_n = r_n.
+        let slip = node([[0.0, 0.0], [0.0, 1.0]], [[1.0, 0.4], [0.0, 0.0]]);
+        assert_eq!(slip.held, [true, false, false]);
+        let w = slip.prescribed([0.0, 0.5, 0.0]);
+        let lacking = slip.into_frame([0.0, -3.0, 0.0]);
+        let q = slip.reactions(lacking);
+        let p = slip.following([0.0, 0.5, 0.0], w);
+        let p = [p[0] + q[0], p[1] + q[1]];
+        assert!((p[1] - 3.0).abs() < 1e-14 && (p[0] + 0.4 * p[1]).abs() < 1e-14, "{p:?}");
+        // What the reaction does along the slip, by what lacks along the normal.
+        let down = slip.into_frame([0.0, -1.0, 0.0])[0];
+        assert!(((slip.coupling[1][0] * down).abs() - 0.4).abs() < 1e-14);
+        assert!(slip.springs.iter().flatten().all(|v| v.abs() < 1e-14));
+    }
+
+    #[test]
+    fn a_compliant_contact_is_a_spring() {
+        // p_n = 5 w_n, no friction.
+        let compliant = node([[0.0, 0.0], [0.0, -5.0]], [[1.0, 0.0], [0.0, 1.0]]);
+        assert_eq!(compliant.held, [false; 3]);
+        let physical = times(&times(&compliant.frame, &compliant.springs), &transposed(&compliant.frame));
+        assert!((physical[1][1] - 5.0).abs() < 1e-14 && physical[0][0].abs() < 1e-14, "{physical:?}");
+    }
+}

@@ -1,0 +1,50 @@
+//! Where the unknowns of a model are, for multigrid.
+
+use crate::formulation::Layout;
+use crate::linear::{Contact, Grid};
+use crate::model::Model;
+use crate::problem::OwnBasis;
+use crate::vector::{axis, cross, minus};
+
+/// The grid of `model`; none where the contact rows of a node cannot be had on its own displacements alone, or a node has two contacts.
+pub(super) fn grid(model: &Model) -> Option<Grid> {
+    let (mesh, dofs, problem) = (&model.mesh, &model.dofs, &model.problem);
+    let mut displacements = vec![(0, 0); problem.displacements()];
+    for node in 0..mesh.nodes.len() {
+        for (direction, dof) in dofs.node(node).iter().enumerate() {
+            if let Some(dof) = dof {
+                displacements[*dof] = (node, direction);
+            }
+        }
+    }
+    let basis = OwnBasis::of(problem);
+    let layout = Layout::new(problem);
+    let mut taken = vec![false; mesh.nodes.len()];
+    let mut contacts = Vec::with_capacity(layout.contacts());
+    for i in 0..layout.contacts() {
+        let row = match &basis {
+            Some(basis) => basis.row(problem.c_n(), i),
+            None => problem.c_n().row(i).to_vec(),
+        };
+        let mut nodes = row.iter().map(|(dof, _)| displacements[*dof].0);
+        let node = nodes.next()?;
+        if nodes.any(|other| other != node) || std::mem::replace(&mut taken[node], true) {
+            return None;
+        }
+        contacts.push(Contact { node, forces: [layout.p_t(i), layout.p_o(i), Some(layout.p_n(i))] });
+    }
+    let dimension = mesh.dimension;
+    let count = mesh.nodes.len().max(1) as f64;
+    let centre = [0, 1, 2].map(|c| mesh.nodes.iter().map(|x| x[c]).sum::<f64>() / count);
+    let shifts = (0..dimension).map(|c| dofs.unknowns(|_| axis(c)));
+    let turns = if dimension == 2 { 2..3 } else { 0..3 };
+    let rotations = turns.map(|c| dofs.unknowns(|node| cross(axis(c), minus(mesh.nodes[node], centre))));
+    Some(Grid {
+        dimension,
+        nodes: mesh.nodes.len(),
+        displacements,
+        contacts,
+        changed: basis.map(|basis| basis.changes().to_vec()).unwrap_or_default(),
+        motions: shifts.chain(rotations).collect(),
+    })
+}
