@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import plot as _plot
-from ._problem import ContactProblem, vector
+from ._problem import ContactProblem, numbers, vector
 from ._result import LAWS, Result
 from ._scene import Model
 
@@ -151,14 +151,18 @@ def _history(of: Model | ContactProblem, history: Mapping[str, ArrayLike] | None
             raise ValueError("history: a problem of matrices needs one, with the keys force and, if need be, gap, drift, mu")
         return of.history
     problem = of.problem if isinstance(of, Model) else of
-    force = np.atleast_2d(np.asarray(history["force"], dtype=float))
-    m, n_c = len(force), problem.n_c
-    gap = np.asarray(history.get("gap", 0.0), dtype=float)
-    drift = np.asarray(history.get("drift", np.zeros((m, n_c, problem.tangents))), dtype=float)
+    unknown = set(history) - {"force", "gap", "drift", "mu"}
+    if unknown or "force" not in history:
+        raise ValueError(f"history has the keys {sorted(history)}, expected force and, if need be, gap, drift, mu")
+    m, n_c, d = len(np.atleast_2d(np.asarray(history["force"]))), problem.n_c, problem.tangents
+    drift = np.asarray(history.get("drift", 0.0))
+    if drift.shape == (m, n_c):
+        drift = drift.reshape(m, n_c, 1)
     return {
-        "force": force, "gap": gap if gap.ndim == 2 else np.broadcast_to(gap, (m + 1, n_c)),
-        "drift": drift.reshape(m, n_c, problem.tangents),
-        "mu": np.broadcast_to(np.asarray(history.get("mu", problem.mu), dtype=float), (m, n_c)),
+        "force": numbers("history['force']", history["force"], (m, problem.n_u)),
+        "gap": numbers("history['gap'], which begins before the first increment,", history.get("gap", 0.0), (m + 1, n_c)),
+        "drift": numbers("history['drift']", drift, (m, n_c, d)),
+        "mu": numbers("history['mu']", history.get("mu", problem.mu), (m, n_c)),
     }
 
 
@@ -174,8 +178,12 @@ def judge(
         solver: called with a `Posed` increment; hands back (u, p_n, p_t).
         tolerance: the largest error of any law that still holds.
     """
+    if not callable(solver):
+        raise TypeError(f"solver: a function of an increment expected, {type(solver).__name__} found; `compare` takes words")
     problem = of.problem if isinstance(of, Model) else of
     data = _history(of, history)
+    if not len(data["force"]):
+        raise ValueError("history['force'] has no increments")
     n_c, d = problem.n_c, problem.tangents
     answer = (np.zeros(problem.n_u), np.zeros(n_c), np.zeros((n_c, d)))
     slip, drift = np.zeros((n_c, d)), np.zeros((n_c, d))
@@ -269,6 +277,8 @@ def compare(
         solvers: by name; a callable as `judge` takes it, or a word: "bn" and "ip" are stickslip's on the matrices,
             "stickslip" the run of the model as its scene says.
     """
+    if not solvers:
+        raise ValueError("solvers is empty: there is nothing to compare")
     verdicts = []
     for name, solver in solvers.items():
         if not isinstance(solver, str):

@@ -46,6 +46,8 @@ def vector(name: str, values: ArrayLike, length: int) -> Array:
 
 
 def _numbers(name: str, values: ArrayLike) -> Array:
+    if np.iscomplexobj(values):
+        raise ValueError(f"{name} is complex")
     try:
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -55,7 +57,20 @@ def _numbers(name: str, values: ArrayLike) -> Array:
     return array
 
 
+def numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """An array of this shape, or what numpy makes one of by repeating it."""
+    array = _numbers(name, values)
+    if 0 in array.shape and 0 not in shape:
+        raise ValueError(f"{name} is empty, expected the shape {shape}")
+    try:
+        return np.broadcast_to(array, shape)
+    except ValueError:
+        raise ValueError(f"{name} has the shape {array.shape}, expected {shape}") from None
+
+
 def _matrix(name: str, matrix: Any, kind: Any, shape: tuple[int, int] | None = None) -> Any:
+    if np.iscomplexobj(matrix):
+        raise ValueError(f"{name} is complex")
     try:
         matrix = kind(matrix, dtype=np.float64, copy=True)
     except (TypeError, ValueError) as error:

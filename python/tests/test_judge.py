@@ -107,3 +107,33 @@ def test_matrices_of_another_assembly_are_the_same_body() -> None:
     scene = block(n=n, increments=5).to_dict()
     scene["load"], scene["time"]["end"] = scene["load"][:1], 1.0
     np.testing.assert_allclose(result.p_n.sum(axis=1), ss.run(scene).p_n.sum(axis=1), rtol=1e-6)
+
+
+def test_a_history_that_does_not_fit_is_refused_and_not_cut_short() -> None:
+    p = ss.ContactProblem(np.eye(2), [[1.0, 0.0]], [[0.0, 1.0]], 0.5)
+
+    def zero(posed: ss.Posed) -> tuple[object, object, object]:
+        return np.zeros(2), [0.0], [0.0]
+
+    force = np.ones((3, 2))
+    assert ss.judge(p, zero, history={"force": force, "gap": np.ones((4, 1))}).errors.shape == (3, 6)
+    assert ss.judge(p, zero, history={"force": force, "gap": [1.0], "mu": 0.1, "drift": np.zeros((3, 1))}).errors.shape == (3, 6)
+    for history, named in [
+        ({"force": force, "gap": np.ones((2, 1))}, "gap"),
+        ({"force": force, "gap": np.ones((3, 1))}, "gap"),
+        ({"force": np.ones((3, 3))}, "force"),
+        ({"force": np.ones((0, 2))}, "force"),
+        ({"force": force * 1j}, "force"),
+        ({"force": force, "drift": np.zeros((2, 1))}, "drift"),
+        ({"force": force, "mu": [0.1, 0.2]}, "mu"),
+        ({"force": force, "gaps": 1.0}, "gaps"),
+        ({"gap": 1.0}, "force"),
+    ]:
+        with pytest.raises(ValueError, match=named):
+            ss.judge(p, zero, history=history)
+    with pytest.raises(TypeError, match="solver"):
+        ss.judge(p, "bn", history={"force": force})  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="solvers"):
+        ss.compare(p, {}, history={"force": force})
+    with pytest.raises(ValueError, match="K is complex"):
+        ss.ContactProblem(np.eye(2) * 1j, [[1.0, 0.0]], [[0.0, 1.0]], 0.5)
