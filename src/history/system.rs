@@ -27,13 +27,12 @@ pub enum LinearAlgebra {
 }
 
 impl LinearAlgebra {
-    /// All of them, each with the word that scenes and reports have for it.
-    pub const WORDS: [(&'static str, LinearAlgebra); 5] = [
+    /// All that need nothing but the matrix, each with the word that scenes and reports have for it.
+    pub const WORDS: [(&'static str, LinearAlgebra); 4] = [
         ("umfpack", LinearAlgebra::Whole(SparseLu::Umfpack)),
         ("faer", LinearAlgebra::Whole(SparseLu::Faer)),
         ("condensed-cholmod", LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
         ("condensed-faer", LinearAlgebra::Condensed(SparseCholesky::Faer)),
-        ("multigrid", LinearAlgebra::Multigrid),
     ];
 
     /// Condensed by the Cholesky factorisation of this build.
@@ -84,7 +83,8 @@ impl FromStr for LinearAlgebra {
     type Err = UnknownLinearAlgebra;
 
     fn from_str(word: &str) -> Result<Self, Self::Err> {
-        let known = Self::WORDS.into_iter().chain([("condensed", Self::condensed())]);
+        let known =
+            Self::WORDS.into_iter().chain([("condensed", Self::condensed()), ("multigrid", LinearAlgebra::Multigrid)]);
         known.into_iter().find(|(known, _)| *known == word).map(|(_, linear)| linear).ok_or(UnknownLinearAlgebra)
     }
 }

@@ -5,6 +5,7 @@
 //! friction; where they do, on matrices close to incompressible ones and meshes graded in two directions at once, a direct
 //! solver takes over.
 
+mod form;
 mod gmres;
 mod grid;
 mod hierarchy;
@@ -18,11 +19,11 @@ use std::sync::Arc;
 use super::petsc::Amg;
 use super::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu};
 use crate::sparse::Pattern;
+pub use form::Form;
 pub use grid::{Contact, Grid};
 use hierarchy::{Hierarchy, MakeCycle};
 use node::Eliminated;
 use precondition::{Work, kernel, precondition};
-pub use stiffness::Form;
 use stiffness::{Border, Layout};
 
 /// Where more are needed a direct solver is faster.
@@ -123,7 +124,7 @@ impl LinearSolver for Multigrid {
         if let Some(instead) = &mut self.instead {
             return instead.factorize(values);
         }
-        let nodes = layout.nodes(pattern, values);
+        let nodes = layout.nodes(pattern, values, self.form);
         // In the oblique form what is swept out differs from matrix to matrix.
         let serves = |hierarchy: &Hierarchy| self.form == Form::Symmetric && hierarchy.serves(&nodes);
         let (hierarchy, border) = if let Some(serving) = self.hierarchies.iter().position(serves) {

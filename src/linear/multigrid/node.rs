@@ -5,10 +5,15 @@
 //! one that slides, the direction across the slip on the edge of the cone. The singular values of `D` find them, without statuses and
 //! for any frame. Along the other directions the forces follow from the displacements, and act as springs.
 
+use super::form::Form;
 use super::small::{Decomposition, Small, decompose, on, pseudo_inverse, times, transposed, transposed_on};
 
-/// `D` is singular where a value is at most this, in units of the stiffness.
+/// `D` is singular where a value is at most this, in units of the stiffness. In Newton's method it is so exactly; on the way of an interior
+/// point method what is left are springs, which are the harder to precondition the stiffer they are.
 const SINGULAR: f64 = 1e-8;
+const NEARLY_SINGULAR: f64 = 1e-4;
+/// Springs stiffer than the body are swept out of the other directions.
+const STIFF: f64 = 1.0;
 /// A row of displacements of which a decomposition leaves less than this depends on the others.
 const DEPENDENT: f64 = 1e-10;
 
@@ -45,20 +50,21 @@ pub(super) struct Eliminated {
     compliance: Small,
     /// Forces by what equilibrium lacks in the held directions.
     reactions: Small,
-    /// What these reactions do in the free directions, by the held ones.
-    pub coupling: Small,
+    /// What is taken from the free rows in the oblique form, by the others: what reactions do there, and what stiff springs do.
+    pub sweep: Small,
     /// What the forces that follow the displacements add to the stiffness, in the frame: `-B D⁺ R`.
     pub springs: Small,
 }
 
 impl Local {
-    pub(super) fn eliminated(&self) -> Eliminated {
+    pub(super) fn eliminated(&self, form: Form) -> Eliminated {
+        let negligible = if form == Form::Oblique { NEARLY_SINGULAR } else { SINGULAR };
         let mut law = self.scaled();
         for k in (0..3).filter(|&k| !self.forces[k]) {
             law.d[k][k] = 1.0;
         }
         let Decomposition { left, values, right } = decompose(&law.d);
-        let singular = values.map(|s| s <= SINGULAR);
+        let singular = values.map(|s| s <= negligible);
         let compliance = {
             let inverse = [0, 1, 2].map(|k| if singular[k] { 0.0 } else { 1.0 / values[k] });
             let by_value = right.map(|row| [0, 1, 2].map(|k| row[k] * inverse[k]));
@@ -84,7 +90,21 @@ impl Local {
         let reactions = times(&untold, &inverse);
         let coupling = times(&part(held.map(|held| !held)), &inverse);
         let springs = times(&times(&b, &compliance), &r).map(|row| row.map(|v| -v));
-        Eliminated { frame, held, missing, b, r, prescribed, compliance, reactions, coupling, springs }
+        let free = [0, 1, 2].map(|k| !held[k] && !missing[k]);
+        let stiff = masked_columns(&self.stiff_sweep(&springs), free);
+        let sweep = [0, 1, 2].map(|i| [0, 1, 2].map(|j| coupling[i][j] + stiff[i][j]));
+        Eliminated { frame, held, missing, b, r, prescribed, compliance, reactions, sweep, springs }
+    }
+
+    /// Stiff springs `U S Vᵀ` keep their rows, along `V`; what they do across goes: `(1 - V Vᵀ) U (Vᵀ U)⁻¹ Vᵀ`.
+    fn stiff_sweep(&self, springs: &Small) -> Small {
+        let Decomposition { left, values, right } = decompose(springs);
+        let stiff = values.map(|s| s > STIFF * self.stiffness);
+        let (u, v) = (masked_columns(&left, stiff), masked_columns(&right, stiff));
+        let along = times(&transposed(&v), &u);
+        let through = times(&times(&u, &pseudo_inverse(&along, DEPENDENT)), &transposed(&v));
+        let back = times(&times(&v, &transposed(&v)), &through);
+        [0, 1, 2].map(|i| [0, 1, 2].map(|j| through[i][j] - back[i][j]))
     }
 
     /// The laws with rows of size one and forces in units of the stiffness.
@@ -203,7 +223,7 @@ mod tests {
         for row in 0..2 {
             local.d[row][..2].copy_from_slice(&d[row]);
         }
-        local.eliminated()
+        local.eliminated(Form::Symmetric)
     }
 
     #[test]
@@ -236,7 +256,7 @@ mod tests {
         assert!((p[1] - 3.0).abs() < 1e-14 && (p[0] + 0.4 * p[1]).abs() < 1e-14, "{p:?}");
         // What the reaction does along the slip, by what lacks along the normal.
         let down = slip.into_frame([0.0, -1.0, 0.0])[0];
-        assert!(((slip.coupling[1][0] * down).abs() - 0.4).abs() < 1e-14);
+        assert!(((slip.sweep[1][0] * down).abs() - 0.4).abs() < 1e-14);
         assert!(slip.springs.iter().flatten().all(|v| v.abs() < 1e-14));
     }
 

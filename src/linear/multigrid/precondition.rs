@@ -1,10 +1,11 @@
 //! The preconditioner: contact eliminated, a cycle for the rest, and the forces that follow.
 
+use super::form::Form;
 use super::grid::Grid;
 use super::hierarchy::Hierarchy;
 use super::node::Eliminated;
 use super::small::{put, vector};
-use super::stiffness::{Border, Form, Layout};
+use super::stiffness::{Border, Layout};
 use crate::linear::LinearError;
 
 /// Vectors on all directions.
@@ -66,8 +67,8 @@ pub(super) fn precondition(
         let mut own = vector(rest, node, d);
         if form == Form::Oblique {
             let before = own;
-            for (own, coupling) in own.iter_mut().zip(&eliminated.coupling) {
-                *own -= (0..3).map(|j| coupling[j] * before[j]).sum::<f64>();
+            for (own, sweep) in own.iter_mut().zip(&eliminated.sweep) {
+                *own -= (0..3).map(|j| sweep[j] * before[j]).sum::<f64>();
             }
         }
         let gone = eliminated.gone();

@@ -3,6 +3,7 @@
 //! It has the pattern of `K`. Held directions are rows of the diagonal, and so are those that supports have taken; springs stand where
 //! forces follow displacements.
 
+use super::form::Form;
 use super::grid::Grid;
 use super::node::{Eliminated, Local};
 use super::small::Small;
@@ -43,15 +44,6 @@ pub(super) struct Stiffness {
 
 /// The rows of a contact node in the stiffness, in all frames, before anything is held: as long as the block row, for each direction.
 pub(super) type Border = [Vec<f64>; 3];
-
-/// How friction gets into `K̂`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
-    /// Not at all, so that it is symmetric: friction is what the iterations are for.
-    Symmetric,
-    /// Exactly.
-    Oblique,
-}
 
 impl Layout {
     pub(super) fn new(grid: &Grid, pattern: &Pattern) -> Result<Self, LinearError> {
@@ -172,8 +164,8 @@ impl Layout {
     }
 
     /// The contact nodes of the matrix with `values`.
-    pub(super) fn nodes(&self, pattern: &Pattern, values: &[f64]) -> Vec<Eliminated> {
-        self.locals(pattern, values).iter().map(Local::eliminated).collect()
+    pub(super) fn nodes(&self, pattern: &Pattern, values: &[f64], form: Form) -> Vec<Eliminated> {
+        self.locals(pattern, values).iter().map(|local| local.eliminated(form)).collect()
     }
 
     /// `K̂` of the matrix with `values` and these contact nodes, and their rows beside.
@@ -290,8 +282,8 @@ impl Eliminated {
         if form == Form::Oblique {
             let before = rows.clone();
             for i in (0..3).filter(|&i| free[i]) {
-                for j in (0..3).filter(|&j| self.coupling[i][j] != 0.0) {
-                    let c = self.coupling[i][j];
+                for j in (0..3).filter(|&j| self.sweep[i][j] != 0.0) {
+                    let c = self.sweep[i][j];
                     rows[i].iter_mut().zip(&before[j]).for_each(|(to, from)| *to -= c * from);
                 }
             }
