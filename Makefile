@@ -4,6 +4,7 @@
 # make python-docs its pages, run, in target/python-docs
 # make wheel  its wheel for any Linux since glibc 2.17, in target/wheels
 # make wheel-test the same, installed and run in fresh environments of the Pythons at hand
+# make mumps  the program with MUMPS, and its tests (installs MUMPS, METIS and Open MPI)
 # make petsc  the program with multigrid, and its tests (installs PETSc and Open MPI)
 # make bench  the benchmarks (minutes)
 # make instructions the instructions of each kernel, counted by callgrind
@@ -21,7 +22,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test petsc python python-docs wheel wheel-test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
+.PHONY: demo test mumps petsc python python-docs wheel wheel-test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -36,6 +37,17 @@ test: deps
 	$(BLAS) cargo test --workspace --exclude stickslip-python --bins --example outside --test '*'
 	cargo test --doc
 
+MUMPS_PACKAGES = libmumps-ptscotch-dev libmetis-dev openmpi-bin libopenmpi-dev
+
+mumps: deps
+	@dpkg -s $(MUMPS_PACKAGES) >/dev/null 2>&1 || { $(SUDO) apt-get update -q && \
+		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $(MUMPS_PACKAGES); }
+	cargo build --release --features mumps
+	$(BLAS) cargo test --features mumps --lib --config profile.test.package.stickslip.opt-level=0 -- mumps
+	$(BLAS) cargo test --features mumps --test large
+	cargo clippy --features mumps --all-targets --quiet -- -D warnings
+	cargo clippy --no-default-features --features cli,faer,mumps --quiet -- -D warnings
+
 PETSC_PACKAGES = petsc-dev libopenmpi-dev pkg-config
 
 petsc: deps
@@ -43,7 +55,7 @@ petsc: deps
 		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $(PETSC_PACKAGES); }
 	cargo build --release --features petsc
 	$(BLAS) cargo test --features petsc --lib --config profile.test.package.stickslip.opt-level=0 -- multigrid petsc forcing
-	$(BLAS) cargo test --features petsc --test multigrid
+	$(BLAS) cargo test --features petsc --test large
 	cargo clippy --features petsc --all-targets --quiet -- -D warnings
 
 PYTHON = target/python/bin/python
@@ -71,7 +83,7 @@ wheel: $(PYTHON)
 	$(PYTHON) -m pip install -q ziglang==0.17.1
 	python/licences.sh
 	cd python && . ../target/python/bin/activate && \
-		RUSTFLAGS="--remap-path-prefix=$(CURDIR)=stickslip --remap-path-prefix=$${CARGO_HOME:-$$HOME/.cargo}=cargo" \
+		RUSTFLAGS="--remap-path-prefix=$(CURDIR)=stickslip --remap-path-prefix=$${CARGO_HOME:-$$HOME/.cargo}=cargo --remap-path-prefix=$$(rustc --print sysroot)=rust" \
 		maturin build --release --compatibility manylinux2014 --out ../target/wheels -- -C linker=$(CURDIR)/python/zigcc
 
 wheel-test: wheel

@@ -1,14 +1,15 @@
 //! Generates the bindings of the PETSc that is installed, and links it.
 
 use super::bindings::{generate, stop};
+use super::ranks::includes;
 use std::process::Command;
 
 /// What `linear/petsc.rs` calls.
 const ALLOWED: [&str; 8] = [
     "Petsc(InitializeNoArguments|Initialized|OptionsSetValue|PushErrorHandler|ReturnErrorHandler|PopSignalHandler|GetVersionNumber)",
     "PETSC_(COMM_WORLD|MPI_THREAD_REQUIRED|VERSION_.*)",
-    "Mat(CreateSeqAIJWithArrays|SetBlockSize|SetOption|SetNearNullSpace|NullSpaceCreate|NullSpaceDestroy|Destroy)",
-    "Vec(CreateSeqWithArray|PlaceArray|ResetArray|Destroy)",
+    "Mat(CreateSeqAIJWithArrays|CreateMPIAIJWithArrays|SetBlockSize|SetOption|SetNearNullSpace|NullSpaceCreate|NullSpaceDestroy|Destroy)",
+    "Vec(CreateSeqWithArray|CreateMPIWithArray|PlaceArray|ResetArray|Destroy)",
     "PC(Create|SetType|SetOperators|SetOptionsPrefix|SetFromOptions|SetUp|Apply|Destroy|GetFailedReason)",
     "MatOption",
     "PCFailedReason",
@@ -31,7 +32,7 @@ pub fn petsc() {
             println!("cargo:rustc-link-lib=dylib={library}");
         }
     }
-    arguments.extend(words("mpicc", &["--showme:compile"]));
+    arguments.extend(includes());
     generate("ffi/petsc.h", "petsc.rs", &arguments, &ALLOWED);
 }
 

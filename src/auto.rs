@@ -1,7 +1,7 @@
 //! Which linear algebra a problem is solved with, where that is left open: what is estimated to take the
 //! least time, as far as memory allows.
 //!
-//! One symbolic analysis of `K` serves both estimates, see [`crate::linear::cost`]. It takes about as long as
+//! One symbolic analysis of `K` serves all estimates, see [`crate::linear::cost`]. It takes about as long as
 //! ordering once.
 
 use serde::Serialize;
@@ -10,6 +10,7 @@ use crate::formulation::Layout;
 use crate::history::{LinearAlgebra, Method};
 use crate::linear::cost::{self, Cost, Sizes, Work};
 use crate::linear::{Cholesky, FactorInfo, LinearError, SparseLu};
+use crate::memory::{Budget, in_words};
 use crate::problem::ContactProblem;
 use crate::reach::Reach;
 
@@ -30,21 +31,44 @@ const IP_FACTORIZATIONS: f64 = 6.0;
 /// increments.
 const IP_FACTORIZATIONS_IN_A_PLANE: f64 = 14.0;
 
+const MUMPS: LinearAlgebra = LinearAlgebra::Whole(SparseLu::Mumps);
+
 /// A choice, with its reason if it was left open.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
     /// What solves.
     pub linear: LinearAlgebra,
-    estimates: Option<Estimates>,
-    /// Free memory, bytes, if it was too little for the condensed system.
-    short_of: Option<u64>,
+    why: Why,
 }
 
-/// What both ways are estimated to take.
+#[derive(Debug, Clone, PartialEq)]
+enum Why {
+    Named,
+    /// So many processes of MPI, which leave nothing to choose.
+    Ranks(usize),
+    /// The least time of all these that have room.
+    Estimated {
+        paths: Vec<Path>,
+        means: Means,
+    },
+}
+
+/// A way to solve, and what it is estimated to take.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Estimates {
-    sparse: Cost,
-    condensed: Cost,
+pub struct Path {
+    /// The linear algebra.
+    pub linear: LinearAlgebra,
+    /// What it takes for all increments.
+    pub cost: Cost,
+}
+
+/// What may be chosen from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Means {
+    /// Free memory, bytes, if it is known.
+    pub available: Option<u64>,
+    /// Whether multigrid suits the problem, see [`crate::run::unsuited`].
+    pub multigrid: bool,
 }
 
 /// A linear algebra that is estimated to take much less time than the one of a run.
@@ -84,11 +108,16 @@ pub struct Done {
 impl Choice {
     /// The one that was asked for.
     pub fn named(linear: LinearAlgebra) -> Self {
-        Choice { linear, estimates: None, short_of: None }
+        Choice { linear, why: Why::Named }
     }
 
-    /// The cheapest way to solve `increments` increments of `problem` with `method`, where condensed equations hold the contact
-    /// nodes `reach` or all; `available` is the free memory in bytes, if it is known.
+    /// What several processes of MPI can share.
+    pub fn of_ranks(ranks: usize) -> Self {
+        Choice { linear: MUMPS, why: Why::Ranks(ranks) }
+    }
+
+    /// The fastest way that has room to solve `increments` increments of `problem` with `method`, where condensed equations hold the
+    /// contact nodes `reach` or all; the one that takes least memory where none has room.
     ///
     /// # Errors
     /// When memory is short for the symbolic analysis.
@@ -97,21 +126,25 @@ impl Choice {
         reach: &Reach,
         method: Method,
         increments: usize,
-        available: Option<u64>,
+        means: Means,
     ) -> Result<Self, LinearError> {
         let factorizations = factorizations(&Layout::new(problem), method, increments);
-        let estimates = Estimates::new(
-            problem,
-            reach,
-            method,
-            [increments as f64, factorizations],
-            Cholesky::predict(problem.stiffness())?,
-        );
-        let Estimates { sparse, condensed } = estimates;
-        let short_of = available.filter(|&available| condensed.bytes > available as f64);
-        let condense = condensed.seconds < sparse.seconds && short_of.is_none();
-        let linear = if condense { LinearAlgebra::condensed() } else { LinearAlgebra::default() };
-        Ok(Choice { linear, estimates: Some(estimates), short_of })
+        let work = [increments as f64, factorizations];
+        let sizes = Estimates::new(problem, reach, method, work, Cholesky::predict(problem.stiffness())?);
+        let paths = sizes.paths(means.multigrid);
+        let by = |measure: fn(&Path) -> f64| move |a: &&Path, b: &&Path| measure(a).total_cmp(&measure(b));
+        let fastest = paths.iter().filter(|path| means.have_room(path)).min_by(by(|path| path.cost.seconds));
+        let chosen = fastest.or_else(|| paths.iter().min_by(by(|path| path.cost.bytes)));
+        let linear = chosen.map_or_else(LinearAlgebra::default, |path| path.linear);
+        Ok(Choice { linear, why: Why::Estimated { paths, means } })
+    }
+
+    /// What there was to choose from, each with its estimate; nothing where there was nothing to choose.
+    pub fn paths(&self) -> &[Path] {
+        match &self.why {
+            Why::Estimated { paths, .. } => paths,
+            Why::Named | Why::Ranks(_) => &[],
+        }
     }
 
     /// What would have been much faster than this choice, which somebody made, for what it has done. Nothing, if
@@ -124,50 +157,76 @@ impl Choice {
         problem: &ContactProblem,
         reach: &Reach,
         method: Method,
+        means: Means,
         done: &Done,
     ) -> Result<Option<Faster>, LinearError> {
         let unknowns = Layout::new(problem).unknowns();
         let long = ORDERINGS * cost::order(unknowns);
-        if self.estimates.is_some() || done.seconds < long {
+        if matches!(self.why, Why::Estimated { .. }) || done.seconds < long {
             return Ok(None);
         }
         let work = [done.increments, done.factorizations].map(|count| count as f64);
         let estimates = |stiffness| Estimates::new(problem, reach, method, work, stiffness);
+        let fastest = |estimates: &Estimates| {
+            let others = estimates.paths(means.multigrid).into_iter().filter(|path| !self.is_like(path.linear));
+            let with_room = others.filter(|path| means.have_room(path));
+            with_room.min_by(|a, b| a.cost.seconds.total_cmp(&b.cost.seconds))
+        };
         // No factor has fewer entries than the matrix.
         let least = FactorInfo { entries: problem.stiffness().lower().values().len(), ..FactorInfo::default() };
-        let other = |Estimates { sparse, condensed }| if self.linear.condenses() { sparse } else { condensed };
-        if MUCH * other(estimates(least)).seconds > done.seconds {
+        if fastest(&estimates(least)).is_none_or(|other| MUCH * other.cost.seconds > done.seconds) {
             return Ok(None);
         }
-        let Estimates { sparse, condensed } = estimates(Cholesky::predict(problem.stiffness())?);
-        let (here, other, solver) = match self.linear {
-            LinearAlgebra::Condensed(_) => (condensed, sparse, LinearAlgebra::default()),
-            LinearAlgebra::Whole(_) | LinearAlgebra::Multigrid => (sparse, condensed, LinearAlgebra::condensed()),
-        };
-        let faster = Faster { solver, seconds: other.seconds, here_seconds: here.seconds };
-        let worth_a_word = here.seconds > MUCH * other.seconds && here.seconds > long;
-        Ok((worth_a_word && solver.is_built_in()).then_some(faster))
+        let estimates = estimates(Cholesky::predict(problem.stiffness())?);
+        let here_seconds = estimates.cost(self.linear).seconds;
+        let worth_a_word = |other: &Path| here_seconds > MUCH * other.cost.seconds && here_seconds > long;
+        let faster = |other: Path| Faster { solver: other.linear, seconds: other.cost.seconds, here_seconds };
+        Ok(fastest(&estimates).filter(worth_a_word).map(faster))
+    }
+
+    /// Whether this is the same way but for the library.
+    fn is_like(&self, other: LinearAlgebra) -> bool {
+        std::mem::discriminant(&self.linear) == std::mem::discriminant(&other)
     }
 
     /// The choice and its reason in a line, if there was anything to choose.
     pub fn reason(&self) -> Option<String> {
-        let Estimates { sparse, condensed } = self.estimates?;
-        if let Some(available) = self.short_of {
-            let gigabytes = |bytes: f64| bytes * 1e-9;
-            let (needed, free) = (gigabytes(condensed.bytes), gigabytes(available as f64));
-            return Some(format!(
-                "{} (condensed would take {needed:.1} GB of memory, {free:.1} GB are free)",
-                self.linear
-            ));
+        let linear = self.linear;
+        match &self.why {
+            Why::Named => None,
+            Why::Ranks(ranks) => Some(format!("{linear} ({ranks} processes share its work, and that of nothing else)")),
+            Why::Estimated { paths, means } => {
+                let own = paths.iter().find(|path| path.linear == linear)?;
+                let (mut with_room, without): (Vec<&Path>, Vec<&Path>) =
+                    paths.iter().partition(|path| means.have_room(path));
+                with_room.retain(|path| path.linear != linear);
+                let seconds = |path: &&Path| format!("{:.2} s for {}", path.cost.seconds, path.linear);
+                let mut reason = format!("estimated {:.2} s", own.cost.seconds);
+                if !with_room.is_empty() {
+                    let with_room: Vec<String> = with_room.iter().map(seconds).collect();
+                    reason = format!("{reason} against {}", with_room.join(" and "));
+                }
+                let needs = |path: &&Path| format!("{} {}", path.linear, in_words(path.cost.bytes as u64));
+                let without: Vec<String> = without.iter().map(needs).collect();
+                if let (Some(available), false) = (means.available, without.is_empty()) {
+                    let without = without.join(" and ");
+                    reason =
+                        format!("{reason}; {without} would take more memory than the {} left", in_words(available));
+                }
+                Some(format!("{linear} ({reason})"))
+            }
         }
-        let (taken, other, name) = match self.linear {
-            LinearAlgebra::Condensed(_) => (condensed, sparse, LinearAlgebra::default()),
-            LinearAlgebra::Whole(_) | LinearAlgebra::Multigrid => (sparse, condensed, LinearAlgebra::condensed()),
-        };
-        Some(format!(
-            "{} (estimated {:.2} s against {:.2} s for {name}; {:.1e} flops an iteration against {:.1e})",
-            self.linear, taken.seconds, other.seconds, taken.flops, other.flops
-        ))
+    }
+}
+
+impl Means {
+    /// What is left for this process, for a problem of which nobody knows where its unknowns are, as multigrid has to.
+    pub fn of_process() -> Self {
+        Means { available: Budget::of_process().map(|budget| budget.bytes), multigrid: false }
+    }
+
+    fn have_room(&self, path: &Path) -> bool {
+        self.available.is_none_or(|available| path.cost.bytes <= available as f64)
     }
 }
 
@@ -187,6 +246,13 @@ pub(crate) fn factorizations(layout: &Layout, method: Method, increments: usize)
     }
 }
 
+/// What estimates are made of.
+struct Estimates {
+    displacements: usize,
+    sizes: Sizes,
+    work: Work,
+}
+
 impl Estimates {
     fn new(
         problem: &ContactProblem,
@@ -204,10 +270,25 @@ impl Estimates {
         // In a part of the contact nodes those that are open prevail.
         let all_free = method.is_interior() || reach.nodes.is_some();
         let work = Work { increments, factorizations, all_free };
-        Estimates {
-            sparse: cost::sparse(&sizes, &work, SparseLu::default() == SparseLu::Faer),
-            condensed: cost::condensed(&sizes, &work),
+        Estimates { displacements: layout.displacements(), sizes, work }
+    }
+
+    fn cost(&self, linear: LinearAlgebra) -> Cost {
+        match linear {
+            LinearAlgebra::Whole(lu) => cost::sparse(&self.sizes, &self.work, lu),
+            LinearAlgebra::Condensed(_) => cost::condensed(&self.sizes, &self.work),
+            LinearAlgebra::Multigrid => cost::multigrid(self.displacements, &self.work),
         }
+    }
+
+    /// All ways that this build has; of sparse LU the default one, and MUMPS.
+    fn paths(&self, multigrid: bool) -> Vec<Path> {
+        let mut all = vec![LinearAlgebra::default()];
+        all.extend((all[0] != MUMPS).then_some(MUMPS));
+        all.push(LinearAlgebra::condensed());
+        all.extend(multigrid.then_some(LinearAlgebra::Multigrid));
+        all.retain(|linear| linear.is_built_in());
+        all.into_iter().map(|linear| Path { linear, cost: self.cost(linear) }).collect()
     }
 }
 

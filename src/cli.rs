@@ -8,7 +8,7 @@ macro_rules! say {
     ($($arg:tt)*) => { super::output::line(format_args!($($arg)*)) };
 }
 
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "blas")]
 mod blas_kernel;
 mod bug;
 mod check;
@@ -18,6 +18,8 @@ mod interrupt;
 mod memory;
 mod output;
 mod progress;
+#[cfg(feature = "mumps")]
+mod ranks;
 mod run;
 mod schema;
 mod shell;
@@ -44,7 +46,7 @@ struct Cli {
     threads: Option<u32>,
     /// The kernel of OpenBLAS: auto, which starts the program once more where the library has taken one that is too old
     /// for the processor; keep; or a name, such as HASWELL
-    #[cfg(feature = "umfpack")]
+    #[cfg(feature = "blas")]
     #[arg(
         long,
         global = true,
@@ -155,7 +157,7 @@ impl Cli {
     /// The kernel that the BLAS had taken before the program started itself again for a better one. Only what solves needs
     /// one.
     fn kernel_before(&self) -> Result<Option<String>, Failure> {
-        #[cfg(feature = "umfpack")]
+        #[cfg(feature = "blas")]
         if let Command::Run(_) | Command::Compare(_) | Command::Sweep(_) = self.command {
             return blas_kernel::choose(&self.blas_kernel);
         }
@@ -166,6 +168,12 @@ impl Cli {
         let kernel_before = self.kernel_before()?;
         let threads = threads::count(self.threads);
         threads::start(threads);
+        #[cfg(feature = "mumps")]
+        match &self.command {
+            Command::Compare(_) => ranks::refuse("compare")?,
+            Command::Sweep(_) => ranks::refuse("sweep")?,
+            _ => {}
+        }
         match &self.command {
             Command::Run(args) => run::run(args, threads, kernel_before),
             Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
@@ -198,8 +206,8 @@ fn version() -> String {
 }
 
 #[cfg(not(feature = "umfpack"))]
-fn version() -> &'static str {
-    concat!(env!("CARGO_PKG_VERSION"), " (without UMFPACK)")
+fn version() -> String {
+    concat!(env!("CARGO_PKG_VERSION"), " (without UMFPACK)").to_string()
 }
 
 /// The program as its help, its completions and its manual describe it.
@@ -208,6 +216,10 @@ fn program() -> clap::Command {
 }
 
 pub(crate) fn main() -> ExitCode {
+    #[cfg(feature = "mumps")]
+    if ranks::helps() {
+        return ranks::help();
+    }
     let json = std::env::args_os().any(|argument| argument == "--json");
     memory::end_in_order(json);
     let matches = program().try_get_matches();
@@ -238,6 +250,8 @@ pub(crate) fn main() -> ExitCode {
             ExitCode::from(3)
         }
     };
+    #[cfg(feature = "mumps")]
+    stickslip::linear::ranks::end();
     memory::exits();
     // Whatever the command found: who reads it has not got it.
     if output::failed() { ExitCode::from(3) } else { code }

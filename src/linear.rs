@@ -25,7 +25,9 @@ mod faer;
 mod kernel;
 #[cfg(feature = "petsc")]
 mod multigrid;
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "mumps")]
+mod mumps;
+#[cfg(any(feature = "umfpack", feature = "mumps"))]
 mod ordering;
 #[cfg(feature = "petsc")]
 mod petsc;
@@ -49,6 +51,8 @@ pub use error::LinearError;
 pub use kernel::null_space_of;
 #[cfg(feature = "petsc")]
 pub use multigrid::{Contact, Form, Grid, Multigrid};
+#[cfg(feature = "mumps")]
+pub use mumps::{Mumps, ranks};
 pub use refine::{SolveInfo, backward_error, componentwise_error};
 #[cfg(feature = "umfpack")]
 pub use umfpack::{Strategy, Umfpack};
@@ -121,4 +125,13 @@ pub struct Iterated {
     pub iterations: usize,
     /// Whether they stood still, so that a direct solver took over.
     pub gave_way: bool,
+}
+
+/// What one of several processes of MPI has taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RankUse {
+    /// CPU time, s.
+    pub cpu_seconds: f64,
+    /// Peak resident memory, bytes.
+    pub peak_rss_bytes: u64,
 }

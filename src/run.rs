@@ -31,6 +31,7 @@ mod grid;
 mod increments;
 mod need;
 mod recording;
+mod suited;
 mod watch;
 
 use std::borrow::Cow;
@@ -41,6 +42,7 @@ pub use error::RunError;
 pub use increments::increments_for;
 pub use need::Need;
 pub use recording::{RecordedIncrement, Recording};
+pub use suited::{Unsuited, unsuited};
 
 use crate::auto::{Choice, Done, Faster, factorizations};
 use crate::checkpoint::Checkpoint;
@@ -49,17 +51,19 @@ use crate::formulation::Layout;
 use crate::history::{
     self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Observer, Solver, Status, System,
 };
+use crate::linear::built_in::ranks;
 use crate::linear::{Direct, LinearError};
-#[cfg(feature = "petsc")]
-use crate::linear::{Form, LinearSolver, Multigrid};
 use crate::memory::Budget;
 use crate::model::Model;
 use crate::problem::State;
 use crate::reach::{self, Reach};
-use crate::report::{CompanionEstimate, Estimates, Facts, Measured, RunReport, cpu_seconds, peak_rss_bytes};
+use crate::report::{
+    CompanionEstimate, Estimates, Facts, Measured, RankRecord, RunReport, cpu_seconds, peak_rss_bytes,
+};
 use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
 use companion::{Companion, Quiet};
+use suited::means;
 pub use watch::Ledger;
 use watch::{Audience, Watch};
 
@@ -75,6 +79,8 @@ pub struct Run<'a> {
     times: Vec<f64>,
     solver: Solver,
     choice: Choice,
+    /// What the model has left of the memory.
+    budget: Option<Budget>,
     /// What condensed equations begin with.
     reach: Reach,
     uniqueness: bool,
@@ -122,7 +128,11 @@ impl<'a> Run<'a> {
         start: Instant,
     ) -> Result<Self, RunError> {
         history::check_times(&times).map_err(history::Error::from)?;
-        let may_condense = solver.linear.is_none_or(LinearAlgebra::condenses) && !solver.method.is_of_paper();
+        let budget = Budget::of_process();
+        // Where factors of the body have no room, nobody asks them how far contact reaches.
+        let has_room = || Need::check(&model, LinearAlgebra::condensed(), budget).is_ok();
+        let may_condense =
+            solver.linear.is_none_or(LinearAlgebra::condenses) && !solver.method.is_of_paper() && has_room();
         let condensing = match solver.linear {
             Some(LinearAlgebra::Condensed(cholesky)) => Some(cholesky),
             _ => None,
@@ -132,16 +142,18 @@ impl<'a> Run<'a> {
         } else {
             Reach::default()
         };
-        let budget = Budget::of_process();
-        let left = budget.map(|budget| budget.bytes);
         let choice = match solver.linear {
             Some(linear) => Choice::named(linear),
-            None => Choice::cheapest(&model.problem, &reach, solver.method, times.len(), left)?,
+            None if ranks() > 1 => Choice::of_ranks(ranks()),
+            None => {
+                let means = means(&model, solver.method, budget);
+                Choice::cheapest(&model.problem, &reach, solver.method, times.len(), means)?
+            }
         };
         Need::check(&model, choice.linear, budget)?;
         let model_seconds = start.elapsed().as_secs_f64();
         let (uniqueness, companion, from) = (false, false, None);
-        Ok(Run { scene, model, times, solver, choice, reach, uniqueness, companion, from, model_seconds })
+        Ok(Run { scene, model, times, solver, choice, budget, reach, uniqueness, companion, from, model_seconds })
     }
 
     /// The same run, whose report also tells the critical friction at the end.
@@ -266,6 +278,7 @@ impl<'a> Run<'a> {
             wall_seconds: self.model_seconds + start.elapsed().as_secs_f64(),
             model_seconds: self.model_seconds,
             peak_rss_bytes: peak_rss_bytes(),
+            ranks: RankRecord::all(),
         };
         let done = Done {
             increments: outcome.tally.increments,
@@ -319,13 +332,7 @@ impl<'a> Run<'a> {
             }
             LinearAlgebra::Condensed(cholesky) => System::condensed(cholesky, self.reach.factor.clone()),
             #[cfg(feature = "petsc")]
-            LinearAlgebra::Multigrid => match grid::grid(&self.model) {
-                Some(grid) => {
-                    let form = if self.solver.method.is_interior() { Form::Oblique } else { Form::Symmetric };
-                    System::from(Box::new(Multigrid::new(grid, form)) as Box<dyn LinearSolver>)
-                }
-                None => System::default(),
-            },
+            LinearAlgebra::Multigrid => grid::system(&self.model, self.solver.method),
             #[cfg(not(feature = "petsc"))]
             LinearAlgebra::Multigrid => System::from(LinearAlgebra::Multigrid),
         }
@@ -383,6 +390,7 @@ impl<'a> Run<'a> {
         if linear != self.choice.linear.to_string() {
             return Ok(None);
         }
-        self.choice.faster(&self.model.problem, &self.reach, self.solver.method, done)
+        let means = means(&self.model, self.solver.method, self.budget);
+        self.choice.faster(&self.model.problem, &self.reach, self.solver.method, means, done)
     }
 }

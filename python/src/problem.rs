@@ -6,11 +6,10 @@ use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::auto::Choice;
+use stickslip::auto::{Choice, Means};
 use stickslip::contact::{KktErrors, KktScales, statuses};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Solver, System};
 use stickslip::loading::Loading;
-use stickslip::memory::Budget;
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
 use stickslip::reach;
 use stickslip::run::RunError;
@@ -91,8 +90,7 @@ fn prepared(
     let linear = if let Some(linear) = solver.linear {
         linear
     } else {
-        let left = Budget::of_process().map(|budget| budget.bytes);
-        Choice::cheapest(problem, &reach, solver.method, times.len(), left)?.linear
+        Choice::cheapest(problem, &reach, solver.method, times.len(), Means::of_process())?.linear
     };
     Ok((linear.into(), HistorySettings { working_set: reach.nodes, ..settings }))
 }

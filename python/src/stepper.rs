@@ -5,10 +5,9 @@ use std::sync::{Arc, Mutex};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::auto::Choice;
+use stickslip::auto::{Choice, Means};
 use stickslip::history::{self, Solver, System};
 use stickslip::loading::Loading;
-use stickslip::memory::Budget;
 use stickslip::problem::ContactProblem;
 use stickslip::reach::Reach;
 use stickslip::run::RunError;
@@ -42,9 +41,10 @@ impl Stepper {
             (Some(own), _) => own,
             (None, Some(linear)) => linear.into(),
             (None, None) => {
-                let left = Budget::of_process().map(|budget| budget.bytes);
                 let every = Reach::default();
-                Choice::cheapest(&self.problem, &every, self.solver.method, EXPECTED, left)?.linear.into()
+                Choice::cheapest(&self.problem, &every, self.solver.method, EXPECTED, Means::of_process())?
+                    .linear
+                    .into()
             }
         };
         Ok(Steps::new(Arc::clone(&self.problem), settings, system)?)

@@ -3,6 +3,7 @@
 mod histories;
 mod mesh;
 mod obstacles;
+mod paths;
 mod words;
 
 use std::collections::BTreeSet;
@@ -18,7 +19,7 @@ use stickslip::mesh::{CellKind, MeshSource};
 use stickslip::model::Model;
 use stickslip::problem::ProblemError;
 use stickslip::report::{PairRecord, Warning, bytes_on_disk};
-use stickslip::run::{Need, RunError, discretise};
+use stickslip::run::{RunError, discretise};
 use stickslip::scene::Scene;
 use stickslip::solvability::{Conditions, rigid_equilibrium};
 use stickslip::units::{Quantity, UnitSystem};
@@ -27,6 +28,7 @@ use super::{Failure, SceneArgs};
 use histories::points;
 use mesh::{bodies, made};
 use obstacles::{frame, motions, shape};
+use paths::paths;
 use words::{listed, number, told, vector};
 
 #[derive(Args)]
@@ -61,7 +63,9 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         solver.max_iterations,
         solver.tolerance
     );
-    memory(&scene, &model, budget)?;
+    for line in paths(&scene, &model, budget)? {
+        say!("{line}");
+    }
     say!("disk         about {} for the results", in_words(bytes_on_disk(&scene, &model)));
     holding(&model);
     for warning in Warning::of_model(&model) {
@@ -71,17 +75,6 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         theorem(&model);
         equilibrium(&scene, &model).map_err(history::Error::from).map_err(RunError::from)?;
     }
-    Ok(())
-}
-
-/// What a run takes of the memory, and what there is: without condensation, unless the scene asks for it.
-fn memory(scene: &Scene, model: &Model, budget: Option<Budget>) -> Result<(), RunError> {
-    let need = Need::of(model, scene.solver.linear.unwrap_or_default(), 0)?.bytes();
-    let of = budget.map_or(String::new(), |Budget { bytes, source }| {
-        let enough = if need > bytes { "; this is hardly enough" } else { "" };
-        format!(" of {} that {source} leaves{enough}", in_words(bytes))
-    });
-    say!("memory       about {}{of}", in_words(need));
     Ok(())
 }
 

@@ -25,7 +25,7 @@ const STATUS: i32 = 3;
 pub(super) fn end_in_order(json: bool) {
     let output = if json { JSON } else { "" };
     say_last(Last { out_of_memory: NOTE, output, aborted: ABORTED, status: STATUS });
-    #[cfg(feature = "umfpack")]
+    #[cfg(feature = "blas")]
     go_on_with_one_thread();
 }
 
@@ -36,11 +36,11 @@ pub(super) fn is_short() -> bool {
 
 /// A limit on what is mapped that leaves less, bytes, has no room for the threads of the BLAS, each of which maps 128 MiB as soon as it
 /// is started.
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "blas")]
 const SCARCE: u64 = 1 << 30;
 
 /// Where a thread of the BLAS asks for memory for ever, or takes what is scarce, the program starts itself again without such threads.
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "blas")]
 fn go_on_with_one_thread() {
     use std::os::unix::process::CommandExt;
     use std::process::Command;

@@ -19,14 +19,16 @@ use stickslip::linear::blas::Blas;
 use stickslip::memory::Budget;
 use stickslip::model::Model;
 use stickslip::report::{
-    Acting, BalanceRecord, Claim, CompanionEstimate, ComponentSums, LeftOut, ProbeTable, ResultFolder, Resultant,
-    RunReport, Unknowns, Warning,
+    Acting, BalanceRecord, Claim, CompanionEstimate, ComponentSums, LeftOut, ProbeTable, RankRecord, ResultFolder,
+    Resultant, RunReport, Unknowns, Warning,
 };
 use stickslip::run::{Need, Run};
 use stickslip::scene::{Origin, Scene};
 use stickslip::units::Quantity;
 
 use super::progress::Progress;
+#[cfg(feature = "mumps")]
+use super::ranks;
 use super::{Failure, SceneArgs, interrupt, origin, output, threads, uniqueness};
 use increments::{IncrementArgs, explain};
 use pace::Pace;
@@ -70,7 +72,11 @@ pub(super) struct RunArgs {
 /// On `count` threads. `kernel_before`: the kernel of the BLAS before the program started itself again.
 pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -> Result<ExitCode, Failure> {
     interrupt::listen();
+    #[cfg(feature = "mumps")]
+    let ranks = ranks::lead()?;
     let scene = args.scene.read()?;
+    #[cfg(feature = "mumps")]
+    ranks::check(ranks, scene.solver.linear)?;
     if !args.json {
         say!("{}", scene.title);
         say!("set-up       mesh, stiffness, contact");
@@ -358,6 +364,9 @@ fn print_verdict(report: &RunReport, increments: usize) {
     }
     let memory = totals.peak_rss_bytes.map_or(String::new(), |bytes| format!(", {:.0} MB", bytes as f64 * 1e-6));
     say!("took         {:.2} s ({:.2} s CPU){memory}", totals.wall_seconds, totals.cpu_seconds);
+    for RankRecord { rank, cpu_seconds, peak_rss_bytes } in &totals.ranks {
+        say!("rank {rank:<8}{cpu_seconds:.2} s CPU, {:.0} MB", *peak_rss_bytes as f64 * 1e-6);
+    }
     if let Some(faster) = &report.faster_solver {
         say!("faster       {faster}");
     }

@@ -79,7 +79,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
         folder: &results.path,
         // Unless told, they share the processors.
         threads: cli.threads.map_or_else(|| threads::count(None) / jobs, |count| count as usize).max(1),
-        #[cfg(feature = "umfpack")]
+        #[cfg(feature = "blas")]
         kernel: &cli.blas_kernel,
     };
     if let Some(folder) = &args.out {

@@ -46,13 +46,13 @@ pub(super) fn share_with_the_blas(model: &Model, count: usize) {
     let_the_blas_have(if large { count } else { 1 });
 }
 
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "blas")]
 fn let_the_blas_have(count: usize) {
     // A library that has no word for it has one thread.
     let _ = stickslip::linear::process::set_blas_threads(count);
 }
 
-#[cfg(not(feature = "umfpack"))]
+#[cfg(not(feature = "blas"))]
 fn let_the_blas_have(_: usize) {}
 
 #[cfg(test)]

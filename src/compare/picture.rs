@@ -6,6 +6,7 @@ use crate::linear::SparseLu;
 use crate::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale};
 
 const BLACK: [u8; 3] = [0, 0, 0];
+const ORANGE: [u8; 3] = [200, 120, 0];
 const GREEN: [u8; 3] = [0, 120, 60];
 const BLUE: [u8; 3] = [0, 90, 181];
 const RED: [u8; 3] = [200, 50, 32];
@@ -142,6 +143,7 @@ fn curve(path: SolverPath, points: Vec<[f64; 2]>) -> Curve {
         LinearAlgebra::Whole(SparseLu::Umfpack) => BLACK,
         LinearAlgebra::Condensed(_) => BLUE,
         LinearAlgebra::Whole(SparseLu::Faer) => RED,
+        LinearAlgebra::Whole(SparseLu::Mumps) => ORANGE,
         LinearAlgebra::Multigrid => GREEN,
     };
     let (dash, marker) = match path.method {

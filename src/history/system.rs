@@ -28,8 +28,9 @@ pub enum LinearAlgebra {
 
 impl LinearAlgebra {
     /// All that need nothing but the matrix, each with the word that scenes and reports have for it.
-    pub const WORDS: [(&'static str, LinearAlgebra); 4] = [
+    pub const WORDS: [(&'static str, LinearAlgebra); 5] = [
         ("umfpack", LinearAlgebra::Whole(SparseLu::Umfpack)),
+        ("mumps", LinearAlgebra::Whole(SparseLu::Mumps)),
         ("faer", LinearAlgebra::Whole(SparseLu::Faer)),
         ("condensed-cholmod", LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
         ("condensed-faer", LinearAlgebra::Condensed(SparseCholesky::Faer)),
@@ -76,7 +77,7 @@ impl fmt::Display for LinearAlgebra {
 
 /// A word that names no linear algebra.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("it is one of umfpack, faer, condensed, condensed-cholmod, condensed-faer and multigrid")]
+#[error("it is one of umfpack, mumps, faer, condensed, condensed-cholmod, condensed-faer and multigrid")]
 pub struct UnknownLinearAlgebra;
 
 impl FromStr for LinearAlgebra {

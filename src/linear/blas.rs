@@ -4,9 +4,9 @@
 //! processor may not know it and then takes kernels of the oldest ones, four times slower. [`KERNEL_VARIABLE`] chooses
 //! others; it is read when the library is loaded, so that only a new process can be helped.
 
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "blas")]
 pub(super) mod loaded;
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "blas")]
 pub(super) mod room;
 
 use std::fmt;
@@ -48,9 +48,9 @@ pub struct Blas {
 impl Blas {
     /// The BLAS of this process; none in a build without one. Nothing is changed, and nothing started.
     pub fn loaded() -> Option<Self> {
-        #[cfg(feature = "umfpack")]
+        #[cfg(feature = "blas")]
         return Some(loaded::describe());
-        #[cfg(not(feature = "umfpack"))]
+        #[cfg(not(feature = "blas"))]
         None
     }
 
@@ -248,7 +248,7 @@ mod tests {
 
     #[test]
     fn a_build_with_a_blas_knows_it() {
-        assert_eq!(Blas::loaded().is_some(), cfg!(feature = "umfpack"));
+        assert_eq!(Blas::loaded().is_some(), cfg!(feature = "blas"));
         if let Some(blas) = Blas::loaded().filter(|blas| blas.library == "OpenBLAS") {
             assert!(blas.kernel.is_some() && blas.threads.is_some_and(|threads| threads > 0), "{blas:?}");
             let numbered = |version: &String| version.starts_with(|c: char| c.is_ascii_digit());

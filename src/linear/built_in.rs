@@ -1,6 +1,6 @@
 //! The sparse backends by name. One whose cargo feature is off says so when it is to analyse.
 
-use super::LinearSolver;
+use super::{LinearSolver, RankUse};
 
 /// UMFPACK, if `in_best_order` for many factorisations in the plane.
 pub fn umfpack(in_best_order: bool) -> Box<dyn LinearSolver> {
@@ -13,6 +13,42 @@ pub fn umfpack(in_best_order: bool) -> Box<dyn LinearSolver> {
     {
         let _ = in_best_order;
         Box::new(absent::Absent("UMFPACK"))
+    }
+}
+
+/// MUMPS.
+pub fn mumps() -> Box<dyn LinearSolver> {
+    #[cfg(feature = "mumps")]
+    {
+        Box::new(super::Mumps::default())
+    }
+    #[cfg(not(feature = "mumps"))]
+    {
+        Box::new(absent::Absent("MUMPS"))
+    }
+}
+
+/// What each of several processes of MPI has taken; nothing where there is one.
+pub fn ranks_used() -> Vec<RankUse> {
+    #[cfg(feature = "mumps")]
+    {
+        super::ranks::used()
+    }
+    #[cfg(not(feature = "mumps"))]
+    {
+        Vec::new()
+    }
+}
+
+/// How many processes of MPI share the work of MUMPS.
+pub fn ranks() -> usize {
+    #[cfg(feature = "mumps")]
+    {
+        super::ranks::count()
+    }
+    #[cfg(not(feature = "mumps"))]
+    {
+        1
     }
 }
 

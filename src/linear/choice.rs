@@ -12,6 +12,8 @@ use super::{LinearSolver, built_in};
 pub enum SparseLu {
     /// UMFPACK of SuiteSparse.
     Umfpack,
+    /// MUMPS, on all processes that MPI has started.
+    Mumps,
     /// faer's: no library but Rust's, slower on large meshes.
     Faer,
 }
@@ -27,9 +29,10 @@ pub enum SparseCholesky {
 }
 
 impl Default for SparseLu {
-    /// UMFPACK where it is built in, otherwise faer.
+    /// UMFPACK where it is built in, otherwise MUMPS, otherwise faer.
     fn default() -> Self {
-        if cfg!(feature = "umfpack") { SparseLu::Umfpack } else { SparseLu::Faer }
+        let by_speed = [SparseLu::Umfpack, SparseLu::Mumps];
+        by_speed.into_iter().find(|lu| lu.is_built_in()).unwrap_or(SparseLu::Faer)
     }
 }
 
@@ -45,6 +48,7 @@ impl SparseLu {
     pub fn is_built_in(self) -> bool {
         match self {
             SparseLu::Umfpack => cfg!(feature = "umfpack"),
+            SparseLu::Mumps => cfg!(feature = "mumps"),
             SparseLu::Faer => cfg!(feature = "faer"),
         }
     }
@@ -59,6 +63,7 @@ impl SparseLu {
     pub fn solver_for(self, many_in_the_plane: bool) -> Box<dyn LinearSolver> {
         match self {
             SparseLu::Umfpack => built_in::umfpack(many_in_the_plane),
+            SparseLu::Mumps => built_in::mumps(),
             SparseLu::Faer => built_in::faer(),
         }
     }
@@ -78,6 +83,7 @@ impl fmt::Display for SparseLu {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             SparseLu::Umfpack => "umfpack",
+            SparseLu::Mumps => "mumps",
             SparseLu::Faer => "faer",
         })
     }

@@ -1,18 +1,19 @@
-//! What a history costs on the whole system and on a condensed one, estimated from sizes alone.
+//! What a history costs on the whole system, factored or by multigrid, and on a condensed one, estimated from sizes alone.
 //!
-//! With `m` contact displacements, `|L|` entries in the Cholesky factor of `K` and `φ` operations to make it:
+//! With `n` displacements, `m` of them in contact, `|L|` entries in the Cholesky factor of `K` and `φ` operations to make it:
 //!
-//! | | whole system, sparse LU | condensed |
-//! | --- | --- | --- |
-//! | once | order the unknowns | order, factor `K` (`|L|`, `φ`), form `S` (`2/3 m³`), store it (`m²`) |
-//! | a factorisation with its solve | `2 |L|` entries, `2 φ` operations | `2/3 k³` operations, some passes over `m²` entries |
-//! | an increment | – | substitutions with `L`, some passes over `m²` entries |
+//! | | whole system, sparse LU | condensed | multigrid |
+//! | --- | --- | --- | --- |
+//! | once | order the unknowns | order, factor `K` (`|L|`, `φ`), form `S` (`2/3 m³`), store it (`m²`) | – |
+//! | a Newton matrix | `2 |L|` entries, `2 φ` operations | `2/3 k³` operations, some passes over `m²` entries | `n` |
+//! | an increment | – | substitutions with `L`, some passes over `m²` entries | – |
+//! | memory | `2 |L|` | `2 |L|`, `m²` | `n` |
 //!
 //! `k` is the number of displacements that contact leaves free, half of `m` where nothing better is known.
-//! Contact rows add a few per cent to the sparse factors and are left out. So is what both ways share: mesh,
+//! Contact rows add a few per cent to the sparse factors and are left out. So is what all ways share: mesh,
 //! assembly, error measure.
 
-use super::FactorInfo;
+use super::{FactorInfo, SparseLu};
 
 /// Seconds for each unit of work, from runs of the paper's block (n = 25 … 200), of strips (1000 × 4 …
 /// 2000 × 50) and of plates (16 × 16 × 4 … 32 × 32 × 2) on one core with AVX-512: CPU time of whole runs and of their parts, sizes from the
@@ -26,6 +27,13 @@ mod seconds {
     pub const LU_ENTRY: f64 = 26e-9;
     /// The same with faer.
     pub const FAER_LU_ENTRY: f64 = 34e-9;
+    /// What MUMPS takes of the time of UMFPACK: 0.90 and 0.75 on cubes of 16³ and 24³ elements, 0.80 on the block with n = 200.
+    pub const MUMPS_SHARE: f64 = 0.8;
+    /// What MPI takes to start and to end.
+    pub const MPI: f64 = 0.15;
+    /// A displacement in a Newton system that is solved by multigrid, its share of the hierarchies included: 53e-6 and 54e-6 on cubes of 32³
+    /// and 48³ elements, with 12 and 14 systems where 10 are reckoned with.
+    pub const MULTIGRID: f64 = 70e-6;
     /// An entry of `L` and `U` in a refined solve.
     pub const LU_SOLVE_ENTRY: f64 = 4e-9;
     /// An entry of `L` of `K`, ordering by minimum degree included.
@@ -46,6 +54,12 @@ mod seconds {
 const S_BYTES: f64 = 44.0;
 /// Bytes an entry of a sparse factor takes at most, while it is made.
 const LU_BYTES: f64 = 16.0;
+/// The same of MUMPS.
+const MUMPS_BYTES: f64 = 12.0;
+
+/// What multigrid takes for a displacement: the matrix with contact eliminated, its hierarchy, the vectors of GMRES (measured, with
+/// all that a run has beside: 7900 on cubes of 32³ and 48³ elements).
+const MULTIGRID_BYTES: f64 = 2500.0;
 
 /// The part of the contact displacements that contact leaves free in a Newton matrix of BN.
 const FREE_SHARE: f64 = 0.5;
@@ -77,8 +91,6 @@ pub struct Work {
 pub struct Cost {
     /// The linear algebra of the whole history, set-up included, s.
     pub seconds: f64,
-    /// Operations of a factorisation.
-    pub flops: f64,
     /// Peak memory, bytes.
     pub bytes: f64,
 }
@@ -108,12 +120,23 @@ fn factorization(m: usize, work: &Work) -> f64 {
     2.0 / 3.0 * free.powi(3)
 }
 
-/// The whole system with UMFPACK or, if `faer`, with faer's sparse LU.
-pub fn sparse(sizes: &Sizes, work: &Work, faer: bool) -> Cost {
+/// The whole system, factored by `lu`.
+pub fn sparse(sizes: &Sizes, work: &Work, lu: SparseLu) -> Cost {
     let (entries, flops) = (2.0 * sizes.stiffness.entries as f64, 2.0 * sizes.stiffness.flops);
-    let factor = if faer { seconds::FAER_LU_ENTRY } else { seconds::LU_ENTRY };
+    let factor = if lu == SparseLu::Faer { seconds::FAER_LU_ENTRY } else { seconds::LU_ENTRY };
     let iteration = entries * (factor + seconds::LU_SOLVE_ENTRY) + flops * seconds::OPERATION;
-    Cost { seconds: order(sizes.unknowns) + work.factorizations * iteration, flops, bytes: LU_BYTES * entries }
+    let all = order(sizes.unknowns) + work.factorizations * iteration;
+    match lu {
+        SparseLu::Mumps => Cost { seconds: seconds::MPI + seconds::MUMPS_SHARE * all, bytes: MUMPS_BYTES * entries },
+        SparseLu::Umfpack | SparseLu::Faer => Cost { seconds: all, bytes: LU_BYTES * entries },
+    }
+}
+
+/// The whole system by multigrid, a solve for each Newton matrix and for each increment that keeps its own.
+pub fn multigrid(displacements: usize, work: &Work) -> Cost {
+    let n = displacements as f64;
+    let systems = work.factorizations.max(work.increments);
+    Cost { seconds: systems * n * seconds::MULTIGRID, bytes: n * MULTIGRID_BYTES }
 }
 
 /// The condensed system.
@@ -121,11 +144,7 @@ pub fn condensed(sizes: &Sizes, work: &Work) -> Cost {
     let (m, entries) = (sizes.contact_displacements, sizes.stiffness.entries as f64);
     let once = entries * seconds::L_ENTRY + sizes.stiffness.flops * seconds::OPERATION;
     let increments = work.increments * entries * seconds::L_SOLVE_ENTRY;
-    Cost {
-        seconds: once + increments + border(m, work),
-        flops: factorization(m, work),
-        bytes: LU_BYTES * entries + S_BYTES * (m * m) as f64,
-    }
+    Cost { seconds: once + increments + border(m, work), bytes: LU_BYTES * entries + S_BYTES * (m * m) as f64 }
 }
 
 #[cfg(test)]
@@ -142,8 +161,8 @@ mod tests {
         let (square, strip) = (sizes(20_400, 200, 1_300_000, 1.5e8), sizes(12_000, 2000, 190_000, 4e6));
         for increments in [2.0, 40.0] {
             let work = Work { increments, factorizations: 3.0 * increments, all_free: false };
-            assert!(condensed(&square, &work).seconds < 0.5 * sparse(&square, &work, false).seconds);
-            assert!(sparse(&strip, &work, false).seconds < 0.5 * condensed(&strip, &work).seconds);
+            assert!(condensed(&square, &work).seconds < 0.5 * sparse(&square, &work, SparseLu::Umfpack).seconds);
+            assert!(sparse(&strip, &work, SparseLu::Umfpack).seconds < 0.5 * condensed(&strip, &work).seconds);
         }
     }
 
@@ -152,11 +171,13 @@ mod tests {
         let sizes = sizes(20_400, 200, 1_300_000, 1.5e8);
         let work = Work { increments: 10.0, factorizations: 30.0, all_free: false };
         let twice = Work { increments: 20.0, factorizations: 60.0, all_free: false };
-        assert!(sparse(&sizes, &twice, false).seconds > sparse(&sizes, &work, false).seconds);
+        let whole = |work: &Work| sparse(&sizes, work, SparseLu::Umfpack).seconds;
+        assert!(whole(&twice) > whole(&work));
         assert!(condensed(&sizes, &twice).seconds > condensed(&sizes, &work).seconds);
+        assert!(multigrid(20_400, &twice).seconds > multigrid(20_400, &work).seconds);
         // The whole of S is factored, eight times the operations.
-        let all_free = condensed(&sizes, &Work { all_free: true, ..work });
-        assert_eq!(all_free.flops, 8.0 * condensed(&sizes, &work).flops);
-        assert!(sparse(&sizes, &work, true).seconds > sparse(&sizes, &work, false).seconds);
+        assert_eq!(factorization(200, &Work { all_free: true, ..work }), 8.0 * factorization(200, &work));
+        assert!(sparse(&sizes, &work, SparseLu::Faer).seconds > whole(&work));
+        assert!(sparse(&sizes, &work, SparseLu::Mumps).seconds < whole(&work));
     }
 }

@@ -23,7 +23,7 @@ pub use form::Form;
 pub use grid::{Contact, Grid};
 use hierarchy::{Hierarchy, MakeCycle};
 use node::Eliminated;
-use precondition::{Work, kernel, precondition};
+use precondition::{Elimination, Work, kernel};
 use stiffness::{Border, Layout};
 
 /// Where more are needed a direct solver is faster.
@@ -80,7 +80,8 @@ impl Multigrid {
         let Some(Factored { nodes, border, hierarchy, work }) = &mut self.factored else {
             return Err(LinearError::Order { missing: "factorize" });
         };
-        let (grid, values, form) = (&self.grid, &self.values, self.form);
+        let values = &self.values;
+        let elimination = Elimination { grid: &self.grid, layout, nodes, border, form: self.form };
         let hierarchy = &mut self.hierarchies[*hierarchy];
         let product = |x: &[f64], y: &mut [f64]| {
             y.fill(0.0);
@@ -91,8 +92,7 @@ impl Multigrid {
                 }
             }
         };
-        let approximately =
-            |r: &[f64], z: &mut [f64]| precondition(grid, layout, nodes, border, form, hierarchy, work, r, z);
+        let approximately = |r: &[f64], z: &mut [f64]| elimination.precondition(hierarchy, work, r, z);
         let found = gmres::solve(b, x, tolerance, MOST_ITERATIONS, product, approximately)?;
         self.iterated.iterations += found.iterations;
         hierarchy.took(found.iterations, found.residual);
@@ -184,6 +184,7 @@ mod tests {
     //! What is exact, is exact: with a direct factorisation in the place of the cycle one iteration solves.
 
     use super::hierarchy::Cycle;
+    use super::small::transposed_on;
     use super::*;
     use crate::linear::petsc::Rows;
     use crate::sparse::{Csc, SystemMatrix};
@@ -192,6 +193,7 @@ mod tests {
     struct Inverse(Vec<Vec<f64>>);
 
     impl Inverse {
+        #[allow(clippy::needless_pass_by_value, clippy::unnecessary_wraps, reason = "as whoever makes a cycle")]
         fn boxed(rows: Rows, _motions: Vec<Vec<f64>>) -> Result<Box<dyn Cycle>, LinearError> {
             let n = rows.starts.len() - 1;
             let mut dense = vec![vec![0.0; n]; n];
@@ -291,8 +293,7 @@ mod tests {
             let frame = [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]];
             let beyond = changed.then_some((0, 0.25));
             let mut row = |row: usize, w: [f64; 3], p: [f64; 3]| {
-                for axis in 0..3 {
-                    let coefficient: f64 = (0..3).map(|k| w[k] * frame[k][axis]).sum();
+                for (axis, coefficient) in transposed_on(&frame, w).into_iter().enumerate() {
                     entries.push((row, 3 * node + axis, coefficient));
                     if let (Some((dof, share)), 0) = (beyond, axis) {
                         entries.push((row, dof, share * coefficient));
@@ -303,10 +304,10 @@ mod tests {
             let [t, o, n] = places;
             match *law {
                 Law::Open => {
-                    (0..3).for_each(|k| row(places[k], [0.0; 3], [0, 1, 2].map(|j| f64::from(u8::from(j == k)))))
+                    (0..3).for_each(|k| row(places[k], [0.0; 3], [0, 1, 2].map(|j| f64::from(u8::from(j == k)))));
                 }
                 Law::Stick => {
-                    (0..3).for_each(|k| row(places[k], [0, 1, 2].map(|j| f64::from(u8::from(j == k))), [0.0; 3]))
+                    (0..3).for_each(|k| row(places[k], [0, 1, 2].map(|j| f64::from(u8::from(j == k))), [0.0; 3]));
                 }
                 Law::Slip(mu) => {
                     row(t, [0.0; 3], [1.0, 0.0, -mu]);
@@ -324,11 +325,11 @@ mod tests {
                     row(n, [0.0, 0.0, -2.0 * k], [0.0, 0.0, 1.0]);
                 }
             }
-            for (k, place) in places.into_iter().enumerate() {
-                for axis in 0..3 {
-                    entries.push((3 * node + axis, place, frame[k][axis]));
+            for (place, direction) in places.into_iter().zip(frame) {
+                for (axis, component) in direction.into_iter().enumerate() {
+                    entries.push((3 * node + axis, place, component));
                     if let (Some((dof, share)), 0) = (beyond, axis) {
-                        entries.push((dof, place, share * frame[k][axis]));
+                        entries.push((dof, place, share * component));
                     }
                 }
             }

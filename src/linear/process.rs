@@ -10,18 +10,34 @@ pub use allocator::{Last, OrderlyEnd, exits, memory_was_refused, say_last};
 
 use std::ffi::c_int;
 
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "blas")]
 use libloading::os::unix::Library;
 
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "blas")]
 use super::blas::{loaded, room};
+
+/// What this process has taken so far.
+#[cfg(feature = "mumps")]
+pub(super) fn used() -> super::RankUse {
+    // SAFETY: C's structure of numbers, which the call fills.
+    let used = unsafe {
+        let mut used: libc::rusage = std::mem::zeroed();
+        libc::getrusage(libc::RUSAGE_SELF, &raw mut used);
+        used
+    };
+    let seconds = |time: libc::timeval| time.tv_sec as f64 + 1e-6 * time.tv_usec as f64;
+    super::RankUse {
+        cpu_seconds: seconds(used.ru_utime) + seconds(used.ru_stime),
+        peak_rss_bytes: 1024 * used.ru_maxrss as u64,
+    }
+}
 
 /// Sets the number of BLAS threads, and of OpenMP's for this thread, and returns the name of the library that took it.
 ///
 /// Fronts of two-dimensional problems are small: a second BLAS thread gains nothing there, doubles the CPU
 /// time and, on a busy machine, can cost an order of magnitude. `None` means that the library has no thread control, as
 /// the reference BLAS, which is single-threaded and slower.
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "blas")]
 pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
     let process = Library::this();
     set_openmp(&process, threads);
@@ -31,7 +47,7 @@ pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
 /// Whether a thread that OpenBLAS started when it was loaded has not got its memory and asks for it for ever. The process can then do
 /// nothing with the BLAS, and not even end in the usual way; one with `OPENBLAS_NUM_THREADS=1` in its environment has no such
 /// thread.
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "blas")]
 pub fn blas_is_stuck() -> bool {
     room::is_stuck(&Library::this())
 }
@@ -39,13 +55,13 @@ pub fn blas_is_stuck() -> bool {
 /// Lets the parallel regions of CHOLMOD run in this thread, if it is the one that meets them; elsewhere nothing changes. Does nothing
 /// in a build without it.
 pub fn keep_openmp_in_this_thread() {
-    #[cfg(feature = "umfpack")]
+    #[cfg(feature = "blas")]
     set_openmp(&Library::this(), 1);
 }
 
 /// CHOLMOD has parallel regions of its own, whatever the BLAS is told. Without an active level they
 /// run in the thread that meets them; with an OpenMP that keeps this per thread, in the calling one.
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "blas")]
 fn set_openmp(process: &Library, threads: usize) {
     let count = c_int::try_from(threads.max(1)).unwrap_or(c_int::MAX);
     let told = [(&b"omp_set_max_active_levels\0"[..], c_int::from(count > 1)), (b"omp_set_num_threads\0", count)];

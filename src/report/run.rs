@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::balance::{BalanceRecord, BalanceWatch};
 use super::companion::ChosenIncrements;
 use super::estimates::Estimates;
+use super::exact_path::{self, ExactPath};
 use super::explain::Explanation;
 use super::history_curves::HistoryCurves;
 use super::increment_warnings;
@@ -14,17 +15,17 @@ use super::quantities;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
 use super::unit_names::UnitNames;
 use super::unknowns::{LeftOut, Unknowns};
+use super::usage::RankRecord;
 use super::validity::{LargestDisplacement, Validity};
 use super::warnings::{Warning, WarningKind};
 use crate::auto::{Choice, Faster};
 use crate::contact::{KktErrors, RangeLeft};
-use crate::events::{Jump, Lost};
-use crate::history::{HistoryOutcome, IncrementRecord, LinearAlgebra, Method, Solver, Status, WorkingSet};
+use crate::history::{HistoryOutcome, IncrementRecord, LinearAlgebra, Solver, Status, WorkingSet};
 use crate::linear::blas::Blas;
 use crate::model::Model;
 use crate::scene::Scene;
 use crate::uniqueness::CriticalFriction;
-use crate::units::{Quantity, UnitSystem};
+use crate::units::UnitSystem;
 
 /// The version of the keys of a report. A key that is new does not change it; one that goes or means something else does.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -123,63 +124,6 @@ pub struct RunReport {
     pub curves: HistoryCurves,
 }
 
-/// What became of an exact path in time.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct ExactPath {
-    /// How often a contact node changed its status.
-    pub events: usize,
-    /// Where it went on by a jump, because that was asked for.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub jumps: Vec<Jump>,
-    /// Where the quasi-static motion ended, if it did.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lost: Option<Lost>,
-}
-
-/// A larger share of the displacements by which gaps may be off is told.
-const OFF: f64 = 1e-6;
-
-/// That the exact path followed gaps along chords.
-fn curved_gaps(method: Method, model: &Model, outcome: &HistoryOutcome) -> Option<Warning> {
-    let Method::Events { .. } = method else { return None };
-    let off = model.loading.off_the_chords();
-    if off <= OFF * outcome.scales.length {
-        return None;
-    }
-    let units = model.units();
-    let message = format!(
-        "gaps in front of a moving obstacle are curved in time: the exact path follows them along chords, off by up to {:.1e} {} ({:.1e} of \
-         the largest displacement); four times as many increments as chords make that a sixteenth",
-        units.of_si(Quantity::Length, off),
-        units.name(Quantity::Length),
-        off / outcome.scales.length
-    );
-    Some(Warning { kind: WarningKind::CurvedGaps, message })
-}
-
-/// That a run went on by jumps.
-fn jumps(jumps: &[Jump]) -> Option<Warning> {
-    let first = jumps.first()?;
-    let more = match jumps.len() {
-        1 => String::new(),
-        many => format!(" (the first of {many} jumps)"),
-    };
-    let message = format!(
-        "no quasi-static motion leads on from t = {} s: the states from t = {} s on are one of those that the laws allow after a \
-         jump{more}; dynamics says which",
-        first.from, first.to
-    );
-    Some(Warning { kind: WarningKind::Jump, message })
-}
-
-impl ExactPath {
-    fn of(method: Method, outcome: &HistoryOutcome) -> Option<Self> {
-        let Method::Events { .. } = method else { return None };
-        Some(ExactPath { events: outcome.event_count, jumps: outcome.jumps.clone(), lost: outcome.lost })
-    }
-}
-
 /// A body of several.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
@@ -206,7 +150,7 @@ impl BodyRecord {
 }
 
 /// Sums over a run.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Totals {
     /// Increments that converged.
@@ -232,6 +176,9 @@ pub struct Totals {
     pub threads: usize,
     /// Peak resident memory of the process, bytes.
     pub peak_rss_bytes: Option<u64>,
+    /// What each process took, this one among them, where MPI has started several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ranks: Vec<RankRecord>,
     /// Entries of the factors L and U; with faer a bound of them.
     pub nnz_factors: usize,
     /// The largest componentwise backward error of any solve.
@@ -239,7 +186,7 @@ pub struct Totals {
 }
 
 /// What was measured around a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// CPU time of the process, s.
     pub cpu_seconds: f64,
@@ -249,6 +196,8 @@ pub struct Measured {
     pub model_seconds: f64,
     /// Peak resident memory, bytes.
     pub peak_rss_bytes: Option<u64>,
+    /// What each of several processes took.
+    pub ranks: Vec<RankRecord>,
 }
 
 /// All that a report is made from.
@@ -308,8 +257,8 @@ impl RunReport {
         warnings.extend(
             increments.flat_map(|found| increment_warnings::warnings(found, outcome.tally.increments, &model.units())),
         );
-        warnings.extend(curved_gaps(solver.method, model, outcome));
-        warnings.extend(jumps(&outcome.jumps));
+        warnings.extend(exact_path::curved_gaps(solver.method, model, outcome));
+        warnings.extend(exact_path::jumps(&outcome.jumps));
         warnings.extend(facts.balance.unbalanced(solver.tolerance));
         let blas = Blas::loaded();
         warnings.extend(blas.as_ref().and_then(Warning::of_blas));
@@ -357,6 +306,7 @@ impl RunReport {
                 setup_seconds: measured.model_seconds + outcome.setup_seconds,
                 threads: rayon::current_num_threads(),
                 peak_rss_bytes: measured.peak_rss_bytes,
+                ranks: measured.ranks,
                 nnz_factors: outcome.linear.factor.entries,
                 backward_error: outcome.linear.worst_backward_error,
             },

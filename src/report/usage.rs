@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use rustix::time::{ClockId, clock_gettime};
+use serde::Serialize;
 
+use crate::linear::RankUse;
+use crate::linear::built_in::ranks_used;
 use crate::memory::kilobytes;
 
 /// CPU time of this process so far, all threads, s.
@@ -24,6 +27,26 @@ fn seconds(clock: ClockId) -> f64 {
 /// The largest resident memory of this process so far, bytes; `None` where the system does not tell.
 pub fn peak_rss_bytes() -> Option<u64> {
     kilobytes(Path::new("/proc/self/status"), "VmHWM:")
+}
+
+/// What one of several processes took.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct RankRecord {
+    /// Its rank, from 0.
+    pub rank: usize,
+    /// CPU time, s.
+    pub cpu_seconds: f64,
+    /// Peak resident memory, bytes.
+    pub peak_rss_bytes: u64,
+}
+
+impl RankRecord {
+    /// Those of all ranks, if there are several.
+    pub fn all() -> Vec<Self> {
+        let record = |(rank, RankUse { cpu_seconds, peak_rss_bytes })| RankRecord { rank, cpu_seconds, peak_rss_bytes };
+        ranks_used().into_iter().enumerate().map(record).collect()
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What a run takes of the memory, estimated before it is taken.
 
 use super::RunError;
+use crate::auto::Path;
 use crate::history::LinearAlgebra;
 use crate::linear::cost::{self, Sizes, Work};
 use crate::linear::{Cholesky, FactorInfo, LinearError};
@@ -9,9 +10,6 @@ use crate::model::Model;
 
 /// Bytes that mesh, assembly and the patterns and values of all formulations take for an entry of the lower triangle of the stiffness.
 const BODY_BYTES: f64 = 160.0;
-
-/// What multigrid takes for a displacement: the matrix with contact eliminated, its hierarchy, the vectors of GMRES.
-const MULTIGRID_BYTES: f64 = 4000.0;
 
 /// What the program takes before it has a mesh, bytes.
 const PROGRAM_BYTES: f64 = 25e6;
@@ -45,6 +43,11 @@ impl Need {
         Ok(Self::with(model, linear, records, Cholesky::predict(model.problem.stiffness())?))
     }
 
+    /// That of `model` by one of the ways that there were to choose from, without records.
+    pub fn of_path(model: &Model, path: &Path) -> Self {
+        Need { body: body(model), factors: path.cost.bytes, history: 0.0, least: 0.0 }
+    }
+
     fn with(model: &Model, linear: LinearAlgebra, records: usize, stiffness: FactorInfo) -> Self {
         let problem = &model.problem;
         let contact_displacements = problem.contact_displacements().len();
@@ -52,20 +55,41 @@ impl Need {
         let work = Work { increments: 0.0, factorizations: 0.0, all_free: false };
         let entries = stiffness.entries as f64;
         let (factors, least) = match linear {
-            LinearAlgebra::Whole(_) => (cost::sparse(&sizes, &work, false).bytes, 16.0 * entries),
+            LinearAlgebra::Whole(lu) => (cost::sparse(&sizes, &work, lu).bytes, 16.0 * entries),
             LinearAlgebra::Multigrid => {
-                let bytes = MULTIGRID_BYTES * problem.displacements() as f64;
+                let bytes = cost::multigrid(problem.displacements(), &work).bytes;
                 (bytes, 0.5 * bytes)
             }
             LinearAlgebra::Condensed(_) => (cost::condensed(&sizes, &work).bytes, 8.0 * entries),
         };
-        let body = PROGRAM_BYTES + BODY_BYTES * problem.stiffness().lower().values().len() as f64;
-        Need { body, factors, history: RECORD_BYTES * records as f64, least }
+        Need { body: body(model), factors, history: RECORD_BYTES * records as f64, least }
     }
 
     /// All of it.
     pub fn bytes(&self) -> u64 {
         (self.body + self.factors + self.history) as u64
+    }
+
+    /// How many displacements a refinement of `model` may have, in which everything grows as in all directions alike, before this need of
+    /// its own exceeds `bytes`: the body and what multigrid takes grow as their number `n`, factors and the Schur complement as `n^(4/3)` in space,
+    /// by nested dissection, and as `n log n` in the plane.
+    pub fn most_displacements(&self, model: &Model, linear: LinearAlgebra, bytes: u64) -> f64 {
+        let n = model.problem.displacements() as f64;
+        let fill = |finer: f64| match (linear, model.mesh.dimension) {
+            (LinearAlgebra::Multigrid, _) => finer,
+            (_, 2) => finer * (n * finer).ln().max(1.0) / n.ln().max(1.0),
+            _ => finer.powf(4.0 / 3.0),
+        };
+        let takes = |finer: f64| PROGRAM_BYTES + (self.body - PROGRAM_BYTES) * finer + self.factors * fill(finer);
+        let (mut room, mut none) = (0.0, 1.0);
+        while takes(none) <= bytes as f64 {
+            (room, none) = (none, 2.0 * none);
+        }
+        for _ in 0..30 {
+            let middle = 0.5 * (room + none);
+            *if takes(middle) <= bytes as f64 { &mut room } else { &mut none } = middle;
+        }
+        n * room
     }
 
     /// An error if `budget`, what is left once the model is made, has no room for the factors of a run of `model`.
@@ -96,6 +120,11 @@ impl Need {
             None => Ok(()),
         }
     }
+}
+
+/// What a run takes before anything is factored, bytes.
+fn body(model: &Model) -> f64 {
+    PROGRAM_BYTES + BODY_BYTES * model.problem.stiffness().lower().values().len() as f64
 }
 
 /// Whether so many nodes in so many dimensions, where that is known beforehand, fit into the `budget`. Asking

@@ -37,6 +37,7 @@ pub(super) enum Start {
 #[serde(rename_all = "kebab-case")]
 pub(super) enum LinearName {
     Umfpack,
+    Mumps,
     Faer,
     Condensed,
     CondensedCholmod,
@@ -60,6 +61,7 @@ impl LinearName {
         use crate::linear::{SparseCholesky, SparseLu};
         Some(match self {
             LinearName::Umfpack => LinearAlgebra::Whole(SparseLu::Umfpack),
+            LinearName::Mumps => LinearAlgebra::Whole(SparseLu::Mumps),
             LinearName::Faer => LinearAlgebra::Whole(SparseLu::Faer),
             LinearName::Condensed => LinearAlgebra::condensed(),
             LinearName::CondensedCholmod => LinearAlgebra::Condensed(SparseCholesky::Cholmod),

@@ -55,6 +55,7 @@ fn are_whole(files: &BTreeMap<String, String>) {
                 assert!(text.ends_with('\n') && text.lines().all(|line| columns(line) == header), "{name}: {text}");
             }
             Some("svg") => assert!(text.trim_end().ends_with("</svg>"), "{name} ends in the middle"),
+            Some("pvd" | "vtu") => assert!(text.trim_end().ends_with("</VTKFile>"), "{name} ends in the middle"),
             Some("json") => {
                 let report: Value = serde_json::from_str(text).unwrap_or_else(|error| panic!("{name}: {error}"));
                 let listed = report["increments"].as_array().unwrap().len();

@@ -149,7 +149,7 @@ fn a_body_without_net_load_stays() {
     );
     for (name, model) in [("pressed", pressed), ("cancelled", cancelled), ("pulled", pulled)] {
         for method in METHODS {
-            for (word, linear) in LinearAlgebra::WORDS {
+            for (word, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {
                 let outcome = solve(&model, method, linear);
                 assert_eq!(outcome.status, Status::Converged, "{name} {method} {word}");
                 let u = outcome.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));

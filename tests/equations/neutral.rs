@@ -33,7 +33,7 @@ pub fn solve(model: &Model, method: Method, linear: LinearAlgebra) -> HistoryOut
 /// What all linear algebras agree on, in so many iterations at most.
 pub fn agreed(model: &Model, method: Method, iterations: usize) -> HistoryOutcome {
     let mut first: Option<HistoryOutcome> = None;
-    for (word, linear) in LinearAlgebra::WORDS {
+    for (word, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {
         let outcome = solve(model, method, linear);
         assert_eq!(outcome.status, Status::Converged, "{word} {method}: {:?}", outcome.records.last());
         let taken: usize = outcome.records.iter().map(|record| record.iterations).sum();
@@ -105,7 +105,7 @@ fn a_particle_on_a_floor() {
     assert_eq!(problem.free_motions().len(), 1);
     let load = LoadCase::new(vec![-3.0], vec![[0.0, 0.0], [1.0, 1.0]]).unwrap();
     let loading = Loading::new(vec![load], vec![0.5]).unwrap();
-    for (word, linear) in LinearAlgebra::WORDS {
+    for (word, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {
         let settings = HistorySettings::new(&problem, &loading, Method::BN).unwrap();
         let outcome = history::run(&problem, &loading, &[1.0], &settings, linear.into(), &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{word}");

@@ -86,7 +86,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     ("reach", &["linear", "loading", "problem"]),
-    ("auto", &["formulation", "history", "linear", "problem", "reach"]),
+    ("auto", &["formulation", "history", "linear", "memory", "problem", "reach"]),
     ("estimate", &["contact", "description", "fem", "mesh", "model", "problem", "sets", "vector"]),
     (
         "report",

@@ -1,6 +1,6 @@
 //! The kernel of OpenBLAS: the program runs the one that it should, whoever chose it, and says which.
 
-#![cfg(all(feature = "cli", feature = "umfpack"))]
+#![cfg(all(feature = "cli", feature = "blas"))]
 #![allow(clippy::unwrap_used)]
 
 use std::ffi::{OsStr, OsString};

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use stickslip::sweep::Outcome;
 
-#[cfg(feature = "umfpack")]
+#[cfg(feature = "blas")]
 use super::super::blas_kernel::Kernel;
 use super::super::interrupt;
 use super::Task;
@@ -32,7 +32,7 @@ pub(super) struct Processes<'a> {
     /// The threads of each process.
     pub threads: usize,
     /// The kernel of the BLAS of each.
-    #[cfg(feature = "umfpack")]
+    #[cfg(feature = "blas")]
     pub kernel: &'a Kernel,
 }
 
@@ -156,7 +156,7 @@ impl Processes<'_> {
         command.args(overrides.iter().flat_map(|change| ["--set".to_string(), change.to_string()]));
         command.envs(BLAS_THREADS.map(|name| (name, self.threads.to_string())));
         command.arg("--threads").arg(self.threads.to_string());
-        #[cfg(feature = "umfpack")]
+        #[cfg(feature = "blas")]
         command.arg("--blas-kernel").arg(self.kernel.to_string());
         let child = command.stdin(Stdio::null()).stdout(File::create(&printed)?).stderr(Stdio::null()).spawn()?;
         Ok(Running { order, child, printed })

@@ -87,7 +87,9 @@ impl Grid {
     /// The rigid motions, in `ũ`.
     pub(super) fn motions(&self) -> Vec<Vec<f64>> {
         let mut motions = self.motions.clone();
-        motions.iter_mut().for_each(|u| self.displacements_from_mesh(u));
+        for u in &mut motions {
+            self.displacements_from_mesh(u);
+        }
         motions
     }
 }

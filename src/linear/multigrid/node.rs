@@ -177,7 +177,7 @@ impl Eliminated {
     }
 
     /// A vector in the frame.
-    pub(super) fn into_frame(&self, v: [f64; 3]) -> [f64; 3] {
+    pub(super) fn in_frame(&self, v: [f64; 3]) -> [f64; 3] {
         transposed_on(&self.frame, v)
     }
 
@@ -214,13 +214,11 @@ mod tests {
             forces: [true, true, false],
             stiffness: 2.0,
         };
-        for i in 0..3 {
-            (local.b[i][0], local.b[i][1]) = (TANGENT[i], NORMAL[i]);
-            for row in 0..2 {
-                local.r[row][i] = r[row][0] * TANGENT[i] + r[row][1] * NORMAL[i];
-            }
+        for (b, (t, n)) in local.b.iter_mut().zip(TANGENT.iter().zip(NORMAL)) {
+            (b[0], b[1]) = (*t, n);
         }
-        for row in 0..2 {
+        for (row, [along, across]) in r.into_iter().enumerate() {
+            local.r[row] = [0, 1, 2].map(|i| along * TANGENT[i] + across * NORMAL[i]);
             local.d[row][..2].copy_from_slice(&d[row]);
         }
         local.eliminated(Form::Symmetric)
@@ -239,7 +237,7 @@ mod tests {
         assert_eq!((stick.held, stick.missing), ([true, true, false], [false, false, true]));
         let w = stick.out_of_frame(stick.prescribed([0.25, 0.5, 0.0]));
         assert!((w[0] - 0.25).abs() < 1e-15 && (w[1] + 0.5).abs() < 1e-15, "{w:?}");
-        let p = stick.reactions(stick.into_frame([2.0, -3.0, 0.0]));
+        let p = stick.reactions(stick.in_frame([2.0, -3.0, 0.0]));
         assert!((p[0] - 2.0).abs() < 1e-15 && (p[1] - 3.0).abs() < 1e-15, "{p:?}");
     }
 
@@ -249,13 +247,13 @@ mod tests {
         let slip = node([[0.0, 0.0], [0.0, 1.0]], [[1.0, 0.4], [0.0, 0.0]]);
         assert_eq!(slip.held, [true, false, false]);
         let w = slip.prescribed([0.0, 0.5, 0.0]);
-        let lacking = slip.into_frame([0.0, -3.0, 0.0]);
+        let lacking = slip.in_frame([0.0, -3.0, 0.0]);
         let q = slip.reactions(lacking);
         let p = slip.following([0.0, 0.5, 0.0], w);
         let p = [p[0] + q[0], p[1] + q[1]];
         assert!((p[1] - 3.0).abs() < 1e-14 && (p[0] + 0.4 * p[1]).abs() < 1e-14, "{p:?}");
         // What the reaction does along the slip, by what lacks along the normal.
-        let down = slip.into_frame([0.0, -1.0, 0.0])[0];
+        let down = slip.in_frame([0.0, -1.0, 0.0])[0];
         assert!(((slip.sweep[1][0] * down).abs() - 0.4).abs() < 1e-14);
         assert!(slip.springs.iter().flatten().all(|v| v.abs() < 1e-14));
     }

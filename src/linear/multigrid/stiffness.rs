@@ -51,7 +51,8 @@ impl Layout {
         grid.checked(pattern.columns())?;
         let displacements = grid.displacements.len();
         let mut node = vec![None; grid.nodes];
-        let (mut own, mut place): (Vec<[Option<usize>; 3]>, Vec<(usize, usize)>) = Default::default();
+        let mut own: Vec<[Option<usize>; 3]> = Vec::new();
+        let mut place = Vec::with_capacity(displacements);
         for (dof, &(at, direction)) in grid.displacements.iter().enumerate() {
             let k = *node[at].get_or_insert(own.len());
             if k == own.len() {
@@ -118,7 +119,9 @@ impl Layout {
             // K is symmetric: its columns are its rows.
             for slot in pattern.column_starts()[e] as usize..pattern.column_starts()[e + 1] as usize {
                 if let Some(uses) = self.uses.get(pattern.row_indices()[slot] as usize) {
-                    uses.iter().for_each(|&(to, g)| take(slot, c * g, to));
+                    for &(to, g) in uses {
+                        take(slot, c * g, to);
+                    }
                 }
             }
         }
@@ -182,7 +185,7 @@ impl Layout {
         for node in 0..self.own.len() {
             let mut rows = self.rows(node, pattern, values, &mut at, nodes);
             if let Some(contact) = self.contact[node] {
-                stiffness.border[contact] = rows.clone();
+                stiffness.border[contact].clone_from(&rows);
                 nodes[contact].take_friction(form, &mut rows, at[node] * self.dimension, self.dimension);
             }
             self.hold(node, at[node], &mut rows, nodes);
@@ -222,12 +225,12 @@ impl Layout {
                 let block = &mut row[k * d..(k + 1) * d];
                 let mut turned = [0.0; 3];
                 turned[..d].copy_from_slice(block);
-                block.copy_from_slice(&nodes[contact].into_frame(turned)[..d]);
+                block.copy_from_slice(&nodes[contact].in_frame(turned)[..d]);
             }
         }
         if let Some(contact) = self.contact[node] {
             for k in 0..self.columns[node].len() * d {
-                let turned = nodes[contact].into_frame([0, 1, 2].map(|i| rows[i][k]));
+                let turned = nodes[contact].in_frame([0, 1, 2].map(|i| rows[i][k]));
                 rows.iter_mut().zip(turned).for_each(|(row, turned)| row[k] = turned);
             }
         }

@@ -46,13 +46,18 @@ fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgeb
         let cholesky = !touches && LinearAlgebra::condensed().is_built_in();
         return Ok(Some(if cholesky { LinearAlgebra::condensed() } else { whole }));
     };
-    // What is compared: if one of both is built in, the other is, too.
+    // What is compared.
     let Some(linear) = given.algebra() else {
-        return if whole.is_built_in() { Ok(None) } else { Err(fault(NOTHING_BUILT_IN, BUILD_IT)) };
+        return match (whole.is_built_in(), LinearAlgebra::condensed().is_built_in()) {
+            (true, true) => Ok(None),
+            (true, false) => Ok(Some(whole)),
+            (false, _) => Err(fault(NOTHING_BUILT_IN, BUILD_IT)),
+        };
     };
     let missing = match linear {
         linear if linear.is_built_in() => return Ok(Some(linear)),
         LinearAlgebra::Whole(SparseLu::Umfpack) => "UMFPACK".to_string(),
+        LinearAlgebra::Whole(SparseLu::Mumps) => "MUMPS".to_string(),
         LinearAlgebra::Whole(SparseLu::Faer) => "faer".to_string(),
         LinearAlgebra::Multigrid => "PETSc, which multigrid is of".to_string(),
         condensed => format!("Cholesky factorisation, which \"{condensed}\" needs"),

@@ -3,7 +3,7 @@
 use clap::{Args, Subcommand};
 use miette::IntoDiagnostic;
 use serde::Serialize;
-use stickslip::history::{LinearAlgebra, Status};
+use stickslip::history::{LinearAlgebra, Status, UnknownLinearAlgebra};
 use stickslip::report::{Table, csv_table};
 use stickslip_studies::tables::{Agreement, Case, Cell, Counts, PaperMethod, PaperTable};
 
@@ -44,7 +44,7 @@ struct Selection {
     #[arg(long, value_delimiter = ',')]
     methods: Vec<PaperMethod>,
     /// The linear algebra: condensed, as the paper does it, or umfpack or faer, several times slower
-    #[arg(long, default_value = "condensed")]
+    #[arg(long, default_value = "condensed", value_parser = built_in)]
     solver: LinearAlgebra,
     /// Cells computed at the same time; as many as there are processors
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=256))]
@@ -55,6 +55,12 @@ struct Selection {
     /// Print comma-separated values and nothing else, a line for each case and method
     #[arg(long)]
     csv: bool,
+}
+
+/// The linear algebra of that name, if this build has it.
+fn built_in(word: &str) -> Result<LinearAlgebra, String> {
+    let linear: LinearAlgebra = word.parse().map_err(|unknown: UnknownLinearAlgebra| unknown.to_string())?;
+    if linear.is_built_in() { Ok(linear) } else { Err(format!("this build has no {linear}")) }
 }
 
 /// A column of a table: its cells, and how far they are from the paper's.

@@ -56,7 +56,8 @@ fn notes_are_of_this_run() {
 fn what_is_not_there_is_refused() {
     for (args, said) in [
         (&["tables", "block", "--contact-nodes", "7"][..], "no such cell"),
-        (&["tables", "block", "--solver", "mumps"], "mumps"),
+        (&["tables", "block", "--solver", "mumps"], "this build has no mumps"),
+        (&["tables", "block", "--solver", "pardiso"], "it is one of umfpack, mumps"),
         (&["extremes", "--only", "weather"], "no such sweep"),
         (&["figures", "--only", "3"], "3"),
     ] {

@@ -1,0 +1,23 @@
+//! Generates the bindings of the MUMPS and the METIS that are installed, and links them.
+//!
+//! `MUMPS_LIBRARY` names another build of MUMPS than Debian's with PT-SCOTCH.
+
+use super::bindings::generate;
+use super::ranks::includes;
+use std::env;
+
+/// What `linear/mumps.rs` calls.
+const ALLOWED: [&str; 5] = ["dmumps_c", "DMUMPS_STRUC_C", "MUMPS_VERSION", "METIS_NodeND", "rstatus_et"];
+
+/// The library with METIS' orders handed over; Debian's without a suffix cannot order by itself at all.
+const LIBRARY: &str = "dmumps_ptscotch";
+
+/// Everything this file is for.
+pub fn mumps() {
+    println!("cargo:rerun-if-changed=ffi/mumps.rs");
+    println!("cargo:rerun-if-changed=ffi/mumps.h");
+    println!("cargo:rerun-if-env-changed=MUMPS_LIBRARY");
+    println!("cargo:rustc-link-lib=dylib={}", env::var("MUMPS_LIBRARY").unwrap_or_else(|_| LIBRARY.to_string()));
+    println!("cargo:rustc-link-lib=dylib=metis");
+    generate("ffi/mumps.h", "mumps.rs", &includes(), &ALLOWED);
+}

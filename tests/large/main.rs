@@ -1,0 +1,16 @@
+//! What stands behind the features `mumps` and `petsc`: other ways to the same answers. Neither is on by default: see `make mumps` and
+//! `make petsc`.
+
+#![cfg(any(feature = "mumps", feature = "petsc"))]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+#[cfg(feature = "petsc")]
+mod multigrid;
+#[cfg(feature = "mumps")]
+mod mumps;
+#[cfg(all(feature = "mumps", feature = "cli", target_os = "linux"))]
+mod ranks;
+mod scenes;
