@@ -48,7 +48,7 @@ mumps: deps
 	cargo clippy --features mumps --all-targets --quiet -- -D warnings
 	cargo clippy --no-default-features --features cli,faer,mumps --quiet -- -D warnings
 
-PETSC_PACKAGES = petsc-dev libopenmpi-dev pkg-config
+PETSC_PACKAGES = petsc-dev libmetis-dev openmpi-bin libopenmpi-dev pkg-config
 
 petsc: deps
 	@pkg-config --exists petsc || { $(SUDO) apt-get update -q && \

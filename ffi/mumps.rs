@@ -1,4 +1,4 @@
-//! Generates the bindings of the MUMPS and the METIS that are installed, and links them.
+//! Generates the bindings of the MUMPS that is installed, and links it.
 //!
 //! `MUMPS_LIBRARY` names another build of MUMPS than Debian's with PT-SCOTCH.
 
@@ -7,7 +7,7 @@ use super::ranks::includes;
 use std::env;
 
 /// What `linear/mumps.rs` calls.
-const ALLOWED: [&str; 5] = ["dmumps_c", "DMUMPS_STRUC_C", "MUMPS_VERSION", "METIS_NodeND", "rstatus_et"];
+const ALLOWED: [&str; 3] = ["dmumps_c", "DMUMPS_STRUC_C", "MUMPS_VERSION"];
 
 /// The library with METIS' orders handed over; Debian's without a suffix cannot order by itself at all.
 const LIBRARY: &str = "dmumps_ptscotch";
@@ -18,6 +18,5 @@ pub fn mumps() {
     println!("cargo:rerun-if-changed=ffi/mumps.h");
     println!("cargo:rerun-if-env-changed=MUMPS_LIBRARY");
     println!("cargo:rustc-link-lib=dylib={}", env::var("MUMPS_LIBRARY").unwrap_or_else(|_| LIBRARY.to_string()));
-    println!("cargo:rustc-link-lib=dylib=metis");
     generate("ffi/mumps.h", "mumps.rs", &includes(), &ALLOWED);
 }

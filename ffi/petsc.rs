@@ -6,8 +6,8 @@ use std::process::Command;
 
 /// What `linear/petsc.rs` calls.
 const ALLOWED: [&str; 8] = [
-    "Petsc(InitializeNoArguments|Initialized|OptionsSetValue|PushErrorHandler|ReturnErrorHandler|PopSignalHandler|GetVersionNumber)",
-    "PETSC_(COMM_WORLD|MPI_THREAD_REQUIRED|VERSION_.*)",
+    "Petsc(InitializeNoArguments|OptionsSetValue|PushErrorHandler|ReturnErrorHandler|PopSignalHandler|GetVersionNumber)",
+    "PETSC_(COMM_WORLD|DETERMINE|VERSION_.*)",
     "Mat(CreateSeqAIJWithArrays|CreateMPIAIJWithArrays|SetBlockSize|SetOption|SetNearNullSpace|NullSpaceCreate|NullSpaceDestroy|Destroy)",
     "Vec(CreateSeqWithArray|CreateMPIWithArray|PlaceArray|ResetArray|Destroy)",
     "PC(Create|SetType|SetOperators|SetOptionsPrefix|SetFromOptions|SetUp|Apply|Destroy|GetFailedReason)",

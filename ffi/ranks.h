@@ -1,4 +1,5 @@
-/* The little of MPI that `linear/ranks.rs` calls, in functions: the names of MPI are macros, which no binding can call. */
+/* METIS, and the little of MPI that `linear/ranks.rs` calls, in functions: the names of MPI are macros, which no binding can call. */
+#include <metis.h>
 #include <stdint.h>
 
 /* Starts MPI, unless it runs: 0, or the level of threads that it gives where one call at a time is not among what it bears. */

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::formulation::Layout;
 use crate::history::{LinearAlgebra, Method};
+use crate::linear::built_in::ranks;
 use crate::linear::cost::{self, Cost, Sizes, Work};
 use crate::linear::{Cholesky, FactorInfo, LinearError, SparseLu};
 use crate::memory::{Budget, in_words};
@@ -44,8 +45,6 @@ pub struct Choice {
 #[derive(Debug, Clone, PartialEq)]
 enum Why {
     Named,
-    /// So many processes of MPI, which leave nothing to choose.
-    Ranks(usize),
     /// The least time of all these that have room.
     Estimated {
         paths: Vec<Path>,
@@ -69,6 +68,8 @@ pub struct Means {
     pub available: Option<u64>,
     /// Whether multigrid suits the problem, see [`crate::run::unsuited`].
     pub multigrid: bool,
+    /// How many processes of MPI there are. With several only what they share is chosen from.
+    pub ranks: usize,
 }
 
 /// A linear algebra that is estimated to take much less time than the one of a run.
@@ -111,11 +112,6 @@ impl Choice {
         Choice { linear, why: Why::Named }
     }
 
-    /// What several processes of MPI can share.
-    pub fn of_ranks(ranks: usize) -> Self {
-        Choice { linear: MUMPS, why: Why::Ranks(ranks) }
-    }
-
     /// The fastest way that has room to solve `increments` increments of `problem` with `method`, where condensed equations hold the
     /// contact nodes `reach` or all; the one that takes least memory where none has room.
     ///
@@ -131,7 +127,7 @@ impl Choice {
         let factorizations = factorizations(&Layout::new(problem), method, increments);
         let work = [increments as f64, factorizations];
         let sizes = Estimates::new(problem, reach, method, work, Cholesky::predict(problem.stiffness())?);
-        let paths = sizes.paths(means.multigrid);
+        let paths = sizes.paths(means);
         let by = |measure: fn(&Path) -> f64| move |a: &&Path, b: &&Path| measure(a).total_cmp(&measure(b));
         let fastest = paths.iter().filter(|path| means.have_room(path)).min_by(by(|path| path.cost.seconds));
         let chosen = fastest.or_else(|| paths.iter().min_by(by(|path| path.cost.bytes)));
@@ -143,7 +139,7 @@ impl Choice {
     pub fn paths(&self) -> &[Path] {
         match &self.why {
             Why::Estimated { paths, .. } => paths,
-            Why::Named | Why::Ranks(_) => &[],
+            Why::Named => &[],
         }
     }
 
@@ -168,7 +164,7 @@ impl Choice {
         let work = [done.increments, done.factorizations].map(|count| count as f64);
         let estimates = |stiffness| Estimates::new(problem, reach, method, work, stiffness);
         let fastest = |estimates: &Estimates| {
-            let others = estimates.paths(means.multigrid).into_iter().filter(|path| !self.is_like(path.linear));
+            let others = estimates.paths(means).into_iter().filter(|path| !self.is_like(path.linear));
             let with_room = others.filter(|path| means.have_room(path));
             with_room.min_by(|a, b| a.cost.seconds.total_cmp(&b.cost.seconds))
         };
@@ -178,7 +174,7 @@ impl Choice {
             return Ok(None);
         }
         let estimates = estimates(Cholesky::predict(problem.stiffness())?);
-        let here_seconds = estimates.cost(self.linear).seconds;
+        let here_seconds = estimates.cost(self.linear).shared_by(means.ranks).seconds;
         let worth_a_word = |other: &Path| here_seconds > MUCH * other.cost.seconds && here_seconds > long;
         let faster = |other: Path| Faster { solver: other.linear, seconds: other.cost.seconds, here_seconds };
         Ok(fastest(&estimates).filter(worth_a_word).map(faster))
@@ -194,7 +190,6 @@ impl Choice {
         let linear = self.linear;
         match &self.why {
             Why::Named => None,
-            Why::Ranks(ranks) => Some(format!("{linear} ({ranks} processes share its work, and that of nothing else)")),
             Why::Estimated { paths, means } => {
                 let own = paths.iter().find(|path| path.linear == linear)?;
                 let (mut with_room, without): (Vec<&Path>, Vec<&Path>) =
@@ -213,6 +208,9 @@ impl Choice {
                     reason =
                         format!("{reason}; {without} would take more memory than the {} left", in_words(available));
                 }
+                if means.ranks > 1 {
+                    reason = format!("{} processes share its work; {reason}", means.ranks);
+                }
                 Some(format!("{linear} ({reason})"))
             }
         }
@@ -222,7 +220,8 @@ impl Choice {
 impl Means {
     /// What is left for this process, for a problem of which nobody knows where its unknowns are, as multigrid has to.
     pub fn of_process() -> Self {
-        Means { available: Budget::of_process().map(|budget| budget.bytes), multigrid: false }
+        let available = Budget::of_process().map(|budget| budget.bytes);
+        Means { available, multigrid: false, ranks: ranks() }
     }
 
     fn have_room(&self, path: &Path) -> bool {
@@ -281,14 +280,17 @@ impl Estimates {
         }
     }
 
-    /// All ways that this build has; of sparse LU the default one, and MUMPS.
-    fn paths(&self, multigrid: bool) -> Vec<Path> {
-        let mut all = vec![LinearAlgebra::default()];
-        all.extend((all[0] != MUMPS).then_some(MUMPS));
+    /// All ways that this build has; of sparse LU the default one, and MUMPS. With several processes, those that share their work.
+    fn paths(&self, means: Means) -> Vec<Path> {
+        let whole = LinearAlgebra::default();
+        let mut all = vec![whole];
+        all.extend((whole != MUMPS).then_some(MUMPS));
         all.push(LinearAlgebra::condensed());
-        all.extend(multigrid.then_some(LinearAlgebra::Multigrid));
+        all.extend(means.multigrid.then_some(LinearAlgebra::Multigrid));
         all.retain(|linear| linear.is_built_in());
-        all.into_iter().map(|linear| Path { linear, cost: self.cost(linear) }).collect()
+        let shared: Vec<LinearAlgebra> = all.iter().copied().filter(|linear| linear.is_shared()).collect();
+        let (of, ranks) = if means.ranks > 1 && !shared.is_empty() { (shared, means.ranks) } else { (all, 1) };
+        of.into_iter().map(|linear| Path { linear, cost: self.cost(linear).shared_by(ranks) }).collect()
     }
 }
 

@@ -18,7 +18,7 @@ mod interrupt;
 mod memory;
 mod output;
 mod progress;
-#[cfg(feature = "mumps")]
+#[cfg(feature = "mpi")]
 mod ranks;
 mod run;
 mod schema;
@@ -168,7 +168,7 @@ impl Cli {
         let kernel_before = self.kernel_before()?;
         let threads = threads::count(self.threads);
         threads::start(threads);
-        #[cfg(feature = "mumps")]
+        #[cfg(feature = "mpi")]
         match &self.command {
             Command::Compare(_) => ranks::refuse("compare")?,
             Command::Sweep(_) => ranks::refuse("sweep")?,
@@ -216,7 +216,7 @@ fn program() -> clap::Command {
 }
 
 pub(crate) fn main() -> ExitCode {
-    #[cfg(feature = "mumps")]
+    #[cfg(feature = "mpi")]
     if ranks::helps() {
         return ranks::help();
     }
@@ -250,7 +250,7 @@ pub(crate) fn main() -> ExitCode {
             ExitCode::from(3)
         }
     };
-    #[cfg(feature = "mumps")]
+    #[cfg(feature = "mpi")]
     stickslip::linear::ranks::end();
     memory::exits();
     // Whatever the command found: who reads it has not got it.

@@ -27,11 +27,13 @@ mod kernel;
 mod multigrid;
 #[cfg(feature = "mumps")]
 mod mumps;
-#[cfg(any(feature = "umfpack", feature = "mumps"))]
+#[cfg(any(feature = "umfpack", feature = "mpi"))]
 mod ordering;
 #[cfg(feature = "petsc")]
 mod petsc;
 pub mod process;
+#[cfg(feature = "mpi")]
+pub mod ranks;
 mod refine;
 mod supernodal;
 #[cfg(feature = "umfpack")]
@@ -52,7 +54,7 @@ pub use kernel::null_space_of;
 #[cfg(feature = "petsc")]
 pub use multigrid::{Contact, Form, Grid, Multigrid};
 #[cfg(feature = "mumps")]
-pub use mumps::{Mumps, ranks};
+pub use mumps::Mumps;
 pub use refine::{SolveInfo, backward_error, componentwise_error};
 #[cfg(feature = "umfpack")]
 pub use umfpack::{Strategy, Umfpack};

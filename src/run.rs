@@ -51,7 +51,6 @@ use crate::formulation::Layout;
 use crate::history::{
     self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Observer, Solver, Status, System,
 };
-use crate::linear::built_in::ranks;
 use crate::linear::{Direct, LinearError};
 use crate::memory::Budget;
 use crate::model::Model;
@@ -144,7 +143,6 @@ impl<'a> Run<'a> {
         };
         let choice = match solver.linear {
             Some(linear) => Choice::named(linear),
-            None if ranks() > 1 => Choice::of_ranks(ranks()),
             None => {
                 let means = means(&model, solver.method, budget);
                 Choice::cheapest(&model.problem, &reach, solver.method, times.len(), means)?

@@ -30,7 +30,7 @@ pub(super) fn listen() {
 }
 
 /// From now on these signals do nothing.
-#[cfg(feature = "mumps")]
+#[cfg(feature = "mpi")]
 pub(super) fn disregard() {
     for signal in SIGNALS {
         let _ = flag::register(signal, Arc::default());

@@ -1,12 +1,12 @@
 //! Several processes of this program, which a launcher of MPI has started side by side: rank 0 is the program, the others help it with
-//! the factorisations of MUMPS.
+//! the factorisations of MUMPS and the cycles of multigrid.
 
 use std::env;
 use std::process::ExitCode;
 
 use clap::FromArgMatches;
 use stickslip::history::LinearAlgebra;
-use stickslip::linear::{SparseLu, ranks};
+use stickslip::linear::ranks;
 
 use super::{Cli, Command, Failure, interrupt, memory, output, program, threads};
 
@@ -67,8 +67,8 @@ pub(super) fn lead() -> Result<usize, Failure> {
 /// An error unless `linear`, if it is known already, has work for `count` processes.
 pub(super) fn check(count: usize, linear: Option<LinearAlgebra>) -> Result<(), Failure> {
     match linear {
-        Some(linear) if count > 1 && linear != LinearAlgebra::Whole(SparseLu::Mumps) => {
-            let help = "use --solver mumps, or start the program without the launcher";
+        Some(linear) if count > 1 && !linear.is_shared() => {
+            let help = "use --solver mumps, in space multigrid, or auto, or start the program without the launcher";
             Err(Failure::Input(miette::miette!(
                 help = help,
                 "a launcher of MPI has started this program {count} times, and {linear} works in one process"

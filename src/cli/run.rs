@@ -27,7 +27,7 @@ use stickslip::scene::{Origin, Scene};
 use stickslip::units::Quantity;
 
 use super::progress::Progress;
-#[cfg(feature = "mumps")]
+#[cfg(feature = "mpi")]
 use super::ranks;
 use super::{Failure, SceneArgs, interrupt, origin, output, threads, uniqueness};
 use increments::{IncrementArgs, explain};
@@ -72,10 +72,10 @@ pub(super) struct RunArgs {
 /// On `count` threads. `kernel_before`: the kernel of the BLAS before the program started itself again.
 pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -> Result<ExitCode, Failure> {
     interrupt::listen();
-    #[cfg(feature = "mumps")]
+    #[cfg(feature = "mpi")]
     let ranks = ranks::lead()?;
     let scene = args.scene.read()?;
-    #[cfg(feature = "mumps")]
+    #[cfg(feature = "mpi")]
     ranks::check(ranks, scene.solver.linear)?;
     if !args.json {
         say!("{}", scene.title);

@@ -63,6 +63,13 @@ impl Default for LinearAlgebra {
     }
 }
 
+impl LinearAlgebra {
+    /// Whether several processes of MPI share its work.
+    pub fn is_shared(self) -> bool {
+        matches!(self, LinearAlgebra::Whole(SparseLu::Mumps) | LinearAlgebra::Multigrid)
+    }
+}
+
 impl fmt::Display for LinearAlgebra {
     /// The word of [`LinearAlgebra::WORDS`], and `condensed` for what that is in this build.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

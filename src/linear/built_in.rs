@@ -30,23 +30,23 @@ pub fn mumps() -> Box<dyn LinearSolver> {
 
 /// What each of several processes of MPI has taken; nothing where there is one.
 pub fn ranks_used() -> Vec<RankUse> {
-    #[cfg(feature = "mumps")]
+    #[cfg(feature = "mpi")]
     {
         super::ranks::used()
     }
-    #[cfg(not(feature = "mumps"))]
+    #[cfg(not(feature = "mpi"))]
     {
         Vec::new()
     }
 }
 
-/// How many processes of MPI share the work of MUMPS.
+/// How many processes of MPI there are to share the work of MUMPS and multigrid.
 pub fn ranks() -> usize {
-    #[cfg(feature = "mumps")]
+    #[cfg(feature = "mpi")]
     {
         super::ranks::count()
     }
-    #[cfg(not(feature = "mumps"))]
+    #[cfg(not(feature = "mpi"))]
     {
         1
     }

@@ -95,6 +95,19 @@ pub struct Cost {
     pub bytes: f64,
 }
 
+/// What ranks keep twice of factors: four of them take 1.24 times the memory of one.
+const KEPT_TWICE: f64 = 0.3;
+
+impl Cost {
+    /// That of each of so many ranks that share it, at best.
+    #[must_use]
+    pub fn shared_by(self, ranks: usize) -> Self {
+        let ranks = ranks as f64;
+        let twice = 1.0 + KEPT_TWICE * (1.0 - 1.0 / ranks);
+        Cost { seconds: self.seconds / ranks, bytes: self.bytes * twice / ranks }
+    }
+}
+
 /// Ordering so many unknowns, s: about what an estimate takes itself.
 pub fn order(unknowns: usize) -> f64 {
     unknowns as f64 * seconds::ORDER

@@ -11,12 +11,14 @@ mod grid;
 mod hierarchy;
 mod node;
 mod precondition;
+mod product;
 mod small;
 mod stiffness;
 
 use std::sync::Arc;
 
 use super::petsc::Amg;
+use super::ranks;
 use super::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu};
 use crate::sparse::Pattern;
 pub use form::Form;
@@ -24,6 +26,7 @@ pub use grid::{Contact, Grid};
 use hierarchy::{Hierarchy, MakeCycle};
 use node::Eliminated;
 use precondition::{Elimination, Work, kernel};
+use product::Product;
 use stiffness::{Border, Layout};
 
 /// Where more are needed a direct solver is faster.
@@ -38,6 +41,8 @@ pub struct Multigrid {
     pattern: Option<Arc<Pattern>>,
     layout: Option<Layout>,
     values: Vec<f64>,
+    /// What products work on.
+    sums: Vec<Vec<f64>>,
     factored: Option<Factored>,
     /// One for the matrix in which all contact nodes are held, which comes again in every increment, and one for the others.
     hierarchies: Vec<Hierarchy>,
@@ -65,9 +70,10 @@ impl Multigrid {
             pattern: None,
             layout: None,
             values: Vec::new(),
+            sums: Vec::new(),
             factored: None,
             hierarchies: Vec::new(),
-            make_cycle: |rows, motions| Ok(Box::new(Amg::new(rows, motions)?)),
+            make_cycle: |rows, motions, bounds| Ok(Box::new(Amg::new(rows, motions, bounds)?)),
             instead: None,
             iterated: Iterated::default(),
         }
@@ -80,18 +86,10 @@ impl Multigrid {
         let Some(Factored { nodes, border, hierarchy, work }) = &mut self.factored else {
             return Err(LinearError::Order { missing: "factorize" });
         };
-        let values = &self.values;
         let elimination = Elimination { grid: &self.grid, layout, nodes, border, form: self.form };
         let hierarchy = &mut self.hierarchies[*hierarchy];
-        let product = |x: &[f64], y: &mut [f64]| {
-            y.fill(0.0);
-            let (starts, rows) = (pattern.column_starts(), pattern.row_indices());
-            for (column, x) in x.iter().enumerate() {
-                for slot in starts[column] as usize..starts[column + 1] as usize {
-                    y[rows[slot] as usize] += values[slot] * x;
-                }
-            }
-        };
+        let mut product = Product::new(pattern, &self.values, &mut self.sums);
+        let product = |x: &[f64], y: &mut [f64]| product.times(x, y);
         let approximately = |r: &[f64], z: &mut [f64]| elimination.precondition(hierarchy, work, r, z);
         let found = gmres::solve(b, x, tolerance, MOST_ITERATIONS, product, approximately)?;
         self.iterated.iterations += found.iterations;
@@ -108,7 +106,7 @@ impl LinearSolver for Multigrid {
     fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
         (self.factored, self.instead) = (None, None);
         self.hierarchies.clear();
-        self.layout = Some(Layout::new(&self.grid, pattern)?);
+        self.layout = Some(Layout::new(&self.grid, pattern)?.shared_among(ranks::count())?);
         self.pattern = Some(Arc::clone(pattern));
         Ok(())
     }
@@ -134,9 +132,8 @@ impl LinearSolver for Multigrid {
             // The old one goes before there is a new one.
             let all_held = hierarchy::all_held(&nodes);
             self.hierarchies.retain(|hierarchy| hierarchy.all_held != all_held);
-            let stiffness = layout.stiffness(pattern, values, &nodes, self.form);
-            let (rows, border) = stiffness.split(layout.dimension, self.form == Form::Symmetric);
-            let cycle = (self.make_cycle)(rows, kernel(&self.grid, layout, &nodes))?;
+            let (rows, border) = layout.stiffness(pattern, values, &nodes, self.form);
+            let cycle = (self.make_cycle)(rows, kernel(&self.grid, layout, &nodes), &layout.bounds())?;
             self.hierarchies.push(Hierarchy::new(cycle, &nodes));
             (self.hierarchies.len() - 1, border)
         };
@@ -194,7 +191,7 @@ mod tests {
 
     impl Inverse {
         #[allow(clippy::needless_pass_by_value, clippy::unnecessary_wraps, reason = "as whoever makes a cycle")]
-        fn boxed(rows: Rows, _motions: Vec<Vec<f64>>) -> Result<Box<dyn Cycle>, LinearError> {
+        fn boxed(rows: Rows, _motions: Vec<Vec<f64>>, _: &[usize]) -> Result<Box<dyn Cycle>, LinearError> {
             let n = rows.starts.len() - 1;
             let mut dense = vec![vec![0.0; n]; n];
             for (i, row) in dense.iter_mut().enumerate() {

@@ -6,17 +6,17 @@
 
 mod instance;
 mod order;
-pub mod ranks;
 mod sys;
 
 use std::ffi::c_int;
 use std::sync::Arc;
 
 use super::error::expect_length;
+use super::ranks::{Kind, Shared};
 use super::{FactorInfo, LinearError, LinearSolver};
 use crate::sparse::Pattern;
-use instance::{Instance, Job};
-use ranks::Shared;
+pub(super) use instance::Instance;
+use instance::Job;
 
 /// What MUMPS is told, by the numbers of its ICNTL.
 const SETTINGS: [(usize, c_int); 8] = [
@@ -50,7 +50,7 @@ pub struct Mumps {
     pattern: Option<Arc<Pattern>>,
     /// Rows and columns of the entries, from 1.
     places: [Vec<c_int>; 2],
-    shared: Option<Shared>,
+    shared: Option<Shared<Instance>>,
     is_factored: bool,
     /// How often more room was needed.
     retries: usize,
@@ -58,7 +58,7 @@ pub struct Mumps {
 
 impl Mumps {
     /// The instance and what it takes with it, once there is an analysis.
-    fn analyzed(&mut self) -> Result<(&Pattern, &mut [Vec<c_int>; 2], &mut Shared), LinearError> {
+    fn analyzed(&mut self) -> Result<(&Pattern, &mut [Vec<c_int>; 2], &mut Shared<Instance>), LinearError> {
         match (&self.pattern, &mut self.shared) {
             (Some(pattern), Some(shared)) => Ok((pattern, &mut self.places, shared)),
             _ => Err(LinearError::Order { missing: "analyze" }),
@@ -68,8 +68,11 @@ impl Mumps {
     /// Factors with the room that there is.
     fn try_to_factorize(&mut self, values: &[f64]) -> Result<&mut Instance, LinearError> {
         let (_, [rows, columns], shared) = self.analyzed()?;
-        shared.run(Job::Factorize, |instance| instance.factorize(rows, columns, values))?;
-        Ok(shared.instance())
+        shared.run(Job::Factorize as i64, |_, instance| {
+            instance.factorize(rows, columns, values);
+            Ok(())
+        })?;
+        Ok(shared.part())
     }
 }
 
@@ -89,13 +92,17 @@ impl LinearSolver for Mumps {
         let rows = pattern.row_indices().iter().map(|&row| row as c_int + 1).collect();
         let columns = (0..n).flat_map(|j| std::iter::repeat_n(j as c_int + 1, pattern.column(j).len())).collect();
         self.places = [rows, columns];
-        let mut shared = Shared::new()?;
+        let mut shared = Shared::new(Kind::Mumps, |world| Ok(Instance::new(world)))?;
+        shared.part().check("its start")?;
         for (k, value) in SETTINGS.into_iter().chain([(ROOM, FIRST_ROOM)]) {
-            shared.instance().set(k, value);
+            shared.part().set(k, value);
         }
         let [rows, columns] = &mut self.places;
-        shared.run(Job::Analyze, |instance| instance.analyze(rows, columns, &mut order))?;
-        shared.instance().check(STEP)?;
+        shared.run(Job::Analyze as i64, |_, instance| {
+            instance.analyze(rows, columns, &mut order);
+            Ok(())
+        })?;
+        shared.part().check(STEP)?;
         self.shared = Some(shared);
         self.pattern = Some(Arc::clone(pattern));
         Ok(())
@@ -115,7 +122,7 @@ impl LinearSolver for Mumps {
             self.retries += 1;
         }
         let (_, _, shared) = self.analyzed()?;
-        let instance = shared.instance();
+        let instance = shared.part();
         instance.check("the factorisation")?;
         let info = FactorInfo {
             entries: instance.counted(29),
@@ -136,8 +143,11 @@ impl LinearSolver for Mumps {
         expect_length("right-hand side", n, b.len())?;
         expect_length("solution", n, x.len())?;
         x.copy_from_slice(b);
-        shared.run(Job::Solve, |instance| instance.solve(x))?;
-        shared.instance().check("the solve")
+        shared.run(Job::Solve as i64, |_, instance| {
+            instance.solve(x);
+            Ok(())
+        })?;
+        shared.part().check("the solve")
     }
 }
 
@@ -212,7 +222,7 @@ mod tests {
         let mut solver = Mumps::default();
         solver.analyze(&pattern).unwrap();
         let first = solver.factorize(&values).unwrap();
-        let instance = solver.shared.as_mut().unwrap().instance();
+        let instance = solver.shared.as_mut().unwrap().part();
         // INFOG(7): the order that was taken; INFOG(23): the permutation for large diagonals.
         assert_eq!((instance.told(7), instance.told(23)), (1, 0));
         let b: Vec<f64> = (0..pattern.columns()).map(|i| (i as f64).sin()).collect();
@@ -239,7 +249,7 @@ mod tests {
         solver.analyze(&pattern).unwrap();
         solver.factorize(&values).unwrap();
         assert_eq!(solver.retries, 0);
-        solver.shared.as_mut().unwrap().instance().set(ROOM, -60);
+        solver.shared.as_mut().unwrap().part().set(ROOM, -60);
         solver.factorize(&values).unwrap();
         assert_eq!(solver.retries, 1);
     }
@@ -250,7 +260,7 @@ mod tests {
         let mut solver = Mumps::default();
         solver.analyze(&pattern).unwrap();
         // MB of each rank, in place of what the system has.
-        solver.shared.as_mut().unwrap().instance().set(23, 1);
+        solver.shared.as_mut().unwrap().part().set(23, 1);
         assert!(matches!(solver.factorize(&values), Err(LinearError::OutOfMemory { .. })));
         let mut x = vec![0.0; pattern.columns()];
         let b = x.clone();

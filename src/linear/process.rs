@@ -17,7 +17,7 @@ use libloading::os::unix::Library;
 use super::blas::{loaded, room};
 
 /// What this process has taken so far.
-#[cfg(feature = "mumps")]
+#[cfg(feature = "mpi")]
 pub(super) fn used() -> super::RankUse {
     // SAFETY: C's structure of numbers, which the call fills.
     let used = unsafe {

@@ -1,22 +1,63 @@
 //! The processes that a launcher of MPI has started side by side. Rank 0 does all that the program does; the others sleep until it
-//! calls them to a factorisation, and end when it does.
+//! calls them to what all do together, and end when it does.
 
 #![allow(unsafe_code)]
 
+mod metis;
+mod sys;
+mod world;
+
 use std::collections::HashMap;
-use std::ffi::{c_int, c_long};
-use std::mem::{self, ManuallyDrop};
+use std::ffi::c_int;
+use std::mem::ManuallyDrop;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::instance::{Instance, Job};
-use super::sys;
-use crate::linear::blas::room;
-use crate::linear::{LinearError, RankUse, process};
+use super::{LinearError, RankUse};
+pub(super) use metis::Graph;
+#[cfg(feature = "mumps")]
+pub(super) use metis::order;
+#[cfg(feature = "petsc")]
+pub(super) use metis::partition;
+pub(super) use world::World;
 
-/// How long a rank that has not been needed for a while sleeps before it looks again, ns.
-const NAP: c_long = 5_000_000;
+/// What each rank has of an object that all share. Whatever is called of it, is called on all ranks at a time.
+pub(super) trait Part: Send {
+    /// What this rank does in a `job`, by the number that rank 0 has for it.
+    ///
+    /// # Errors
+    /// Where this rank cannot go on; the others then wait in vain, so that it has to end all of them.
+    fn serve(&mut self, world: &World, job: i64) -> Result<(), LinearError>;
+}
 
-/// What rank 0 tells the others: what to do, with which instance, and which job that is.
+/// What can be shared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    #[cfg(feature = "mumps")]
+    Mumps,
+    #[cfg(feature = "petsc")]
+    Amg,
+}
+
+impl Kind {
+    const ALL: &[Kind] = &[
+        #[cfg(feature = "mumps")]
+        Kind::Mumps,
+        #[cfg(feature = "petsc")]
+        Kind::Amg,
+    ];
+
+    /// The part of a rank other than 0.
+    fn part(self, world: &World) -> Result<Box<dyn Part>, LinearError> {
+        Ok(match self {
+            #[cfg(feature = "mumps")]
+            Kind::Mumps => Box::new(super::mumps::Instance::new(world)),
+            #[cfg(feature = "petsc")]
+            Kind::Amg => Box::new(super::petsc::Share::dealt(world)?),
+        })
+    }
+}
+
+/// What rank 0 tells the others: what to do, with which object, and which kind or job that is.
 type Command = [i64; 3];
 
 const END: i64 = 0;
@@ -32,15 +73,9 @@ static MPI: Mutex<State> = Mutex::new(State::Before);
 enum State {
     Before,
     Running(World),
+    /// Rank 0 has left what all do together with an error, and others may still be waiting in it.
+    Broken,
     Ended,
-}
-
-/// All ranks, seen by one.
-struct World {
-    rank: usize,
-    size: usize,
-    /// The instances that there have been.
-    instances: i64,
 }
 
 fn state() -> MutexGuard<'static, State> {
@@ -52,48 +87,20 @@ impl State {
     fn running(&mut self) -> Result<&mut World, LinearError> {
         let failed = |status: c_int| LinearError::Backend { backend: "MPI", step: "its start", status: status.into() };
         if let State::Before = self {
-            // SAFETY: may be called at any time by one thread, which the lock of `MPI` sees to; rank and size come after.
-            let (status, rank, size) =
-                unsafe { (sys::mpi_shim_start(), sys::mpi_shim_rank() as usize, sys::mpi_shim_size() as usize) };
-            if status != 0 {
-                return Err(failed(status));
-            }
-            *self = State::Running(World { rank, size, instances: 0 });
+            *self = State::Running(World::start().map_err(failed)?);
         }
         match self {
             State::Running(world) => Ok(world),
-            State::Before | State::Ended => Err(failed(-1)),
+            State::Before | State::Broken | State::Ended => Err(failed(-1)),
         }
     }
-}
 
-/// Hands out a command, on rank 0; what it is, on the others.
-fn command(_running: &World, mut command: Command) -> Command {
-    // SAFETY: MPI runs, and there are as many words on every rank.
-    unsafe { sys::mpi_shim_hand_out(command.as_mut_ptr(), command.len() as c_int, NAP) };
-    command
-}
-
-impl World {
-    /// The numbers of each rank, on rank 0.
-    fn collect<const N: usize>(&self, mine: [f64; N]) -> Vec<[f64; N]> {
-        let mut all = vec![[0.0; N]; self.size];
-        // SAFETY: as many numbers from every rank, and room for those of all.
-        unsafe { sys::mpi_shim_collect(mine.as_ptr(), N as c_int, all.as_mut_ptr().cast()) };
-        all
-    }
-
-    /// What each rank has taken, on rank 0.
-    fn used(&self) -> Vec<RankUse> {
-        let RankUse { cpu_seconds, peak_rss_bytes } = process::used();
-        let of = |[cpu_seconds, bytes]: [f64; 2]| RankUse { cpu_seconds, peak_rss_bytes: bytes as u64 };
-        self.collect([cpu_seconds, peak_rss_bytes as f64]).into_iter().map(of).collect()
-    }
-
-    /// Whether the BLAS of every rank has the memory that it takes for itself, on rank 0.
-    fn prepare(&self) -> bool {
-        let has_room = f64::from(room::prepare().is_ok());
-        self.collect([has_room]).into_iter().all(|[has_room]| has_room == 1.0)
+    /// What came out of something that all ranks did together. After an error nothing is done together any more.
+    fn after<T>(&mut self, result: Result<T, LinearError>) -> Result<T, LinearError> {
+        if result.is_err() && matches!(self, State::Running(world) if world.size() > 1) {
+            *self = State::Broken;
+        }
+        result
     }
 }
 
@@ -103,42 +110,42 @@ impl World {
 /// # Errors
 /// Where MPI does not bear calls of several threads, one at a time, or has ended.
 pub fn start() -> Result<(usize, usize), LinearError> {
-    state().running().map(|world| (world.rank, world.size))
+    state().running().map(|world| (world.rank(), world.size()))
 }
 
 /// What a rank other than 0 does from its start on: it helps rank 0, and comes back when that ends MPI.
 ///
 /// # Errors
-/// As [`start`]. On rank 0 it returns at once.
+/// As [`start`], and where this rank cannot do its part: the process has to end then, without a word to MPI, whose launcher ends the
+/// others. On rank 0 it returns at once.
 pub fn serve() -> Result<(), LinearError> {
     let mut state = state();
     let world = state.running()?;
-    if world.rank == 0 {
+    if world.rank() == 0 {
         return Ok(());
     }
-    let mut instances = HashMap::new();
+    // Those that rank 0 has not dropped at the end stay: both would have to.
+    let mut parts: ManuallyDrop<HashMap<i64, Box<dyn Part>>> = ManuallyDrop::default();
     loop {
-        let [word, id, job] = command(world, [END; 3]);
-        let instance = |instances: &mut HashMap<i64, Instance>, job| {
-            if let Some(instance) = instances.get_mut(&id) {
-                instance.serve(job);
-            }
-        };
+        let [word, id, what] = world.wait_for([END; 3]);
         match word {
             NEW => {
-                instances.insert(id, Instance::new());
+                let kind = Kind::ALL.iter().find(|kind| **kind as i64 == what);
+                if let Some(kind) = kind {
+                    parts.insert(id, kind.part(world)?);
+                }
             }
-            RUN if job == Job::Analyze as i64 => instance(&mut instances, Job::Analyze),
-            RUN if job == Job::Factorize as i64 => instance(&mut instances, Job::Factorize),
-            RUN => instance(&mut instances, Job::Solve),
-            DROP => drop(instances.remove(&id)),
+            RUN => {
+                if let Some(part) = parts.get_mut(&id) {
+                    part.serve(world, what)?;
+                }
+            }
+            DROP => drop(parts.remove(&id)),
             REPORT => drop(world.used()),
             PREPARE => drop(world.prepare()),
             _ => break,
         }
     }
-    // Rank 0 has not dropped those that are left, and both would have to.
-    instances.into_values().for_each(mem::forget);
     finish(&mut state);
     Ok(())
 }
@@ -147,22 +154,22 @@ pub fn serve() -> Result<(), LinearError> {
 pub fn end() {
     let mut state = state();
     if let State::Running(world) = &*state {
-        command(world, [END; 3]);
+        world.command([END; 3]);
         finish(&mut state);
     }
 }
 
 fn finish(state: &mut State) {
-    // SAFETY: nothing of MPI is called from now on, which `Ended` sees to.
-    unsafe { sys::mpi_shim_end() };
-    *state = State::Ended;
+    if let State::Running(world) = std::mem::replace(state, State::Ended) {
+        world.end();
+    }
 }
 
 /// What each of several ranks has taken so far. For rank 0.
 pub fn used() -> Vec<RankUse> {
     match &*state() {
-        State::Running(world) if world.size > 1 => {
-            command(world, [REPORT, 0, 0]);
+        State::Running(world) if world.size() > 1 => {
+            world.command([REPORT, 0, 0]);
             world.used()
         }
         _ => Vec::new(),
@@ -172,61 +179,66 @@ pub fn used() -> Vec<RankUse> {
 /// How many ranks there are; 1 unless MPI runs.
 pub fn count() -> usize {
     match &*state() {
-        State::Running(world) => world.size,
-        State::Before | State::Ended => 1,
+        State::Running(world) => world.size(),
+        State::Before | State::Broken | State::Ended => 1,
     }
 }
 
-/// An instance of MUMPS with its parts on all ranks, for rank 0.
-pub(super) struct Shared {
+/// An object with its parts on all ranks, for rank 0.
+pub(super) struct Shared<P: Part> {
     id: i64,
-    instance: ManuallyDrop<Instance>,
+    part: ManuallyDrop<P>,
 }
 
-impl Shared {
+impl<P: Part> Shared<P> {
+    /// A new one, of which rank 0 makes its part by `own`.
+    ///
     /// # Errors
-    /// As [`start`], where memory is short, and where MUMPS does not begin.
-    pub fn new() -> Result<Self, LinearError> {
+    /// As [`start`], where memory is short for the BLAS of a rank, and as `own`.
+    pub fn new(kind: Kind, own: impl FnOnce(&World) -> Result<P, LinearError>) -> Result<Self, LinearError> {
         let mut state = state();
         let world = state.running()?;
-        command(world, [PREPARE, 0, 0]);
+        world.command([PREPARE, 0, 0]);
         if !world.prepare() {
             return Err(LinearError::OutOfMemory { step: "the BLAS of a rank, which takes 128 MiB for itself" });
         }
-        world.instances += 1;
-        let id = world.instances;
-        command(world, [NEW, id, 0]);
-        let shared = Shared { id, instance: ManuallyDrop::new(Instance::new()) };
-        drop(state);
-        shared.instance.check("its start")?;
-        Ok(shared)
+        let id = world.next_object();
+        world.command([NEW, id, kind as i64]);
+        let part = own(world);
+        Ok(Shared { id, part: ManuallyDrop::new(state.after(part)?) })
     }
 
     /// Rank 0's part of it.
-    pub fn instance(&mut self) -> &mut Instance {
-        &mut self.instance
+    #[cfg(feature = "mumps")]
+    pub fn part(&mut self) -> &mut P {
+        &mut self.part
     }
 
     /// Does a `job` on all ranks, of which rank 0 does its part by `own`.
     ///
     /// # Errors
-    /// Where MPI has ended. How the job went, the instance knows.
-    pub fn run(&mut self, job: Job, own: impl FnOnce(&mut Instance)) -> Result<(), LinearError> {
+    /// Where MPI has ended, and as `own`.
+    pub fn run<T>(
+        &mut self,
+        job: i64,
+        own: impl FnOnce(&World, &mut P) -> Result<T, LinearError>,
+    ) -> Result<T, LinearError> {
         let mut state = state();
-        command(state.running()?, [RUN, self.id, job as i64]);
-        own(&mut self.instance);
-        Ok(())
+        let world = state.running()?;
+        world.command([RUN, self.id, job]);
+        let result = own(world, &mut self.part);
+        state.after(result)
     }
 }
 
-impl Drop for Shared {
+impl<P: Part> Drop for Shared<P> {
     fn drop(&mut self) {
         let state = state();
         // Where MPI has ended before, nothing can be ended that takes it.
         if let State::Running(world) = &*state {
-            command(world, [DROP, self.id, 0]);
+            world.command([DROP, self.id, 0]);
             // SAFETY: nobody sees it afterwards.
-            unsafe { ManuallyDrop::drop(&mut self.instance) };
+            unsafe { ManuallyDrop::drop(&mut self.part) };
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::auto::Means;
 use crate::history::{LinearAlgebra, Method};
+use crate::linear::built_in::ranks;
 use crate::memory::Budget;
 use crate::model::Model;
 use crate::vector::{minus, norm};
@@ -38,7 +39,7 @@ pub enum Unsuited {
 /// What `model` may be solved by with `method`.
 pub(super) fn means(model: &Model, method: Method, budget: Option<Budget>) -> Means {
     let multigrid = LinearAlgebra::Multigrid.is_built_in() && unsuited(model, method).is_none();
-    Means { available: budget.map(|budget| budget.bytes), multigrid }
+    Means { available: budget.map(|budget| budget.bytes), multigrid, ranks: ranks() }
 }
 
 /// Why multigrid is not chosen for `model` with `method`, if it is not.

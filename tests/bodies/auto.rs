@@ -19,7 +19,7 @@ fn scene(overrides: &[&str]) -> (Scene, Model) {
 }
 
 fn cheapest(scene: &Scene, model: &Model, available: Option<u64>) -> Choice {
-    let means = Means { available, multigrid: false };
+    let means = Means { available, multigrid: false, ranks: 1 };
     Choice::cheapest(&model.problem, &Reach::default(), scene.solver.method, scene.time.increments, means).unwrap()
 }
 

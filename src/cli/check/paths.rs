@@ -12,7 +12,7 @@ use stickslip::scene::Scene;
 pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Result<Vec<String>, RunError> {
     let (method, increments) = (scene.solver.method, scene.time.increments);
     let unsuited = unsuited(model, method);
-    let means = Means { available: budget.map(|budget| budget.bytes), multigrid: unsuited.is_none() };
+    let means = Means { available: budget.map(|budget| budget.bytes), multigrid: unsuited.is_none(), ranks: 1 };
     let choice = Choice::cheapest(&model.problem, &Reach::default(), method, increments, means)?;
     let linear = scene.solver.linear.unwrap_or(choice.linear);
     let need = match choice.paths().iter().find(|path| path.linear == linear) {

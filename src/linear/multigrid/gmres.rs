@@ -1,5 +1,7 @@
 //! Flexible GMRES: its preconditioner may be another one in each iteration (Saad, 1993).
 
+use rayon::prelude::*;
+
 use crate::linear::LinearError;
 
 /// How a solution was found.
@@ -12,6 +14,9 @@ pub(super) struct Found {
 
 /// The most vectors of a basis; then it starts again.
 const RESTART: usize = 60;
+
+/// Vectors are summed up in pieces of this length, whatever the number of threads, so that sums do not depend on it.
+const PIECE: usize = 4096;
 
 /// Solves `A x = b` from `x = 0` until the residual is `tolerance` of `b`, in at most `limit` iterations, and not longer than numbers are
 /// finite. `product` is `y = A x`, `precondition` an approximate solution `z` of `A z = r`.
@@ -81,13 +86,32 @@ pub(super) fn solve(
 fn orthogonalised(w: &mut [f64], basis: &[Vec<f64>]) -> Vec<f64> {
     let mut taken = vec![0.0; basis.len() + 1];
     for _ in 0..2 {
-        let products: Vec<f64> = basis.iter().map(|v| v.iter().zip(&*w).map(|(v, w)| v * w).sum()).collect();
-        for ((v, product), taken) in basis.iter().zip(products).zip(&mut taken) {
-            w.iter_mut().zip(v).for_each(|(w, v)| *w -= product * v);
-            *taken += product;
-        }
+        // A piece of w stays at hand while it meets the whole basis.
+        let of_piece = |(k, w): (usize, &[f64])| -> Vec<f64> {
+            basis.iter().map(|v| dot(&v[k * PIECE..][..w.len()], w)).collect()
+        };
+        let pieces: Vec<Vec<f64>> = w.par_chunks(PIECE).enumerate().map(of_piece).collect();
+        let products: Vec<f64> = (0..basis.len()).map(|j| pieces.iter().map(|piece| piece[j]).sum()).collect();
+        w.par_chunks_mut(PIECE).enumerate().for_each(|(k, w)| {
+            for (v, product) in basis.iter().zip(&products) {
+                w.iter_mut().zip(&v[k * PIECE..]).for_each(|(w, v)| *w -= product * v);
+            }
+        });
+        taken.iter_mut().zip(products).for_each(|(taken, product)| *taken += product);
     }
     taken
+}
+
+/// `aᵀ b`, in eight sums side by side.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    const SIDE_BY_SIDE: usize = 8;
+    let (a, b) = (a.chunks_exact(SIDE_BY_SIDE), b.chunks_exact(SIDE_BY_SIDE));
+    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
+    let mut sums = [0.0; SIDE_BY_SIDE];
+    for (a, b) in a.zip(b) {
+        (0..SIDE_BY_SIDE).for_each(|k| sums[k] += a[k] * b[k]);
+    }
+    sums.iter().sum::<f64>() + rest
 }
 
 fn back_substituted(triangle: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
@@ -100,7 +124,8 @@ fn back_substituted(triangle: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
 }
 
 fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+    let pieces: Vec<f64> = v.par_chunks(PIECE).map(|v| dot(v, v)).collect();
+    pieces.iter().sum::<f64>().sqrt()
 }
 
 fn scaled(v: &[f64], by: f64) -> Vec<f64> {

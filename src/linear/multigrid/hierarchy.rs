@@ -18,8 +18,8 @@ impl Cycle for Amg {
     }
 }
 
-/// What makes it, from `K̂` and its rigid motions.
-pub(super) type MakeCycle = fn(Rows, Vec<Vec<f64>>) -> Result<Box<dyn Cycle>, LinearError>;
+/// What makes it, from `K̂`, its rigid motions, and which rows are of which rank.
+pub(super) type MakeCycle = fn(Rows, Vec<Vec<f64>>, &[usize]) -> Result<Box<dyn Cycle>, LinearError>;
 
 /// Where the share of contact nodes that are held in more or fewer directions is below this, a hierarchy still serves.
 const CHANGED: f64 = 0.1;

@@ -3,6 +3,10 @@
 //! It has the pattern of `K`. Held directions are rows of the diagonal, and so are those that supports have taken; springs stand where
 //! forces follow displacements.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use super::form::Form;
 use super::grid::Grid;
 use super::node::{Eliminated, Local};
@@ -10,6 +14,7 @@ use super::small::Small;
 use crate::linear::LinearError;
 use crate::linear::error::expect_length;
 use crate::linear::petsc::Rows;
+use crate::linear::ranks::{Graph, partition};
 use crate::sparse::Pattern;
 
 /// Where everything is, for one pattern.
@@ -31,16 +36,12 @@ pub(super) struct Layout {
     uses: Vec<Vec<(usize, f64)>>,
     /// The columns of each node's block row, ascending.
     columns: Vec<Vec<usize>>,
+    /// The nodes of each rank are between these.
+    ranks: Vec<usize>,
 }
 
-/// `K̂` as compressed rows, and what is needed beside.
-pub(super) struct Stiffness {
-    pub starts: Vec<i32>,
-    pub columns: Vec<i32>,
-    pub values: Vec<f64>,
-    /// The rows of the contact nodes.
-    pub border: Vec<Border>,
-}
+/// Rows of so many nodes are made together by one thread.
+const TOGETHER: usize = 512;
 
 /// The rows of a contact node in the stiffness, in all frames, before anything is held: as long as the block row, for each direction.
 pub(super) type Border = [Vec<f64>; 3];
@@ -79,6 +80,7 @@ impl Layout {
             }
         }
         let mut layout = Layout {
+            ranks: vec![0, own.len()],
             dimension: grid.dimension,
             displacements,
             place,
@@ -111,6 +113,42 @@ impl Layout {
             return Err(LinearError::OutOfMemory { step: "the multigrid hierarchy, whose indices have 32 bits" });
         }
         Ok(layout)
+    }
+
+    /// The same with the nodes of each of so many `ranks` one after the other, nearly as many on each, with few couplings in between.
+    ///
+    /// # Errors
+    /// When memory is short.
+    pub(super) fn shared_among(self, ranks: usize) -> Result<Self, LinearError> {
+        const STEP: &str = "dealing the nodes among ranks";
+        if ranks == 1 {
+            return Ok(self);
+        }
+        let rank = partition(STEP, Graph::new(STEP, self.columns.iter().map(|row| (1, row.iter().copied())))?, ranks)?;
+        let mut order: Vec<usize> = (0..rank.len()).collect();
+        order.sort_by_key(|&node| rank[node]);
+        let bounds = (0..=ranks).map(|k| order.partition_point(|&node| rank[node] < k)).collect();
+        let mut new = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(k, &node)| new[node] = k);
+        let columns = order.iter().map(|&node| {
+            let mut row: Vec<usize> = self.columns[node].iter().map(|&column| new[column]).collect();
+            row.sort_unstable();
+            row
+        });
+        Ok(Layout {
+            ranks: bounds,
+            place: self.place.iter().map(|&(node, direction)| (new[node], direction)).collect(),
+            own: order.iter().map(|&node| self.own[node]).collect(),
+            contact: order.iter().map(|&node| self.contact[node]).collect(),
+            contacts: self.contacts.iter().map(|&(node, forces)| (new[node], forces)).collect(),
+            columns: columns.collect(),
+            ..self
+        })
+    }
+
+    /// The rows of `K̂` of each rank are between these.
+    pub(super) fn bounds(&self) -> Vec<usize> {
+        self.ranks.iter().map(|node| node * self.dimension).collect()
     }
 
     /// Calls with slot of `K`, factor and column for all that row `dof` of `K̃` is made of.
@@ -172,33 +210,61 @@ impl Layout {
     }
 
     /// `K̂` of the matrix with `values` and these contact nodes, and their rows beside.
-    pub(super) fn stiffness(&self, pattern: &Pattern, values: &[f64], nodes: &[Eliminated], form: Form) -> Stiffness {
-        let entries = self.entries();
-        let mut stiffness = Stiffness {
-            starts: vec![0],
-            columns: Vec::with_capacity(entries),
-            values: Vec::with_capacity(entries),
-            border: vec![Border::default(); self.contacts.len()],
-        };
-        let directions = 0..self.dimension;
-        let mut at = vec![0; self.own.len()];
-        for node in 0..self.own.len() {
-            let mut rows = self.rows(node, pattern, values, &mut at, nodes);
-            if let Some(contact) = self.contact[node] {
-                stiffness.border[contact].clone_from(&rows);
-                nodes[contact].take_friction(form, &mut rows, at[node] * self.dimension, self.dimension);
-            }
-            self.hold(node, at[node], &mut rows, nodes);
-            for row in rows.into_iter().take(self.dimension) {
-                let columns = self.columns[node].iter();
-                let places =
-                    columns.flat_map(|column| directions.clone().map(move |c| (column * self.dimension + c) as i32));
-                stiffness.columns.extend(places);
-                stiffness.values.extend(row);
-                stiffness.starts.push(stiffness.values.len() as i32);
+    pub(super) fn stiffness(
+        &self,
+        pattern: &Pattern,
+        values: &[f64],
+        nodes: &[Eliminated],
+        form: Form,
+    ) -> (Rows, Vec<Border>) {
+        let (d, entries) = (self.dimension, self.entries());
+        let mut starts = vec![0];
+        for columns in &self.columns {
+            for _ in 0..d {
+                starts.push(starts[starts.len() - 1] + (columns.len() * d) as i32);
             }
         }
-        stiffness
+        let mut rows = Rows {
+            starts,
+            columns: vec![0; entries],
+            values: vec![0.0; entries],
+            block: d,
+            symmetric: form == Form::Symmetric,
+        };
+        let mut pieces = Vec::new();
+        let (mut columns_left, mut values_left) = (&mut rows.columns[..], &mut rows.values[..]);
+        for first in (0..self.own.len()).step_by(TOGETHER) {
+            let nodes = first..self.own.len().min(first + TOGETHER);
+            let length = (rows.starts[nodes.end * d] - rows.starts[first * d]) as usize;
+            let (columns, values);
+            (columns, columns_left) = columns_left.split_at_mut(length);
+            (values, values_left) = values_left.split_at_mut(length);
+            pieces.push((nodes, columns, values));
+        }
+        let write = |at: &mut Vec<usize>, (piece, columns, to): (Range<usize>, &mut [i32], &mut [f64])| {
+            let (mut next, mut border) = (0, Vec::new());
+            for node in piece {
+                let mut block = self.rows(node, pattern, values, at, nodes);
+                if let Some(contact) = self.contact[node] {
+                    border.push((contact, block.clone()));
+                    nodes[contact].take_friction(form, &mut block, at[node] * d, d);
+                }
+                self.hold(node, at[node], &mut block, nodes);
+                for row in block.into_iter().take(d) {
+                    let places = self.columns[node].iter().flat_map(|column| column * d..(column + 1) * d);
+                    columns[next..].iter_mut().zip(places).for_each(|(to, place)| *to = place as i32);
+                    to[next..next + row.len()].copy_from_slice(&row);
+                    next += row.len();
+                }
+            }
+            border
+        };
+        let borders: Vec<_> = pieces.into_par_iter().map_init(|| vec![0; self.own.len()], write).collect();
+        let mut border = vec![Border::default(); self.contacts.len()];
+        for (contact, rows) in borders.into_iter().flatten() {
+            border[contact] = rows;
+        }
+        (rows, border)
     }
 
     /// The rows of the contact nodes alone, where another matrix stands for `K̂`.
@@ -291,13 +357,5 @@ impl Eliminated {
                 }
             }
         }
-    }
-}
-
-impl Stiffness {
-    /// The matrix itself, and the rows beside.
-    pub(super) fn split(self, block: usize, symmetric: bool) -> (Rows, Vec<Border>) {
-        let Stiffness { starts, columns, values, border } = self;
-        (Rows { starts, columns, values, block, symmetric }, border)
     }
 }

@@ -8,6 +8,7 @@ use std::ptr;
 
 use super::sys;
 use crate::linear::LinearError;
+use crate::linear::ranks::{Part, World};
 
 /// What MUMPS does when it is called.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,19 +26,18 @@ const UNSYMMETRIC: c_int = 0;
 const HOST_WORKS: c_int = 1;
 
 /// MUMPS' structure; what its pointers point to is kept by whoever sets them.
-pub(super) struct Instance(Box<sys::DMUMPS_STRUC_C>);
+pub(in crate::linear) struct Instance(Box<sys::DMUMPS_STRUC_C>);
 
-// SAFETY: heap memory and handles of MPI without affinity to a thread, and the calls are one at a time: see `super::ranks`.
+// SAFETY: heap memory and handles of MPI without affinity to a thread, and the calls are one at a time: see `ranks`.
 unsafe impl Send for Instance {}
 
 impl Instance {
-    /// A new one. MPI has been started, and every rank makes its own.
-    pub fn new() -> Self {
+    /// A new one, of which every rank makes its own.
+    pub fn new(world: &World) -> Self {
         // SAFETY: C's structure of numbers and pointers, for which 0 is a value: MUMPS wants it so before its first job.
         let mut id: Box<sys::DMUMPS_STRUC_C> = Box::new(unsafe { mem::zeroed() });
         (id.sym, id.par) = (UNSYMMETRIC, HOST_WORKS);
-        // SAFETY: MPI runs.
-        id.comm_fortran = unsafe { sys::mpi_shim_world() };
+        id.comm_fortran = world.fortran();
         let mut instance = Instance(id);
         instance.call(BEGIN);
         // It prints by itself otherwise, on every rank.
@@ -48,7 +48,7 @@ impl Instance {
     }
 
     /// Analyses a matrix of order `order.len()` with its entries at `rows` and `columns`, from 1, for elimination in that order, see
-    /// [`super::order`]. Every other rank has to [`serve`](Instance::serve) at the same time, here and below.
+    /// [`super::order`]. Every other rank has to serve at the same time, here and below.
     pub fn analyze(&mut self, rows: &mut [c_int], columns: &mut [c_int], order: &mut [c_int]) {
         self.matrix(rows, columns);
         self.0.n = order.len() as c_int;
@@ -74,11 +74,6 @@ impl Instance {
         self.0.rhs = x.as_mut_ptr();
         self.call(Job::Solve as c_int);
         self.0.rhs = ptr::null_mut();
-    }
-
-    /// Does its part of a `job` of rank 0, which alone has the arrays.
-    pub fn serve(&mut self, job: Job) {
-        self.call(job as c_int);
     }
 
     fn matrix(&mut self, rows: &mut [c_int], columns: &mut [c_int]) {
@@ -166,6 +161,18 @@ fn version(text: &[u8]) -> [i32; 3] {
     let text = String::from_utf8_lossy(text);
     let mut numbers = text.split(|c: char| !c.is_ascii_digit()).filter_map(|number| number.parse().ok());
     [(); 3].map(|()| numbers.next().unwrap_or(0))
+}
+
+impl Part for Instance {
+    /// Rank 0 alone has the arrays, and judges what all ranks are told.
+    fn serve(&mut self, _: &World, job: i64) -> Result<(), LinearError> {
+        for known in [Job::Analyze, Job::Factorize, Job::Solve] {
+            if known as i64 == job {
+                self.call(known as c_int);
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Drop for Instance {

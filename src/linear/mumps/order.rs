@@ -5,14 +5,11 @@
 //! the matrix in space. A group that is coupled with one other group alone, as contact forces are with the displacements of their
 //! node, comes with that one. In a group displacements come before forces, whose diagonal is zero where contact is closed.
 
-#![allow(unsafe_code)]
-
 use std::collections::HashMap;
 use std::ffi::c_int;
-use std::ptr;
 
-use super::sys;
-use crate::linear::{LinearError, ordering};
+use crate::linear::LinearError;
+use crate::linear::ranks::{Graph, order};
 use crate::sparse::Pattern;
 
 const STEP: &str = "ordering the unknowns";
@@ -22,9 +19,9 @@ const STEP: &str = "ordering the unknowns";
 /// # Errors
 /// When memory is short, or there are more couplings than the 32-bit integers of METIS count.
 pub(super) fn places(pattern: &Pattern) -> Result<Vec<c_int>, LinearError> {
-    let groups = Groups::new(&symmetric(pattern)?)?;
+    let Groups { members, graph } = Groups::new(&symmetric(pattern)?)?;
     let mut place = vec![0; pattern.columns()];
-    let unknowns = groups.order()?.into_iter().flat_map(|group| &groups.members[group]);
+    let unknowns = order(STEP, graph)?.into_iter().flat_map(|group| &members[group]);
     unknowns.zip(1..).for_each(|(&unknown, next)| place[unknown] = next);
     Ok(place)
 }
@@ -48,9 +45,7 @@ fn symmetric(pattern: &Pattern) -> Result<Pattern, LinearError> {
 struct Groups {
     /// The unknowns of each, in their order.
     members: Vec<Vec<usize>>,
-    /// Where the neighbours of each begin and end, from 0.
-    starts: Vec<sys::idx_t>,
-    neighbours: Vec<sys::idx_t>,
+    graph: Graph,
 }
 
 impl Groups {
@@ -88,13 +83,6 @@ impl Groups {
         let mut vertex = vec![usize::MAX; members.len()];
         let heads: Vec<usize> = (0..members.len()).filter(|&group| head(group) == group).collect();
         heads.iter().enumerate().for_each(|(v, &group)| vertex[group] = v);
-        let (mut starts, mut neighbours) = (vec![0], Vec::new());
-        for &group in &heads {
-            let beside = others(group, &group_of).into_iter().filter(|&other| vertex[other] != usize::MAX);
-            neighbours.extend(beside.map(|other| vertex[other] as sys::idx_t));
-            let so_far = sys::idx_t::try_from(neighbours.len());
-            starts.push(so_far.map_err(|_| LinearError::OutOfMemory { step: STEP })?);
-        }
         let mut together: Vec<Vec<usize>> = vec![Vec::new(); heads.len()];
         for (group, members) in members.iter().enumerate() {
             together[vertex[head(group)]].extend(members);
@@ -102,39 +90,10 @@ impl Groups {
         for unknowns in &mut together {
             unknowns.sort_unstable();
         }
-        Ok(Groups { members: together, starts, neighbours })
-    }
-
-    /// The groups in the order in which they are eliminated.
-    fn order(&self) -> Result<Vec<usize>, LinearError> {
-        let count = self.members.len();
-        let mut order = vec![0; count];
-        if self.neighbours.is_empty() {
-            return Ok((0..count).collect());
-        }
-        let mut n = sys::idx_t::try_from(count).map_err(|_| LinearError::OutOfMemory { step: STEP })?;
-        let mut weights: Vec<sys::idx_t> = self.members.iter().map(|members| members.len() as sys::idx_t).collect();
-        let (mut starts, mut neighbours) = (self.starts.clone(), self.neighbours.clone());
-        let mut place = vec![0; count];
-        let _alone = ordering::alone();
-        // SAFETY: a graph of `n` vertices: `n + 1` starts, the neighbours that they span, all below `n` and each beside the other; as many
-        // weights; both results have `n` places. No options are null.
-        let status = unsafe {
-            sys::METIS_NodeND(
-                &raw mut n,
-                starts.as_mut_ptr(),
-                neighbours.as_mut_ptr(),
-                weights.as_mut_ptr(),
-                ptr::null_mut(),
-                order.as_mut_ptr(),
-                place.as_mut_ptr(),
-            )
-        };
-        match status {
-            sys::rstatus_et_METIS_OK => Ok(order.into_iter().map(|group| group as usize).collect()),
-            sys::rstatus_et_METIS_ERROR_MEMORY => Err(LinearError::OutOfMemory { step: STEP }),
-            status => Err(LinearError::Backend { backend: "METIS", step: STEP, status: i64::from(status) }),
-        }
+        let beside = |group: usize| others(group, &group_of).into_iter().map(|other| vertex[other]);
+        let vertices = heads.iter().zip(&together).map(|(&group, members)| (members.len(), beside(group)));
+        let graph = Graph::new(STEP, vertices)?;
+        Ok(Groups { members: together, graph })
     }
 }
 
@@ -158,7 +117,7 @@ mod tests {
         let groups = Groups::new(&symmetric(&pattern).unwrap()).unwrap();
         // The first node, too, has one neighbour.
         assert_eq!(groups.members, [[0, 1, 2, 3], [4, 5, 6, 7]]);
-        assert_eq!((&groups.starts[..], &groups.neighbours[..]), (&[0, 1, 2][..], &[1, 0][..]));
+        assert_eq!(groups.graph.lists(), (&[0, 1, 2][..], &[1, 0][..]));
         let place = places(&pattern).unwrap();
         assert!(place[6] > place[4] && place[6] > place[5] && place[7] > place[5]);
     }
