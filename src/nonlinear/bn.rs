@@ -23,7 +23,8 @@ pub struct Bn {
     /// The generation of the factors that `linear` had after this solver's last factorisation: if it is
     /// still the same, its factors are those of the last linearisation.
     factored: Option<usize>,
-    forcing: Forcing,
+    /// How well directions have to be known, where a measured error sees what they leave.
+    forcing: Option<Forcing>,
 }
 
 /// A direction, or why there is none.
@@ -41,7 +42,7 @@ impl Bn {
             rhs: zeros(),
             rest: zeros(),
             factored: None,
-            forcing: Forcing::default(),
+            forcing: None,
         }
     }
 
@@ -72,6 +73,7 @@ impl Bn {
         if end.met_at_start(error) {
             return Ok(Outcome { stop: Stop::Met, ..outcome });
         }
+        self.forcing = end.is_measured().then(Forcing::default);
         let (mut cycle, mut full_step) = (Cycle::default(), false);
 
         for iteration in 1..=self.max_iterations {
@@ -157,10 +159,11 @@ impl Bn {
         self.rhs.copy_from_slice(&self.h);
         formulation.right_hand_side(&mut self.rhs);
         self.rhs.iter_mut().for_each(|b| *b = -*b);
-        let solved = if fresh {
-            linear.solve_to(self.forcing.term(&self.rhs), formulation.jacobian(), &self.rhs, &mut self.dz)
-        } else {
-            linear.solve(formulation.jacobian(), &self.rhs, &mut self.dz)
+        let solved = match &mut self.forcing {
+            Some(forcing) if fresh => {
+                linear.solve_to(forcing.term(&self.rhs), formulation.jacobian(), &self.rhs, &mut self.dz)
+            }
+            _ => linear.solve(formulation.jacobian(), &self.rhs, &mut self.dz),
         };
         match solved {
             Ok(info) => Ok(Ok(info.backward_error)),

@@ -7,10 +7,12 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+#[cfg(all(feature = "cli", target_os = "linux"))]
+mod job;
 #[cfg(feature = "petsc")]
 mod multigrid;
 #[cfg(feature = "mumps")]
 mod mumps;
-#[cfg(all(feature = "mumps", feature = "cli", target_os = "linux"))]
+#[cfg(all(feature = "cli", target_os = "linux"))]
 mod ranks;
 mod scenes;

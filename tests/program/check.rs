@@ -24,7 +24,7 @@ fn check_explains_without_solving() {
         "4 normal forces p_n",
         "4 increments of 0.5 s",
         "memory       about ",
-        "estimated                                time    memory",
+        "estimated                            time    memory",
         "condensed, \"auto\"     0.00 s",
         "held         by its supports",
         "theorem 3    holds: (a) no rigid motion leaves every obstacle; (b) contact rows independent",
