@@ -39,6 +39,8 @@ use std::time::Instant;
 
 pub use discretise::discretise;
 pub use error::RunError;
+#[cfg(feature = "petsc")]
+pub use grid::grid;
 pub use increments::increments_for;
 pub use need::Need;
 pub use recording::{RecordedIncrement, Recording};

@@ -6,10 +6,9 @@ use std::process::Command;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
-use stickslip::auto::Choice;
+use stickslip::auto::{Choice, Means};
 use stickslip::history::{self, HistorySettings, Method, Observer, Status, System};
 use stickslip::linear::{self, LinearSolver};
-use stickslip::memory::Budget;
 use stickslip::reach::Reach;
 use stickslip::report::{cpu_seconds, peak_rss_bytes};
 use stickslip::units::Scaling;
@@ -139,15 +138,7 @@ fn run(case: Case, who: &str, method: Method) -> Measured {
     let tolerance = if naive { 1e-3 } else { scene.solver.tolerance };
     let problem = &model.problem;
     let choice = || {
-        Choice::cheapest(
-            problem,
-            &Reach::default(),
-            method,
-            scene.time.increments,
-            Budget::of_process().map(|budget| budget.bytes),
-        )
-        .unwrap()
-        .linear
+        Choice::cheapest(problem, &Reach::default(), method, scene.time.increments, Means::of_process()).unwrap().linear
     };
     let system = match scene.solver.linear {
         _ if naive => System::from(Box::new(Naive::default()) as Box<dyn LinearSolver>),

@@ -15,7 +15,7 @@ pub(super) fn system(model: &Model, method: Method) -> System {
 }
 
 /// The grid of `model`; none where the contact rows of a node cannot be had on its own displacements alone, or a node has two contacts.
-pub(super) fn grid(model: &Model) -> Option<Grid> {
+pub fn grid(model: &Model) -> Option<Grid> {
     let (mesh, dofs, problem) = (&model.mesh, &model.dofs, &model.problem);
     let mut displacements = vec![(0, 0); problem.displacements()];
     for node in 0..mesh.nodes.len() {
