@@ -18,7 +18,7 @@
 //! | how far somebody's solution is from the laws | `judge.rs` |
 //! | from a problem to a solution with its verdict | `solve.rs` |
 //! | an increment of ours as a problem for others | `export.rs` |
-//! | tables and performance profiles of whole folders | `collection.rs` |
+//! | what is told of it, of whole folders, and in performance profiles | `report.rs`, `collection.rs`, `profile.rs` |
 //!
 //! ```
 //! use stickslip::exchange::{Problem, ProblemFile, solve};
@@ -39,7 +39,9 @@ mod fclib;
 mod global;
 mod hdf5;
 mod judge;
+mod profile;
 mod reduction;
+mod report;
 mod siconos;
 mod solve;
 
@@ -48,11 +50,13 @@ use std::path::Path;
 pub use collection::{Collection, Row};
 pub use error::ExchangeError;
 pub use export::{export, export_local};
-pub use global::GlobalProblem;
+pub use global::{GlobalProblem, Parts};
 pub use hdf5::Hdf5Error;
 pub use judge::{Errors, Law, TOLERANCE, judge};
-pub use reduction::Reduction;
-pub use solve::{Answer, SolveError, Stage, solve};
+pub use profile::Profile;
+pub use reduction::{Reduction, ReductionError};
+pub use report::{ProblemReport, Verdict};
+pub use solve::{Answer, SolveError, Stage, Way, solve, solve_by};
 
 use crate::input;
 use crate::local::LocalProblem;

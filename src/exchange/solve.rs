@@ -45,6 +45,31 @@ pub struct Stage {
     pub residual: f64,
 }
 
+/// A way to a solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Way {
+    /// What [`solve`] does: one after the other, until a solution is found.
+    Default,
+    /// The uncondensed system of a global problem, by BN.
+    Whole,
+    /// The contacts alone, by the cascade for local problems.
+    Contacts,
+}
+
+impl Way {
+    /// All of them.
+    pub const ALL: [Way; 3] = [Way::Default, Way::Whole, Way::Contacts];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Way::Default => "default",
+            Way::Whole => "whole",
+            Way::Contacts => "contacts",
+        }
+    }
+}
+
 /// Why a problem cannot even be tried.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -85,33 +110,59 @@ pub fn solve(problem: &Problem, guess: Option<&Solution>) -> Result<Answer, Solv
     }
     let r = guess.map(|guess| &guess.r[..]);
     match problem {
-        Problem::Local(local) => {
-            let (solution, stages) = cascade(local, r)?;
-            let errors = judge(problem, &solution)?;
-            Ok(Answer { solution, errors, stages })
-        }
-        Problem::Global(global) => global_answer(problem, global, r),
+        Problem::Local(local) => on_contacts(problem, local, r),
+        Problem::Global(global) => both(problem, global, r),
     }
 }
 
-fn global_answer(problem: &Problem, global: &GlobalProblem, guess: Option<&[f64]>) -> Result<Answer, SolveError> {
-    let mut first = None;
-    if let Some((solution, iterations)) = whole(global)? {
-        let errors = judge(problem, &solution)?;
-        let stages = vec![Stage { stage: WHOLE.to_string(), iterations, residual: errors.worst() }];
-        let answer = Answer { solution, errors, stages };
-        if answer.is_solved() {
-            return Ok(answer);
-        }
-        first = Some(answer);
+/// The same by one way alone; `None` where it is none for such a problem.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_by(way: Way, problem: &Problem, guess: Option<&Solution>) -> Result<Option<Answer>, SolveError> {
+    if let Some(guess) = guess {
+        guess.check(problem)?;
     }
-    let reduced = Reduction::new(global).map_err(SolveError::from).and_then(|mut reduction| {
-        let (Solution { r, .. }, stages) = cascade(reduction.local(), guess)?;
-        let solution = reduction.solution(r).map_err(ReductionError::from)?;
-        let errors = judge(problem, &solution)?;
-        Ok(Answer { solution, errors, stages })
-    });
-    match (first, reduced) {
+    let r = guess.map(|guess| &guess.r[..]);
+    match (way, problem) {
+        (Way::Default, _) => solve(problem, guess).map(Some),
+        (Way::Whole, Problem::Global(global)) => on_bodies(problem, global),
+        (Way::Contacts, Problem::Global(global)) => reduced(problem, global, r).map(Some),
+        (Way::Contacts, Problem::Local(local)) => on_contacts(problem, local, r).map(Some),
+        (Way::Whole, Problem::Local(_)) => Ok(None),
+    }
+}
+
+/// A local problem through the cascade.
+fn on_contacts(problem: &Problem, local: &LocalProblem, guess: Option<&[f64]>) -> Result<Answer, SolveError> {
+    let (solution, stages) = cascade(local, guess)?;
+    let errors = judge(problem, &solution)?;
+    Ok(Answer { solution, errors, stages })
+}
+
+/// A global problem by BN on the uncondensed system.
+fn on_bodies(problem: &Problem, global: &GlobalProblem) -> Result<Option<Answer>, SolveError> {
+    let Some((solution, iterations)) = whole(global)? else { return Ok(None) };
+    let errors = judge(problem, &solution)?;
+    let stages = vec![Stage { stage: WHOLE.to_string(), iterations, residual: errors.worst() }];
+    Ok(Some(Answer { solution, errors, stages }))
+}
+
+/// A global problem reduced to its contacts, through the cascade.
+fn reduced(problem: &Problem, global: &GlobalProblem, guess: Option<&[f64]>) -> Result<Answer, SolveError> {
+    let mut reduction = Reduction::new(global)?;
+    let (Solution { r, .. }, stages) = cascade(reduction.local(), guess)?;
+    let solution = reduction.solution(r).map_err(ReductionError::from)?;
+    let errors = judge(problem, &solution)?;
+    Ok(Answer { solution, errors, stages })
+}
+
+fn both(problem: &Problem, global: &GlobalProblem, guess: Option<&[f64]>) -> Result<Answer, SolveError> {
+    let first = on_bodies(problem, global)?;
+    if let Some(answer) = first.as_ref().filter(|answer| answer.is_solved()) {
+        return Ok(answer.clone());
+    }
+    match (first, reduced(problem, global, guess)) {
         (None, reduced) => reduced,
         (Some(first), Err(_)) => Ok(first),
         (Some(first), Ok(second)) => {
