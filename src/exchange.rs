@@ -42,6 +42,8 @@ mod judge;
 mod profile;
 mod reduction;
 mod report;
+#[cfg(feature = "cli")]
+mod schema;
 mod siconos;
 mod solve;
 
@@ -56,6 +58,8 @@ pub use judge::{Errors, Law, TOLERANCE, judge};
 pub use profile::Profile;
 pub use reduction::{Reduction, ReductionError};
 pub use report::{ProblemReport, Verdict};
+#[cfg(feature = "cli")]
+pub use schema::{collection_schema, problem_schema};
 pub use solve::{Answer, SolveError, Stage, Way, solve, solve_by};
 
 use crate::input;

@@ -6,7 +6,7 @@ use std::process::Command;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
-use stickslip::auto::Choice;
+use stickslip::auto::{Choice, Means};
 use stickslip::history::{self, HistorySettings, Method, Observer, Status, System};
 use stickslip::linear::{self, LinearSolver};
 use stickslip::memory::Budget;
@@ -144,7 +144,7 @@ fn run(case: Case, who: &str, method: Method) -> Measured {
             &Reach::default(),
             method,
             scene.time.increments,
-            Budget::of_process().map(|budget| budget.bytes),
+            Means { available: Budget::of_process().map(|budget| budget.bytes), multigrid: false },
         )
         .unwrap()
         .linear

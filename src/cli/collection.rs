@@ -48,7 +48,8 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitCo
     bar.finish_and_clear();
     let rows: Vec<Row> = rows.unwrap_or_default().into_iter().flatten().collect();
     let collection = Collection::new(rows);
-    let json = serde_json::to_string_pretty(&collection).map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    let json =
+        serde_json::to_string_pretty(&collection).map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     if args.json {
         say!("{json}");
     } else {
@@ -75,7 +76,11 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitCo
 /// The exchange files of a folder by name, and how many others there are.
 fn files(folder: &Path) -> Result<(Vec<PathBuf>, usize), Failure> {
     let entries = fs::read_dir(folder).map_err(|error| {
-        Failure::Input(miette::miette!(help = "name a folder", "{}: the folder cannot be read: {error}", folder.display()))
+        Failure::Input(miette::miette!(
+            help = "name a folder",
+            "{}: the folder cannot be read: {error}",
+            folder.display()
+        ))
     })?;
     let mut all: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(|path| path.is_file()).collect();
     all.sort();

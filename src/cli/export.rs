@@ -85,7 +85,11 @@ pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitCode, Failure> {
     let before = one.before.unwrap_or_else(|| State::zero(&model.problem));
     let info = Info {
         title: Some(format!("{}, increment {number} of {increments}", scene.title)),
-        description: Some(format!("Written by stickslip {} at t = {} s, SI units", env!("CARGO_PKG_VERSION"), record.time)),
+        description: Some(format!(
+            "Written by stickslip {} at t = {} s, SI units",
+            env!("CARGO_PKG_VERSION"),
+            record.time
+        )),
         math_info: None,
     };
     let help = "export the global form";
@@ -100,7 +104,12 @@ pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitCode, Failure> {
     write(&args.out, &file)?;
     let problem = &file.problem;
     say!("{}", file.info.title.as_deref().unwrap_or_default());
-    say!("problem      {}, {} contacts, {} unknowns of the body", problem.form(), problem.contacts(), problem.unknowns());
+    say!(
+        "problem      {}, {} contacts, {} unknowns of the body",
+        problem.form(),
+        problem.contacts(),
+        problem.unknowns()
+    );
     say!("results      {}", args.out.display());
     if record.status == Status::Converged {
         return Ok(ExitCode::SUCCESS);

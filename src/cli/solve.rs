@@ -112,7 +112,8 @@ fn status(verdict: Verdict) -> ExitCode {
 fn head(name: &str, file: &ProblemFile) {
     let problem = &file.problem;
     say!("{}", file.info.title.as_deref().unwrap_or(name));
-    let unknowns = if problem.unknowns() > 0 { format!(", {} unknowns of bodies", problem.unknowns()) } else { String::new() };
+    let unknowns =
+        if problem.unknowns() > 0 { format!(", {} unknowns of bodies", problem.unknowns()) } else { String::new() };
     let space = if problem.dimension() == 2 { "in the plane" } else { "in space" };
     say!("problem      {}, {} contacts {space}{unknowns}", problem.form(), problem.contacts());
     if let Some(description) = &file.info.description {
@@ -125,6 +126,9 @@ fn tell(report: &ProblemReport, json: bool) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(report);
         say!("{}", text.map_err(|error| Failure::Machine(miette::miette!("{error}")))?);
         return Ok(());
+    }
+    for warning in &report.warnings {
+        say!("warning      {warning}");
     }
     for stage in &report.stages {
         say!("stage        {}: {} iterations, residual {:.1e}", stage.stage, stage.iterations, stage.residual);
@@ -159,7 +163,11 @@ pub(super) fn write(path: &Path, file: &ProblemFile) -> Result<(), Failure> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
         let help = "name a file";
-        return Err(Failure::Input(miette::miette!(help = help, "{}: it is no file that can be written", path.display())));
+        return Err(Failure::Input(miette::miette!(
+            help = help,
+            "{}: it is no file that can be written",
+            path.display()
+        )));
     };
     write_file(folder, name, bytes).map_err(|error| write_failure(path, &error))
 }

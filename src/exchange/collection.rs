@@ -55,7 +55,17 @@ pub struct Row {
 
 /// The columns of the CSV file.
 const COLUMNS: [&str; 12] = [
-    "file", "way", "form", "dimension", "contacts", "unknowns", "status", "residual", "stage", "iterations", "cpu_seconds",
+    "file",
+    "way",
+    "form",
+    "dimension",
+    "contacts",
+    "unknowns",
+    "status",
+    "residual",
+    "stage",
+    "iterations",
+    "cpu_seconds",
     "message",
 ];
 
@@ -104,7 +114,8 @@ impl Collection {
     pub fn to_text(&self) -> String {
         let several = self.rows.iter().any(|row| row.way != self.rows[0].way);
         let way: &[&str] = if several { &["way"] } else { &[] };
-        let heads = [&["verdict", "residual", "iterations", "CPU s", "n_c", "d", "form", "stage"], way, &["file"]].concat();
+        let heads =
+            [&["verdict", "residual", "iterations", "CPU s", "n_c", "d", "form", "stage"], way, &["file"]].concat();
         let mut table = Table::new(&heads);
         for row in &self.rows {
             let of_a_problem = |x: usize| if row.form.is_empty() { String::new() } else { x.to_string() };

@@ -38,7 +38,9 @@ impl ExchangeError {
     pub fn help(&self) -> &str {
         match self {
             ExchangeError::Io { .. } => "name an existing file",
-            ExchangeError::Unknown { .. } => "name an FCLIB file (HDF5) or a friction problem that Siconos has written (text)",
+            ExchangeError::Unknown { .. } => {
+                "name an FCLIB file (HDF5) or a friction problem that Siconos has written (text)"
+            }
             ExchangeError::Content { fault, .. } => &fault.help,
         }
     }

@@ -24,7 +24,9 @@ pub fn export(
     problem.equilibrium(increment.force, state).map_err(refused)?;
     problem.equilibrium(increment.force, before).map_err(refused)?;
     let (n, n_c) = (problem.displacements(), problem.contacts());
-    for (key, values) in [("gap", increment.gap), ("mu", increment.mu), ("w_t", increment.w_t_last), ("w_o", increment.w_o_last)] {
+    for (key, values) in
+        [("gap", increment.gap), ("mu", increment.mu), ("w_t", increment.w_t_last), ("w_o", increment.w_o_last)]
+    {
         if values.len() != n_c {
             return Err(Fault::new(key, format!("it has {} entries, but must have {n_c}", values.len()), help));
         }

@@ -6,7 +6,7 @@
 //! | `fclib_global` or `fclib_local` | the problem: `spacedim`, matrices `M`, `H`, `G` or `W`, `V`, `R`, `vectors` |
 //! | a matrix | `m`, `n`, `nzmax`, `nz`: -1 compressed columns, -2 compressed rows, otherwise triplets with row `i`, column `p`; `p`, `i`, `x` |
 //! | `info` in the problem | `title`, `description`, `math_info`; none of them has to be there |
-//! | `solution`, `guesses/1` ... | `v` (global), `l` (multipliers of `G`), `u`, `r` |
+//! | `solution`, `guesses/1` ... | `v` (global), `l` (multipliers of `G`), `u`, `r`; left out where nothing was written into them |
 //!
 //! Equality constraints `Gᵀ v + b = 0` with multipliers `l` become rows and columns of the global problem: unknowns `(v, l)`.
 
@@ -39,6 +39,17 @@ fn has(file: &File<'_>, path: &str) -> Result<bool, Fault> {
     file.has(path).map_err(|error| of_dataset(path, &error))
 }
 
+/// Whether somebody has written forces and velocities below `path`. Some tools make the datasets of a solution that they do not have.
+fn is_written(file: &File<'_>, path: &str) -> Result<bool, Fault> {
+    for name in ["r", "u"] {
+        let path = format!("{path}/{name}");
+        if !file.is_written(&path).map_err(|error| of_dataset(&path, &error))? {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
 /// The problem in the `bytes` of an FCLIB file.
 pub(super) fn read(bytes: &[u8]) -> Result<ProblemFile, Fault> {
     let file = open(bytes)?;
@@ -46,19 +57,23 @@ pub(super) fn read(bytes: &[u8]) -> Result<ProblemFile, Fault> {
         (true, _) => (Problem::Global(global(&file)?), GLOBAL),
         (false, true) => (Problem::Local(local(&file)?), LOCAL),
         (false, false) => {
-            let (message, help) = ("neither fclib_global nor fclib_local is there", "name a file that holds an FCLIB problem");
+            let (message, help) =
+                ("neither fclib_global nor fclib_local is there", "name a file that holds an FCLIB problem");
             return Err(Fault::new("groups", message, help));
         }
     };
     // What cannot be read of it is no reason to refuse the problem.
     let info = |name: &str| file.text(&format!("{group}/info/{name}")).ok().flatten().filter(|text| !text.is_empty());
     let info = Info { title: info("title"), description: info("description"), math_info: info("math_info") };
-    let solution = if has(&file, "solution")? { Some(solution(&file, "solution", &problem)?) } else { None };
+    let solution = if is_written(&file, "solution")? { Some(solution(&file, "solution", &problem)?) } else { None };
     let mut guesses = Vec::new();
     if has(&file, "guesses/number_of_guesses")? {
         let count = one(&file, "guesses/number_of_guesses")?;
         for k in 1..=count.min(GUESSES) {
-            guesses.push(self::solution(&file, &format!("guesses/{k}"), &problem)?);
+            let path = format!("guesses/{k}");
+            if is_written(&file, &path)? {
+                guesses.push(self::solution(&file, &path, &problem)?);
+            }
         }
     }
     Ok(ProblemFile { info, problem, solution, guesses })
@@ -67,9 +82,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<ProblemFile, Fault> {
 /// The solution in the `bytes` of an FCLIB file, with or without a problem.
 pub(super) fn read_solution(bytes: &[u8]) -> Result<Solution, Fault> {
     let file = open(bytes)?;
-    if !has(&file, "solution")? {
+    if !is_written(&file, "solution")? {
         let help = "name a file with a solution, such as `stickslip solve --out` writes";
-        return Err(Fault::new("group solution", "it is not there", help));
+        return Err(Fault::new("group solution", "it is not there, or nothing was written into it", help));
     }
     any_solution(&file, "solution")
 }
@@ -120,7 +135,8 @@ fn global(file: &File<'_>) -> Result<GlobalProblem, Fault> {
     // M v - G l = f + H r, Gᵀ v = -b.
     let entries: Vec<_> =
         m.entries().chain(g.entries().flat_map(|(i, j, x)| [(i, n + j, -x), (n + j, i, x)])).collect();
-    let wrong = |error: crate::sparse::MatrixError| Fault::new("group fclib_global", error.to_string(), "mend the matrices");
+    let wrong =
+        |error: crate::sparse::MatrixError| Fault::new("group fclib_global", error.to_string(), "mend the matrices");
     let m = Csc::from_triplets(all, all, &entries).map_err(wrong)?;
     let h = Csc::from_triplets(all, w.len(), &h.entries().collect::<Vec<_>>()).map_err(wrong)?;
     GlobalProblem::new(Parts { dimension, m, h, f, w, mu, constraints: constraints.len() })
@@ -138,7 +154,8 @@ fn local(file: &File<'_>) -> Result<LocalProblem, Fault> {
     let (q, mu) = (vector("q")?, vector("mu")?);
     let delassus = matrix(file, "fclib_local/W", q.len(), q.len())?;
     let help = "q has one number for each direction of each contact, mu one for each contact";
-    LocalProblem::new(dimension, delassus, q, mu).map_err(|error| Fault::new("group fclib_local", error.to_string(), help))
+    LocalProblem::new(dimension, delassus, q, mu)
+        .map_err(|error| Fault::new("group fclib_local", error.to_string(), help))
 }
 
 /// What stands at `path`, of whatever lengths.

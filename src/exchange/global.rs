@@ -40,9 +40,11 @@ fn fault(key: &str, message: String, help: &str) -> Fault {
 fn finite(key: &str, values: impl Iterator<Item = f64>) -> Result<(), Fault> {
     match values.enumerate().find(|(_, value)| !value.is_finite()) {
         None => Ok(()),
-        Some((place, value)) => {
-            Err(fault(key, format!("entry {place} is {value}, but must be finite"), "give a number other than nan or inf"))
-        }
+        Some((place, value)) => Err(fault(
+            key,
+            format!("entry {place} is {value}, but must be finite"),
+            "give a number other than nan or inf",
+        )),
     }
 }
 
@@ -54,7 +56,11 @@ impl GlobalProblem {
     pub fn new(parts: Parts) -> Result<Self, Fault> {
         let Parts { dimension, m, h, f, w, mu, constraints } = &parts;
         if !matches!(dimension, 2 | 3) {
-            return Err(fault("dimension", format!("it is {dimension}"), "the dimension is 2 in the plane, 3 in space"));
+            return Err(fault(
+                "dimension",
+                format!("it is {dimension}"),
+                "the dimension is 2 in the plane, 3 in space",
+            ));
         }
         if f.is_empty() || *constraints >= f.len() {
             return Err(fault("f", "there is no unknown".to_string(), "give a body an unknown, or the local problem"));
@@ -130,14 +136,19 @@ impl GlobalProblem {
         &self.parts.mu
     }
 
-    /// `M`, where it is symmetric to rounding; a triangle alone is not.
-    fn symmetric(&self) -> Option<Symmetric> {
+    /// Whether `M` has entries in one of both triangles alone. It is taken as it stands, but may be meant as half of a symmetric one.
+    pub fn is_triangular(&self) -> bool {
         let (mut below, mut above) = (false, false);
         for (row, column, value) in self.m().entries() {
             below |= row > column && value != 0.0;
             above |= row < column && value != 0.0;
         }
-        if below == above { Symmetric::from_csc(self.m()).ok() } else { None }
+        below != above
+    }
+
+    /// `M`, where it is symmetric to rounding; a triangle alone is not.
+    fn symmetric(&self) -> Option<Symmetric> {
+        if self.is_triangular() { None } else { Symmetric::from_csc(self.m()).ok() }
     }
 
     /// The problem in the letters of [`crate::problem`], with the loading of one increment that ends at t = 1: `None` where `M` is not

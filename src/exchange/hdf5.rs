@@ -65,13 +65,18 @@ impl<'a> File<'a> {
         let mut head = Bytes::new(bytes, sizes).at(head.place() as u64)?;
         head.skip(skipped)?;
         if head.offset()? != 0 {
-            return Err(Hdf5Error::Unsupported { what: "a file that begins with something else than HDF5".to_string() });
+            return Err(Hdf5Error::Unsupported {
+                what: "a file that begins with something else than HDF5".to_string(),
+            });
         }
-        head.skip(2 * sizes.offsets)?;
+        head.offset()?;
+        if head.offset()? > bytes.len() as u64 {
+            return damaged(bytes.len(), "the file is shorter than it says, as where a transfer was cut off");
+        }
         if version < 2 {
             // The driver's block, then the entry of the root group: its name, its header.
-            head.skip(sizes.offsets)?;
-            head.skip(sizes.offsets)?;
+            head.offset()?;
+            head.offset()?;
         }
         let root = head.offset()?;
         Ok(File { bytes: Bytes::new(bytes, sizes), root })
@@ -102,6 +107,14 @@ impl<'a> File<'a> {
     /// The numbers of the dataset at `path`, if there is one; integers are numbers, too.
     pub(super) fn numbers(&self, path: &str) -> Result<Option<Vec<f64>>, Hdf5Error> {
         self.find(path)?.map(|object| dataset::numbers(self.bytes, &object)).transpose()
+    }
+
+    /// Whether there is a dataset at `path` that values were written into.
+    pub(super) fn is_written(&self, path: &str) -> Result<bool, Hdf5Error> {
+        match self.find(path)?.map(|object| dataset::is_written(self.bytes, &object)) {
+            None => Ok(false),
+            Some(written) => written,
+        }
     }
 
     /// The text of the dataset at `path`, if there is one of a fixed length; what is not UTF-8 in it is replaced.

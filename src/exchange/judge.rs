@@ -61,9 +61,17 @@ const fn law(name: &'static str, demands: &'static str, violation: &'static str)
 }
 
 const LAWS: [Law; 6] = [
-    law("equilibrium", "forces and velocities belong to each other", "forces and velocities do not belong to each other"),
+    law(
+        "equilibrium",
+        "forces and velocities belong to each other",
+        "forces and velocities do not belong to each other",
+    ),
     law("velocities", "u = H'v + w", "the relative velocities are not those of the bodies"),
-    law("normal", "no penetration, no tension, no pressure across a gap", "a contact penetrates, pulls, or presses across a gap"),
+    law(
+        "normal",
+        "no penetration, no tension, no pressure across a gap",
+        "a contact penetrates, pulls, or presses across a gap",
+    ),
     law("cone", "|r_T| <= mu r_N", "friction is larger than mu times the pressure"),
     law("dissipation", "slip is against full friction", "a contact slips without full friction against the slip"),
     law("natural_map", "all laws of a contact", "the laws of a contact are violated"),
@@ -108,7 +116,9 @@ pub fn judge(problem: &Problem, solution: &Solution) -> Result<Errors, Fault> {
         Problem::Global(problem) => Ok(global(problem, solution)),
         Problem::Local(problem) => {
             let errors = problem.errors(&solution.r, Some(&solution.u));
-            Ok(errors.map_err(|error| Fault::new("solution", error.to_string(), "give a solution of this problem"))?.into())
+            Ok(errors
+                .map_err(|error| Fault::new("solution", error.to_string(), "give a solution of this problem"))?
+                .into())
         }
     }
 }
@@ -153,10 +163,12 @@ fn global(problem: &GlobalProblem, Solution { v, r, u }: &Solution) -> Errors {
     for (row, column, h) in problem.h().entries().filter(|(row, ..)| diagonal[*row] > 0.0) {
         free[column] += (h * forces[row] / diagonal[row]).abs();
     }
-    let largest = |values: &[f64]| values.iter().fold(0.0, |mut worst, value| {
-        raise(&mut worst, value.abs());
-        worst
-    });
+    let largest = |values: &[f64]| {
+        values.iter().fold(0.0, |mut worst, value| {
+            raise(&mut worst, value.abs());
+            worst
+        })
+    };
     let scales = Scales { force: largest(r), velocity: largest(&[largest(u), largest(&sizes), largest(&free)]) };
     for (k, mut exact) in exact.into_iter().enumerate() {
         exact.add(problem.w()[k]);

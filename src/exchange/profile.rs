@@ -111,10 +111,7 @@ mod tests {
             profile.add(solver, problem, seconds);
         }
         let third = 1.0 / 3.0;
-        assert_eq!(
-            profile.curves(),
-            [("a", vec![[1.0, third]]), ("b", vec![[1.0, third], [4.0, 2.0 * third]])]
-        );
+        assert_eq!(profile.curves(), [("a", vec![[1.0, third]]), ("b", vec![[1.0, third], [4.0, 2.0 * third]])]);
         assert!(profile.to_csv().starts_with("solver,ratio,share\na,1,0.33"));
         assert!(profile.chart("three").to_svg().is_ok_and(|svg| svg.contains("fastest")));
     }

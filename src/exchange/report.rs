@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Answer, Errors, ProblemFile, Stage};
+use super::{Answer, Errors, Problem, ProblemFile, Stage};
 use crate::report::SCHEMA_VERSION;
 
 /// The verdict on a problem.
@@ -57,10 +57,20 @@ pub struct ProblemReport {
     pub residual: f64,
     /// The violation of each law.
     pub errors: Errors,
+    /// What may make it another problem than the one that was meant.
+    pub warnings: Vec<String>,
     /// What was tried; nothing where a given solution is judged.
     pub stages: Vec<Stage>,
     /// CPU time of the solution, s; 0 where a given one is judged.
     pub cpu_seconds: f64,
+}
+
+/// What is odd about `problem`.
+fn warnings(problem: &Problem) -> Vec<String> {
+    let triangular = matches!(problem, Problem::Global(problem) if problem.is_triangular());
+    let half = "M has entries on one side of its diagonal alone, and is taken as it stands: where it is meant as half of a \
+                symmetric matrix, write both halves";
+    triangular.then(|| half.to_string()).into_iter().collect()
 }
 
 impl ProblemReport {
@@ -78,6 +88,7 @@ impl ProblemReport {
             status: if errors.is_solved() { Verdict::Solved } else { Verdict::NotSolved },
             residual: errors.worst(),
             errors,
+            warnings: warnings(problem),
             stages: Vec::new(),
             cpu_seconds: 0.0,
         }

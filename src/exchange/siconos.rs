@@ -49,20 +49,25 @@ pub(super) fn read(text: &str) -> Result<ProblemFile, Fault> {
     let mut words = Words::new(text);
     let dimension = words.count("the dimension, 2 or 3")?;
     if !matches!(dimension, 2 | 3) {
-        return Err(words.fault(&format!("the dimension is {dimension}"), "a problem begins with 2 (plane) or 3 (space)"));
+        return Err(
+            words.fault(&format!("the dimension is {dimension}"), "a problem begins with 2 (plane) or 3 (space)")
+        );
     }
     let contacts = words.count("the number of contacts")?;
     let first = matrix(&mut words)?;
     let rows = contacts.saturating_mul(dimension);
     let of_a_local_one = rows.saturating_add(contacts);
-    // Behind a local problem there may be one word more; a second matrix is longer than that.
-    let problem = if words.are_at_most(of_a_local_one.saturating_add(1)) {
+    // Behind a local problem there may be one word more. A second matrix is longer than that, unless the text was cut off.
+    let second = ["0", "1", "2"].map(|kind| [kind.to_string(), first.rows.to_string(), rows.to_string()]);
+    let goes_on = second.iter().any(|head| words.begin_with(head));
+    let problem = if !goes_on && words.are_at_most(of_a_local_one.saturating_add(1)) {
         let q = words.numbers("q", rows)?;
         let mu = words.numbers("mu", contacts)?;
         let line = words.line();
         let delassus = first.sized("W", rows, rows)?;
         let help = "mu is 0 or more, and all numbers are finite";
-        let fault = |error: crate::local::LocalProblemError| Fault::new(format!("line {line}"), error.to_string(), help);
+        let fault =
+            |error: crate::local::LocalProblemError| Fault::new(format!("line {line}"), error.to_string(), help);
         Problem::Local(LocalProblem::new(dimension, delassus, q, mu).map_err(fault)?)
     } else {
         let second = matrix(&mut words)?;
@@ -101,7 +106,8 @@ fn matrix(words: &mut Words<'_>) -> Result<Entries, Fault> {
 fn dense(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, Fault> {
     let again = [words.count("the rows of a matrix")?, words.count("its columns")?];
     if again != [rows, columns] {
-        return Err(words.fault(&format!("the matrix is {} × {} here, and {rows} × {columns} above", again[0], again[1]), SIZES));
+        return Err(words
+            .fault(&format!("the matrix is {} × {} here, and {rows} × {columns} above", again[0], again[1]), SIZES));
     }
     let values = words.numbers("the entries of a matrix", rows.saturating_mul(columns))?;
     let place = |(k, value): (usize, f64)| (k % rows, k / rows, value);

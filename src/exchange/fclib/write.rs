@@ -85,7 +85,9 @@ fn global(problem: &GlobalProblem, about: &Info) -> Result<Node, Fault> {
     let (n, constraints) = (problem.unknowns() - problem.constraints(), problem.constraints());
     let part = |matrix: &Csc, columns: usize| {
         let entries: Vec<_> = matrix.entries().filter(|(i, j, _)| *i < n && *j < columns).collect();
-        let whole = |error: crate::sparse::MatrixError| Fault::new("group fclib_global", error.to_string(), "mend the matrices");
+        let whole = |error: crate::sparse::MatrixError| {
+            Fault::new("group fclib_global", error.to_string(), "mend the matrices")
+        };
         Csc::from_triplets(n, columns, &entries).map_err(whole)
     };
     let mut vectors = vec![
@@ -123,8 +125,7 @@ fn local(problem: &LocalProblem, about: &Info) -> Result<Node, Fault> {
 /// A solution whose `v` ends with so many multipliers of constraints.
 fn solution(solution: &Solution, constraints: usize) -> Node {
     let Solution { v, r, u } = solution;
-    let mut children =
-        vec![("u".to_string(), Node::Numbers(u.clone())), ("r".to_string(), Node::Numbers(r.clone()))];
+    let mut children = vec![("u".to_string(), Node::Numbers(u.clone())), ("r".to_string(), Node::Numbers(r.clone()))];
     if !v.is_empty() {
         let (v, l) = v.split_at(v.len().saturating_sub(constraints));
         children.push(("v".to_string(), Node::Numbers(v.to_vec())));

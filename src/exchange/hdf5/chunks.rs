@@ -44,7 +44,14 @@ impl Filters {
     }
 
     /// What a chunk of `length` bytes was, before the filters that `mask` does not leave out.
-    fn undo(&self, stored: &[u8], mask: u64, length: usize, size: usize, here: &Bytes<'_>) -> Result<Vec<u8>, Hdf5Error> {
+    fn undo(
+        &self,
+        stored: &[u8],
+        mask: u64,
+        length: usize,
+        size: usize,
+        here: &Bytes<'_>,
+    ) -> Result<Vec<u8>, Hdf5Error> {
         let wrong = || here.damaged("a chunk is not as long as it should be");
         // Nothing is reserved for what the bytes cannot hold.
         if length > stored.len().saturating_mul(EXPANSION) {
@@ -93,7 +100,7 @@ pub(super) fn chunked(
     let mut found = Vec::new();
     if length > 0 {
         if layout.is_undefined(tree) {
-            return Err(layout.damaged("the values of a dataset were never written"));
+            return Err(Hdf5Error::NotWritten);
         }
         collect(file, tree, LEVELS, &mut found)?;
     }

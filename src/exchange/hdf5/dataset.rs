@@ -58,8 +58,7 @@ impl Type {
                 let fields = [body.u16()?, body.u16()?, body.number(4)? as usize, body.u32()?];
                 // Offset and precision; places and sizes of exponent and mantissa; bias: the formats of IEEE 754.
                 let ieee: [[usize; 4]; 2] = [[0, 64, 0x3400_0b34, 1023], [0, 32, 0x1700_0817, 127]];
-                bits & 0x40 == 0
-                    && (size == 8 && fields == ieee[0] || size == 4 && fields == ieee[1])
+                bits & 0x40 == 0 && (size == 8 && fields == ieee[0] || size == 4 && fields == ieee[1])
             }
             Kind::Text | Kind::Other(_) => size > 0,
         };
@@ -69,7 +68,9 @@ impl Type {
     fn describe(self) -> String {
         let bits = 8 * self.size;
         match self.kind {
-            Kind::Integer { signed } => format!("{} integers of {bits} bits", if signed { "signed" } else { "unsigned" }),
+            Kind::Integer { signed } => {
+                format!("{} integers of {bits} bits", if signed { "signed" } else { "unsigned" })
+            }
             Kind::Float => format!("floating-point numbers of {bits} bits"),
             Kind::Text => "text".to_string(),
             Kind::Other(class) => format!("elements of the class {class}"),
@@ -109,7 +110,10 @@ impl<'a> Dataset<'a> {
                     Err(Hdf5Error::Unsupported { what: "a datatype that several datasets share".to_string() })
                 }
                 Some(message) => Ok(message.body),
-                None => Err(Hdf5Error::Type { found: format!("no {what}, as groups do"), expected: "the values of a dataset" }),
+                None => Err(Hdf5Error::Type {
+                    found: format!("no {what}, as groups do"),
+                    expected: "the values of a dataset",
+                }),
             }
         };
         let element = Type::read(get(DATATYPE, "datatype")?)?;
@@ -122,7 +126,8 @@ impl<'a> Dataset<'a> {
         if !matches!(version, 3 | 4) {
             return Err(Hdf5Error::Unsupported { what: format!("a dataset with a layout of version {version}") });
         }
-        let (short, beyond) = ("a dataset has fewer values than its size says", "a dataset ends beyond the end of the file");
+        let (short, beyond) =
+            ("a dataset has fewer values than its size says", "a dataset ends beyond the end of the file");
         let bytes = match layout.u8()? {
             0 => {
                 let stored = layout.u16()?;
@@ -138,7 +143,7 @@ impl<'a> Dataset<'a> {
                 if length == 0 {
                     Cow::Borrowed(&[][..])
                 } else if layout.is_undefined(address) {
-                    return Err(layout.damaged("the values of a dataset were never written"));
+                    return Err(Hdf5Error::NotWritten);
                 } else if stored < length as u64 {
                     return Err(layout.damaged(short));
                 } else {
@@ -177,6 +182,13 @@ impl<'a> Dataset<'a> {
             let number = i64::from_le_bytes(bytes);
             if signed { number << unused >> unused } else { number }
         })
+    }
+}
+
+pub(super) fn is_written(file: Bytes<'_>, object: &[Message<'_>]) -> Result<bool, Hdf5Error> {
+    match Dataset::read(file, object) {
+        Err(Hdf5Error::NotWritten) => Ok(false),
+        read => read.map(|_| true),
     }
 }
 

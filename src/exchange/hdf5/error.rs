@@ -12,6 +12,9 @@ pub enum Hdf5Error {
         /// What is wrong there.
         what: &'static str,
     },
+    /// A dataset was made, but nothing was ever written into it.
+    #[error("its values were never written")]
+    NotWritten,
     /// A part of the format that exchange files do without.
     #[error("{what} cannot be read here")]
     Unsupported {
@@ -33,6 +36,7 @@ impl Hdf5Error {
     pub fn help(&self) -> &'static str {
         match self {
             Hdf5Error::Damaged { .. } => "fetch or write the file again; h5dump tells how far it can be read",
+            Hdf5Error::NotWritten => "write them, or leave the dataset out",
             Hdf5Error::Unsupported { .. } => {
                 "write it again in the layout that FCLIB has: h5repack --filter=NONE --layout=CONTI OLD NEW"
             }

@@ -82,7 +82,8 @@ fn object(file: &mut Vec<u8>, node: &Node) -> (u64, Option<[u64; 2]>) {
         Node::Numbers(values) => {
             let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
             // Class 1, the sign in bit 63; eight bytes, the rest of IEEE 754.
-            let datatype = [&[0x11, 0x20, 63, 0, 8, 0, 0, 0][..], &[0, 0, 64, 0, 52, 11, 0, 52, 0xff, 3, 0, 0]].concat();
+            let datatype =
+                [&[0x11, 0x20, 63, 0, 8, 0, 0, 0][..], &[0, 0, 64, 0, 52, 11, 0, 52, 0xff, 3, 0, 0]].concat();
             (dataset(file, Some(values.len()), datatype, &bytes), None)
         }
         Node::Text(text) => {

@@ -44,7 +44,8 @@ impl<'a> Words<'a> {
     /// A number of things, which is `what`.
     pub(super) fn count(&mut self, what: &str) -> Result<usize, Fault> {
         let word = self.word(what)?;
-        word.parse().map_err(|_| self.fault(&format!("expected {what}, found `{word}`"), "give a whole number, 0 or more"))
+        word.parse()
+            .map_err(|_| self.fault(&format!("expected {what}, found `{word}`"), "give a whole number, 0 or more"))
     }
 
     /// A number, which is `what`.
@@ -74,9 +75,17 @@ impl<'a> Words<'a> {
         Ok(counts)
     }
 
+    fn left(&self) -> impl Iterator<Item = &'a str> {
+        self.words.clone().chain(self.lines.clone().flat_map(|(_, line)| line.split_whitespace()))
+    }
+
+    /// Whether the next words are these.
+    pub(super) fn begin_with(&self, words: &[String]) -> bool {
+        self.left().take(words.len()).eq(words.iter().map(String::as_str))
+    }
+
     /// Whether no more than `count` words are left.
     pub(super) fn are_at_most(&self, count: usize) -> bool {
-        let left = self.words.clone().chain(self.lines.clone().flat_map(|(_, line)| line.split_whitespace()));
-        left.take(count.saturating_add(1)).count() <= count
+        self.left().take(count.saturating_add(1)).count() <= count
     }
 }
