@@ -31,6 +31,10 @@ pub struct Corpus {
     pub surfaces: Vec<Vec<u8>>,
     /// Matrices in the format of the Matrix Market.
     pub matrices: Vec<Vec<u8>>,
+    /// FCLIB files.
+    pub hdf5: Vec<Vec<u8>>,
+    /// Friction problems in Siconos' texts.
+    pub siconos: Vec<Vec<u8>>,
     /// Reports of runs.
     pub results: Vec<Vec<u8>>,
     /// The words of the schema of scenes.
@@ -55,6 +59,11 @@ fn texts(folders: &[PathBuf], most: usize) -> Vec<Vec<u8>> {
     all.filter(|text| text.len() <= most).collect()
 }
 
+/// Those that begin with a dimension: the folder has other texts, too.
+fn texts_of_siconos(texts: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+    texts.into_iter().filter(|text| text.starts_with(b"2\n") || text.starts_with(b"3\n")).collect()
+}
+
 fn words() -> Vec<String> {
     let quoted = SCHEMA.split('"').skip(1).step_by(2);
     let word = |text: &&str| text.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-".contains(&byte));
@@ -76,7 +85,11 @@ pub fn corpus() -> &'static Corpus {
             let others = others.iter().map(|folder| data.join(folder));
             texts(&others.chain([found(target)]).collect::<Vec<_>>(), most)
         };
+        let (hdf5, siconos) =
+            of("problem", &["problems"], 20_000).into_iter().partition(|bytes| bytes.starts_with(b"\x89HDF"));
         Corpus {
+            hdf5,
+            siconos: texts_of_siconos(siconos),
             scenes: of("scene", &["scenes"], 4000),
             meshes: of("mesh", &["meshes"], 10_000),
             tables: of("table", &[], 4000),
