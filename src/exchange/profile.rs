@@ -74,7 +74,6 @@ impl Profile {
         let curves = self.curves();
         let ends = curves.iter().flat_map(|(_, points)| points).map(|point| point[0]);
         let (first, last) = ends.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
-        let solved = curves.iter().map(|(_, points)| points.len()).max().unwrap_or(0);
         let drawn = |(k, (solver, points)): (usize, &(&str, Vec<[f64; 2]>))| {
             let mut steps = vec![[first, 0.0]];
             for &[x, y] in points {
@@ -85,11 +84,12 @@ impl Profile {
             steps.push([last, top]);
             let steps = steps.into_iter().filter(|point| point.iter().all(|x| x.is_finite())).collect();
             let line = Some(Line { dash: DASHES[k % DASHES.len()], width: 1.8 });
-            Curve { label: (*solver).to_string(), points: steps, line, marker: None, colour: told_apart(k).0 }
+            let label = format!("{solver} ({})", points.len());
+            Curve { label, points: steps, line, marker: None, colour: told_apart(k).0 }
         };
         Chart {
             title: title.to_string(),
-            subtitle: format!("{} problems, {solved} solved by the best", self.times.len()),
+            subtitle: format!("{} problems; in brackets those that are solved", self.times.len()),
             x: Axis { label: self.abscissa().to_string(), scale: Scale::Decades },
             y: Axis { label: "share of problems solved".to_string(), scale: Scale::Linear },
             columns: 1,

@@ -54,11 +54,15 @@ pub enum Way {
     Whole,
     /// The contacts alone, by the cascade for local problems.
     Contacts,
+    /// The contacts alone, by BN.
+    Newton,
+    /// The contacts alone, by Gauss–Seidel sweeps.
+    Sweeps,
 }
 
 impl Way {
     /// All of them.
-    pub const ALL: [Way; 3] = [Way::Default, Way::Whole, Way::Contacts];
+    pub const ALL: [Way; 5] = [Way::Default, Way::Whole, Way::Contacts, Way::Newton, Way::Sweeps];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -66,6 +70,18 @@ impl Way {
             Way::Default => "default",
             Way::Whole => "whole",
             Way::Contacts => "contacts",
+            Way::Newton => "newton",
+            Way::Sweeps => "sweeps",
+        }
+    }
+
+    /// What the cascade for local problems is told.
+    fn cascade(self) -> CascadeSettings {
+        let all = CascadeSettings::default();
+        match self {
+            Way::Default | Way::Whole | Way::Contacts => all,
+            Way::Newton => CascadeSettings { interior_iterations: 0, sweeps: 0, ..all },
+            Way::Sweeps => CascadeSettings { newton_iterations: 0, interior_iterations: 0, ..all },
         }
     }
 }
@@ -110,7 +126,7 @@ pub fn solve(problem: &Problem, guess: Option<&Solution>) -> Result<Answer, Solv
     }
     let r = guess.map(|guess| &guess.r[..]);
     match problem {
-        Problem::Local(local) => on_contacts(problem, local, r),
+        Problem::Local(local) => on_contacts(Way::Default, problem, local, r),
         Problem::Global(global) => both(problem, global, r),
     }
 }
@@ -127,15 +143,15 @@ pub fn solve_by(way: Way, problem: &Problem, guess: Option<&Solution>) -> Result
     match (way, problem) {
         (Way::Default, _) => solve(problem, guess).map(Some),
         (Way::Whole, Problem::Global(global)) => on_bodies(problem, global),
-        (Way::Contacts, Problem::Global(global)) => reduced(problem, global, r).map(Some),
-        (Way::Contacts, Problem::Local(local)) => on_contacts(problem, local, r).map(Some),
         (Way::Whole, Problem::Local(_)) => Ok(None),
+        (_, Problem::Global(global)) => reduced(way, problem, global, r).map(Some),
+        (_, Problem::Local(local)) => on_contacts(way, problem, local, r).map(Some),
     }
 }
 
-/// A local problem through the cascade.
-fn on_contacts(problem: &Problem, local: &LocalProblem, guess: Option<&[f64]>) -> Result<Answer, SolveError> {
-    let (solution, stages) = cascade(local, guess)?;
+/// A local problem through the cascade of a way.
+fn on_contacts(way: Way, problem: &Problem, local: &LocalProblem, guess: Option<&[f64]>) -> Result<Answer, SolveError> {
+    let (solution, stages) = cascade(way, local, guess)?;
     let errors = judge(problem, &solution)?;
     Ok(Answer { solution, errors, stages })
 }
@@ -148,10 +164,10 @@ fn on_bodies(problem: &Problem, global: &GlobalProblem) -> Result<Option<Answer>
     Ok(Some(Answer { solution, errors, stages }))
 }
 
-/// A global problem reduced to its contacts, through the cascade.
-fn reduced(problem: &Problem, global: &GlobalProblem, guess: Option<&[f64]>) -> Result<Answer, SolveError> {
+/// A global problem reduced to its contacts, through the cascade of a way.
+fn reduced(way: Way, problem: &Problem, global: &GlobalProblem, guess: Option<&[f64]>) -> Result<Answer, SolveError> {
     let mut reduction = Reduction::new(global)?;
-    let (Solution { r, .. }, stages) = cascade(reduction.local(), guess)?;
+    let (Solution { r, .. }, stages) = cascade(way, reduction.local(), guess)?;
     let solution = reduction.solution(r).map_err(ReductionError::from)?;
     let errors = judge(problem, &solution)?;
     Ok(Answer { solution, errors, stages })
@@ -162,7 +178,7 @@ fn both(problem: &Problem, global: &GlobalProblem, guess: Option<&[f64]>) -> Res
     if let Some(answer) = first.as_ref().filter(|answer| answer.is_solved()) {
         return Ok(answer.clone());
     }
-    match (first, reduced(problem, global, guess)) {
+    match (first, reduced(Way::Default, problem, global, guess)) {
         (None, reduced) => reduced,
         (Some(first), Err(_)) => Ok(first),
         (Some(first), Ok(second)) => {
@@ -214,8 +230,12 @@ fn of_state(global: &GlobalProblem, state: &State) -> Solution {
 }
 
 /// The cascade for local problems.
-fn cascade(problem: &LocalProblem, guess: Option<&[f64]>) -> Result<(Solution, Vec<Stage>), LocalProblemError> {
-    let solved = local::solve(problem, &CascadeSettings::default(), guess)?;
+fn cascade(
+    way: Way,
+    problem: &LocalProblem,
+    guess: Option<&[f64]>,
+) -> Result<(Solution, Vec<Stage>), LocalProblemError> {
+    let solved = local::solve(problem, &way.cascade(), guess)?;
     let stage = |record: &local::StageRecord| Stage {
         stage: record.stage.to_string(),
         iterations: record.iterations,

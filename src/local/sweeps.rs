@@ -10,13 +10,17 @@ use crate::sparse::Csr;
 pub struct CascadeSettings {
     /// The natural map at which a problem counts as solved, without units.
     pub tolerance: f64,
+    /// Iterations of BN at most.
+    pub newton_iterations: usize,
+    /// Iterations of the interior point method at most.
+    pub interior_iterations: usize,
     /// Sweeps at most.
     pub sweeps: usize,
 }
 
 impl Default for CascadeSettings {
     fn default() -> Self {
-        CascadeSettings { tolerance: SOLVED, sweeps: 1000 }
+        CascadeSettings { tolerance: SOLVED, newton_iterations: 0, interior_iterations: 0, sweeps: 1000 }
     }
 }
 

@@ -72,10 +72,8 @@ fn a_folder_is_told_row_by_row() {
     let (header, rows) = csv(&out.0.join("collection.csv"));
     assert!(header.starts_with("file,way,form"));
     // The uncondensed system has no local problem.
-    assert_eq!(
-        rows.iter().map(|row| row[1].as_str()).collect::<Vec<_>>(),
-        ["default", "whole", "contacts", "default", "contacts"]
-    );
+    let ways = ["default", "whole", "contacts", "newton", "sweeps", "default", "contacts", "newton", "sweeps"];
+    assert_eq!(rows.iter().map(|row| row[1].as_str()).collect::<Vec<_>>(), ways);
     assert!(fs::read_to_string(out.0.join("profile.svg")).unwrap().starts_with("<svg"));
     assert!(fs::read_to_string(out.0.join("profile.csv")).unwrap().starts_with("solver,ratio,share\n"));
 
