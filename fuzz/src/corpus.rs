@@ -59,9 +59,9 @@ fn texts(folders: &[PathBuf], most: usize) -> Vec<Vec<u8>> {
     all.filter(|text| text.len() <= most).collect()
 }
 
-/// Those that begin with a dimension: the folder has other texts, too.
-fn texts_of_siconos(texts: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
-    texts.into_iter().filter(|text| text.starts_with(b"2\n") || text.starts_with(b"3\n")).collect()
+/// Those that begin with one of these `heads`: a folder has files of several kinds.
+fn beginning(files: Vec<Vec<u8>>, heads: &[&[u8]]) -> Vec<Vec<u8>> {
+    files.into_iter().filter(|file| heads.iter().any(|head| file.starts_with(head))).collect()
 }
 
 fn words() -> Vec<String> {
@@ -85,11 +85,9 @@ pub fn corpus() -> &'static Corpus {
             let others = others.iter().map(|folder| data.join(folder));
             texts(&others.chain([found(target)]).collect::<Vec<_>>(), most)
         };
-        let (hdf5, siconos) =
-            of("problem", &["problems"], 20_000).into_iter().partition(|bytes| bytes.starts_with(b"\x89HDF"));
         Corpus {
-            hdf5,
-            siconos: texts_of_siconos(siconos),
+            hdf5: beginning(of("fclib", &["problems"], 20_000), &[b"\x89HDF"]),
+            siconos: beginning(of("siconos", &["problems"], 20_000), &[b"2\n", b"3\n"]),
             scenes: of("scene", &["scenes"], 4000),
             meshes: of("mesh", &["meshes"], 10_000),
             tables: of("table", &[], 4000),
