@@ -137,8 +137,7 @@ fn tell(report: &ProblemReport, json: bool) -> Result<(), Failure> {
     let mut violated = Vec::new();
     for (law, error) in report.errors.laws() {
         laws.push(vec![format!("{error:.1e}"), format!("{} ({})", law.name, law.demands)]);
-        // What is not a number is not small.
-        if !(error <= TOLERANCE) {
+        if error.is_nan() || error > TOLERANCE {
             violated.push(law.violation);
         }
     }

@@ -135,8 +135,12 @@ impl Collection {
             fields.push(row.file.clone());
             table.push(fields);
         }
-        let failed = self.rows.iter().filter(|row| !row.message.is_empty());
-        table.to_string() + &failed.map(|row| format!("{}\n", row.message)).collect::<String>()
+        let mut text = table.to_string();
+        for row in self.rows.iter().filter(|row| !row.message.is_empty()) {
+            text += &row.message;
+            text.push('\n');
+        }
+        text
     }
 
     /// As CSV, one line for each row.

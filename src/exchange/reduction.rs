@@ -57,7 +57,9 @@ impl<'a> Reduction<'a> {
         global.h().entries().for_each(|(row, column, value)| columns[column].push((row, value)));
         for (column, of_h) in columns.iter().enumerate() {
             let mut b = vec![0.0; n];
-            of_h.iter().for_each(|(row, value)| b[*row] += value);
+            for (row, value) in of_h {
+                b[*row] += value;
+            }
             direct.solve(&matrix, &b, &mut x)?;
             for (row, of_h) in columns.iter().enumerate() {
                 let sum: f64 = of_h.iter().map(|(i, value)| value * x[*i]).sum();

@@ -22,17 +22,17 @@ use crate::sparse::Csc;
 use words::Words;
 
 /// A matrix whose size nothing has confirmed yet.
-struct Entries {
+struct Unsized {
     line: usize,
     rows: usize,
     columns: usize,
     entries: Vec<(usize, usize, f64)>,
 }
 
-impl Entries {
+impl Unsized {
     /// The matrix, if it has this size, which that of a vector in the text has confirmed.
     fn sized(self, what: &str, rows: usize, columns: usize) -> Result<Csc, Fault> {
-        let Entries { line, entries, .. } = self;
+        let Unsized { line, entries, .. } = self;
         let fault = |message: String| Fault::new(format!("line {line}"), message, SIZES);
         if (self.rows, self.columns) != (rows, columns) {
             let found = format!("{} × {}", self.rows, self.columns);
@@ -86,7 +86,7 @@ pub(super) fn read(text: &str) -> Result<ProblemFile, Fault> {
     Ok(ProblemFile { info: Info::default(), problem, solution: None, guesses: Vec::new() })
 }
 
-fn matrix(words: &mut Words<'_>) -> Result<Entries, Fault> {
+fn matrix(words: &mut Words<'_>) -> Result<Unsized, Fault> {
     let kind = words.count("how a matrix is stored, 0, 1 or 2")?;
     let line = words.line();
     let (rows, columns) = (words.count("the rows of a matrix")?, words.count("its columns")?);
@@ -99,7 +99,7 @@ fn matrix(words: &mut Words<'_>) -> Result<Entries, Fault> {
             return Err(Fault::new(format!("line {line}"), format!("the storage of a matrix is {other}"), help));
         }
     };
-    Ok(Entries { line, rows, columns, entries })
+    Ok(Unsized { line, rows, columns, entries })
 }
 
 /// All entries, column by column, behind the sizes once more.

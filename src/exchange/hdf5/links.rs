@@ -115,7 +115,7 @@ fn link(mut body: Bytes<'_>, name: &str) -> Result<Option<u64>, Hdf5Error> {
     let flags = body.u8()?;
     let kind = if flags & 0x08 == 0 { 0 } else { body.u8()? };
     let order = if flags & 0x04 == 0 { 0 } else { 8 };
-    let set = if flags & 0x10 == 0 { 0 } else { 1 };
+    let set = usize::from(flags & 0x10 != 0);
     body.skip(order + set)?;
     let length = body.number(1 << (flags & 3))?;
     let length = usize::try_from(length).map_err(|_| body.damaged("the file ends too early"))?;

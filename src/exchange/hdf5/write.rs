@@ -70,7 +70,9 @@ fn object(file: &mut Vec<u8>, node: &Node) -> (u64, Option<[u64; 2]>) {
         Node::Group(children) => {
             let table = table(file, children);
             let mut body = Vec::new();
-            table.iter().for_each(|address| put(&mut body, 8, *address));
+            for address in table {
+                put(&mut body, 8, address);
+            }
             (header(file, &[(0x11, body)]), Some(table))
         }
         Node::Integers(values) => {
@@ -147,7 +149,9 @@ fn dataset(file: &mut Vec<u8>, count: Option<usize>, datatype: Vec<u8>, bytes: &
     file.extend(bytes);
     align(file);
     let mut space = vec![1, u8::from(count.is_some()), 0, 0, 0, 0, 0, 0];
-    count.iter().for_each(|count| put(&mut space, 8, *count as u64));
+    if let Some(count) = count {
+        put(&mut space, 8, count as u64);
+    }
     // Space when it is needed, filled with zeros where nothing was written.
     let fill = vec![2, 2, 2, 1, 0, 0, 0, 0];
     let mut layout = vec![3, 1];

@@ -33,12 +33,11 @@ pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result
     let before = |ends: &[usize], k: usize| k.checked_sub(1).map_or(0, |k| ends[k]);
     let mut entries = Vec::new();
     for row in 0..filled_rows.saturating_sub(1) {
-        for block in starts[row]..starts[row + 1] {
+        for (block, &column) in places.iter().enumerate().take(starts[row + 1]).skip(starts[row]) {
             let number = words.count("the number of a block")?;
             if number != block {
                 return Err(words.fault(&format!("expected block {block}, found {number}"), "number the blocks from 0"));
             }
-            let column = places[block];
             let (top, left) = (before(&row_ends, row), before(&column_ends, column));
             let (height, width) = (row_ends[row] - top, column_ends[column] - left);
             for j in 0..width {

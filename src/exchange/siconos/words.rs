@@ -5,14 +5,15 @@ use crate::fault::Fault;
 /// The words that are left of a text.
 pub(super) struct Words<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
-    words: std::str::SplitWhitespace<'a>,
+    /// What is left of the line.
+    here: std::str::SplitWhitespace<'a>,
     /// The line of the last word, from 1.
     line: usize,
 }
 
 impl<'a> Words<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        Words { lines: text.lines().enumerate(), words: "".split_whitespace(), line: 1 }
+        Words { lines: text.lines().enumerate(), here: "".split_whitespace(), line: 1 }
     }
 
     /// The line of the last word.
@@ -27,11 +28,11 @@ impl<'a> Words<'a> {
 
     pub(super) fn next(&mut self) -> Option<&'a str> {
         loop {
-            if let Some(word) = self.words.next() {
+            if let Some(word) = self.here.next() {
                 return Some(word);
             }
             let (number, line) = self.lines.next()?;
-            (self.words, self.line) = (line.split_whitespace(), number + 1);
+            (self.here, self.line) = (line.split_whitespace(), number + 1);
         }
     }
 
@@ -76,7 +77,7 @@ impl<'a> Words<'a> {
     }
 
     fn left(&self) -> impl Iterator<Item = &'a str> {
-        self.words.clone().chain(self.lines.clone().flat_map(|(_, line)| line.split_whitespace()))
+        self.here.clone().chain(self.lines.clone().flat_map(|(_, line)| line.split_whitespace()))
     }
 
     /// Whether the next words are these.
