@@ -1,5 +1,5 @@
 //! Exchange files: what is read of them, what is refused, and increments of scenes that come back from them.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // What is skipped is said.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -239,7 +239,7 @@ fn truncated_files_are_refused() {
             let cut = &bytes[..k * bytes.len() / 50];
             let message = refused(name, cut);
             // A number at the end of a text may only lose digits.
-            let only_digits = k >= 47 && name.ends_with(".dat");
+            let only_digits = k >= 47 && !bytes.starts_with(b"\x89HDF");
             assert!(message.is_some() || only_digits, "{name} cut to {k}/50 is taken");
         }
     }

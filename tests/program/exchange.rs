@@ -1,7 +1,7 @@
 //! `stickslip solve`, `judge`, `collection` and `export`, as they are called.
 
 #![cfg(feature = "cli")]
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // What is skipped is said.
 
 use std::fs;
 use std::path::Path;
