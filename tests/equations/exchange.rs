@@ -331,12 +331,16 @@ fn varied(problem: &Problem, force: f64, velocity: f64) -> Problem {
     }
 }
 
-/// In other units, with forces a thousand million times and velocities a thousandth millionth of what they were, and with
-/// contacts in another order, verdicts are the same, and iterations nearly.
-fn does_not_vary(name: &str, problem: &Problem, first: &Answer) {
-    let second = solve(&varied(problem, 1e9, 1e-9), None).unwrap();
-    assert_eq!(first.is_solved(), second.is_solved(), "{name}");
-    let [a, b] = [first, &second].map(|answer| answer.iterations() as f64);
+/// With forces and velocities in these units, and with contacts in another order, the verdict is the same; the answers.
+fn other_units(name: &str, problem: &Problem, first: &Answer, force: f64, velocity: f64) -> Answer {
+    let second = solve(&varied(problem, force, velocity), None).unwrap();
+    assert_eq!(first.is_solved(), second.is_solved(), "{name}: {:?} {:?}", first.stages, second.stages);
+    second
+}
+
+/// Iterations are the same to a tenth.
+fn as_many(name: &str, first: &Answer, second: &Answer) {
+    let [a, b] = [first, second].map(|answer| answer.iterations() as f64);
     assert!((a - b).abs() <= 0.1 * a.max(b) + 1.0, "{name}: {:?} {:?}", first.stages, second.stages);
 }
 
@@ -346,8 +350,8 @@ fn units_and_order_do_not_matter() {
         let file = problem(name);
         let (d, n_c) = (file.problem.dimension(), file.problem.contacts());
         let first = solve(&file.problem, None).unwrap();
-        does_not_vary(name, &file.problem, &first);
-        let second = solve(&varied(&file.problem, 1e9, 1e-9), None).unwrap();
+        let second = other_units(name, &file.problem, &first, 1e9, 1e-9);
+        as_many(name, &first, &second);
         let back = (0..n_c * d).map(|k| second.solution.r[d * (n_c - 1 - k / d) + k % d] / 1e9);
         close(&back.collect::<Vec<_>>(), &first.solution.r, 1e-9);
     }
@@ -370,7 +374,10 @@ fn the_cases_at_hand_are_read_and_judged() {
         let answer = solve(&file.problem, None).unwrap();
         let again = judge(&file.problem, &answer.solution).unwrap();
         assert_eq!(again.is_solved(), answer.is_solved());
-        does_not_vary(&path.display().to_string(), &file.problem, &answer);
+        // Factors that are no powers of two round the entries of a matrix, and of a singular one that may take other iterations.
+        let name = path.display().to_string();
+        as_many(&name, &answer, &other_units(&name, &file.problem, &answer, 2.0_f64.powi(30), 2.0_f64.powi(-30)));
+        other_units(&name, &file.problem, &answer, 1e9, 1e-9);
         println!("{}: {:.1e} {:?}", path.display(), again.worst(), answer.stages);
         (solved, all) = (solved + usize::from(again.is_solved()), all + 1);
     }
