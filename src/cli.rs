@@ -12,7 +12,9 @@ macro_rules! say {
 mod blas_kernel;
 mod bug;
 mod check;
+mod collection;
 mod compare;
+mod export;
 mod init;
 mod interrupt;
 mod memory;
@@ -23,6 +25,7 @@ mod ranks;
 mod run;
 mod schema;
 mod shell;
+mod solve;
 mod sweep;
 mod threads;
 mod uniqueness;
@@ -31,6 +34,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use stickslip::exchange::ExchangeError;
 use stickslip::model::ModelError;
 use stickslip::run::RunError;
 use stickslip::scene::{Origin, Override, Scene, SceneError};
@@ -70,6 +74,14 @@ enum Command {
     Compare(compare::CompareArgs),
     /// Run a scene with several values of some of its keys, all combinations, on all processors
     Sweep(sweep::SweepArgs),
+    /// Solve a problem of an exchange file: FCLIB (HDF5) or Siconos' text
+    Solve(solve::SolveArgs),
+    /// Tell how far a solution of such a problem is from the laws
+    Judge(solve::JudgeArgs),
+    /// Solve all exchange files of a folder
+    Collection(collection::CollectionArgs),
+    /// Write an increment of a scene as a problem for other programs
+    Export(export::ExportArgs),
     /// Print a scene to start from, with comments
     Init(init::InitArgs),
     /// Print a script that completes the commands in a shell
@@ -139,6 +151,12 @@ impl From<SceneError> for Failure {
     }
 }
 
+impl From<ExchangeError> for Failure {
+    fn from(error: ExchangeError) -> Self {
+        Failure::Input(miette::miette!(help = error.help().to_string(), "{error}"))
+    }
+}
+
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
         Failure::Input(error.into())
@@ -158,7 +176,15 @@ impl Cli {
     /// one.
     fn kernel_before(&self) -> Result<Option<String>, Failure> {
         #[cfg(feature = "blas")]
-        if let Command::Run(_) | Command::Compare(_) | Command::Sweep(_) = self.command {
+        if !matches!(
+            self.command,
+            Command::Check(_)
+                | Command::Judge(_)
+                | Command::Schema(_)
+                | Command::Init(_)
+                | Command::Completions(_)
+                | Command::Man(_)
+        ) {
             return blas_kernel::choose(&self.blas_kernel);
         }
         Ok(None)
@@ -179,6 +205,10 @@ impl Cli {
             Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
             Command::Compare(args) => compare::compare(args, threads),
             Command::Sweep(args) => sweep::sweep(args, self),
+            Command::Solve(args) => solve::solve_file(args),
+            Command::Judge(args) => solve::judge_file(args),
+            Command::Collection(args) => collection::collection(args, threads),
+            Command::Export(args) => export::export_scene(args),
             Command::Schema(args) => {
                 schema::schema(args);
                 Ok(ExitCode::SUCCESS)

@@ -69,6 +69,8 @@ pub use resultant::{ComponentSums, ForceRecord, OfOpposite, OnObstacle, Resultan
 pub use run::{Facts, Measured, RunReport, SCHEMA_VERSION, Totals};
 #[cfg(feature = "cli")]
 pub use schema::run_schema;
+#[cfg(feature = "cli")]
+pub(crate) use schema::schema_of;
 pub use svg::{Dash, Line, Marker, PlotError};
 pub use table::Table;
 pub use unit_names::{NamedUnit, UnitNames};

@@ -30,7 +30,7 @@ struct Arguments {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Target {
-    /// Scenes, overrides, formulas, meshes, tables, surfaces, matrices, results.
+    /// Scenes, overrides, formulas, meshes, tables, surfaces, matrices, exchange files, results.
     Readers,
     /// Scenes that are run, and told otherwise.
     Runs,

@@ -31,6 +31,10 @@ pub struct Corpus {
     pub surfaces: Vec<Vec<u8>>,
     /// Matrices in the format of the Matrix Market.
     pub matrices: Vec<Vec<u8>>,
+    /// FCLIB files.
+    pub hdf5: Vec<Vec<u8>>,
+    /// Friction problems in Siconos' texts.
+    pub siconos: Vec<Vec<u8>>,
     /// Reports of runs.
     pub results: Vec<Vec<u8>>,
     /// The words of the schema of scenes.
@@ -55,6 +59,11 @@ fn texts(folders: &[PathBuf], most: usize) -> Vec<Vec<u8>> {
     all.filter(|text| text.len() <= most).collect()
 }
 
+/// Those that begin with one of these `heads`: a folder has files of several kinds.
+fn beginning(files: Vec<Vec<u8>>, heads: &[&[u8]]) -> Vec<Vec<u8>> {
+    files.into_iter().filter(|file| heads.iter().any(|head| file.starts_with(head))).collect()
+}
+
 fn words() -> Vec<String> {
     let quoted = SCHEMA.split('"').skip(1).step_by(2);
     let word = |text: &&str| text.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-".contains(&byte));
@@ -77,6 +86,8 @@ pub fn corpus() -> &'static Corpus {
             texts(&others.chain([found(target)]).collect::<Vec<_>>(), most)
         };
         Corpus {
+            hdf5: beginning(of("fclib", &["problems"], 20_000), &[b"\x89HDF"]),
+            siconos: beginning(of("siconos", &["problems"], 20_000), &[b"2\n", b"3\n"]),
             scenes: of("scene", &["scenes"], 4000),
             meshes: of("mesh", &["meshes"], 10_000),
             tables: of("table", &[], 4000),

@@ -2,6 +2,7 @@
 
 mod formula;
 mod mesh;
+mod problem;
 mod results;
 mod scene;
 mod tables;
@@ -25,15 +26,17 @@ pub struct Reader {
 }
 
 /// All readers; the shares add up to 100.
-pub const ALL: [Reader; 9] = [
+pub const ALL: [Reader; 11] = [
     Reader { name: "scene", share: 12, make: scene::make, check: scene::check },
     Reader { name: "override", share: 8, make: scene::make_override, check: scene::check_override },
-    Reader { name: "formula", share: 28, make: formula::make, check: formula::check },
-    Reader { name: "mesh", share: 12, make: mesh::make, check: mesh::check },
+    Reader { name: "formula", share: 20, make: formula::make, check: formula::check },
+    Reader { name: "mesh", share: 10, make: mesh::make, check: mesh::check },
     Reader { name: "surface", share: 4, make: tables::make_surface, check: tables::check_surface },
-    Reader { name: "table", share: 12, make: tables::make, check: tables::check },
-    Reader { name: "matrix", share: 10, make: tables::make_matrix, check: tables::check_matrix },
+    Reader { name: "table", share: 10, make: tables::make, check: tables::check },
+    Reader { name: "matrix", share: 6, make: tables::make_matrix, check: tables::check_matrix },
     Reader { name: "results", share: 6, make: results::make, check: results::check },
+    Reader { name: "fclib", share: 8, make: problem::make_fclib, check: problem::check },
+    Reader { name: "siconos", share: 8, make: problem::make_siconos, check: problem::check },
     Reader { name: "variation", share: 8, make: results::make_variation, check: results::check_variation },
 ];
 

@@ -12,6 +12,10 @@ pub(super) struct SchemaArgs {
 enum Of {
     /// What `run --json` prints and run.json holds
     Run,
+    /// What `solve --json` and `judge --json` print
+    Problem,
+    /// What `collection --json` prints and collection.json holds
+    Collection,
     /// A scene, for editors that complete and check TOML
     Scene,
 }
@@ -19,6 +23,8 @@ enum Of {
 pub(super) fn schema(args: &SchemaArgs) {
     match args.of {
         Of::Run => say!("{:#}", stickslip::report::run_schema()),
+        Of::Problem => say!("{:#}", stickslip::exchange::problem_schema()),
+        Of::Collection => say!("{:#}", stickslip::exchange::collection_schema()),
         Of::Scene => say!("{}", stickslip::scene::SCHEMA.trim_end()),
     }
 }

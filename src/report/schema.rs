@@ -1,8 +1,8 @@
 //! The JSON Schema of a report.
 
-use schemars::Schema;
 use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
+use schemars::{JsonSchema, Schema};
 use serde_json::{Value, json};
 
 use super::RunReport;
@@ -19,6 +19,14 @@ pub fn run_schema() -> Value {
         properties.insert("units".into(), units.to_value());
     }
     // Numbers that are not finite are null: JSON has no others.
+    NullForNotFinite.transform(&mut schema);
+    schema.to_value()
+}
+
+/// The JSON Schema of what is told without units of its own.
+pub(crate) fn schema_of<T: JsonSchema>(title: &str) -> Value {
+    let mut schema = SchemaSettings::draft2020_12().for_serialize().into_generator().into_root_schema_for::<T>();
+    schema.insert("title".into(), json!(title));
     NullForNotFinite.transform(&mut schema);
     schema.to_value()
 }

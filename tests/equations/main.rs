@@ -14,6 +14,7 @@ mod coulomb3d;
 mod dense;
 mod error_measure;
 mod events;
+mod exchange;
 mod faer_agrees;
 mod fewer_tangents;
 mod halving;

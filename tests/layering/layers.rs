@@ -113,6 +113,23 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "exchange",
+        &[
+            "contact",
+            "fault",
+            "history",
+            "input",
+            "linear",
+            "loading",
+            "local",
+            "nonlinear",
+            "problem",
+            "report",
+            "sparse",
+        ],
+    ),
+    ("local", &["sparse"]),
+    (
         "run",
         &[
             "auto",

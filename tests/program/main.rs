@@ -16,6 +16,7 @@ mod documented;
 mod documented_units;
 mod events;
 mod examples;
+mod exchange;
 mod folder;
 mod memory_limits;
 mod names;

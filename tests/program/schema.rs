@@ -287,6 +287,39 @@ fn every_key_of_a_report_is_documented() {
     assert_eq!(once, known);
 }
 
+/// What is told of problems of exchange files is as its schema says, and every key of that is met.
+#[test]
+fn problems_are_told_as_their_schemas_say() {
+    let file =
+        |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("data/problems").join(name).display().to_string();
+    let folder = Folder::new();
+    let solved = folder.join("solved.hdf5");
+    fs::write(folder.join("bad.dat"), "5").unwrap();
+    fs::copy(file("sliding.dat"), folder.join("sliding.dat")).unwrap();
+    let told = |args: &[&str]| json(&stickslip(args));
+    let problems = [
+        told(&["solve", &file("global.hdf5"), "--out", &solved, "--json"]),
+        told(&["judge", &solved, "--json"]),
+        told(&["solve", &file("printed.dat"), "--json"]),
+    ];
+    let collections = [told(&["collection", &folder.join(""), "--json"])];
+    for (of, reports) in [("problem", &problems[..]), ("collection", &collections)] {
+        let schema = schema(of);
+        let (mut known, mut met) = (BTreeSet::new(), BTreeSet::new());
+        keys(&schema, &schema, "", &mut known);
+        for report in reports {
+            assert_eq!(faults(&schema, &schema, report, of), [""; 0]);
+            keys_of(report, "", &mut met);
+        }
+        assert_eq!(met, known, "{of}");
+        let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/exchange.md")).unwrap();
+        for key in &known {
+            let last = key.rsplit(['.', ']']).next().unwrap();
+            assert!(last.is_empty() || page.contains(&format!("`{last}`")), "doc/exchange.md lacks {last}");
+        }
+    }
+}
+
 fn as_json(text: &str) -> Value {
     serde_json::to_value(toml::from_str::<toml::Table>(text).unwrap()).unwrap()
 }

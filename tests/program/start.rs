@@ -80,7 +80,7 @@ fn the_roller_has_hertz_pressure() {
 
 #[test]
 fn shells_and_manuals_know_every_command() {
-    let commands = ["run", "check", "compare", "init", "completions", "man"];
+    let commands = ["run", "check", "compare", "solve", "judge", "collection", "export", "init", "completions", "man"];
     for shell in ["bash", "zsh", "fish"] {
         let output = stickslip(&["completions", shell]);
         assert_exit(&output, 0);
@@ -98,7 +98,7 @@ fn shells_and_manuals_know_every_command() {
     }
     let run = stickslip(&["man", "run"]);
     assert!(["set", "method", "json", "out"].iter().all(|option| stdout(&run).contains(&format!("\\-\\-{option}"))));
-    let unknown = stickslip(&["man", "solve"]);
+    let unknown = stickslip(&["man", "reckon"]);
     assert_exit(&unknown, 2);
     assert!(stderr(&unknown).contains("the commands are run, check"), "{}", stderr(&unknown));
 }
