@@ -66,6 +66,7 @@ fn built_in(model: &Model) -> Option<Unsuited> {
 }
 
 #[cfg(not(feature = "petsc"))]
+#[allow(clippy::unnecessary_wraps, reason = "the other build has one to return")]
 fn built_in(_: &Model) -> Option<Unsuited> {
     Some(Unsuited::NotBuiltIn)
 }
