@@ -1,0 +1,144 @@
+//! The error measure of a local problem: how far forces are from the exact law, judged from `(r, u)` alone.
+//!
+//! It shares nothing with the solvers but the problem itself, in its own units: no scaling, no projection of theirs, no
+//! merit function. Forces are compared with `F = max |r|`, velocities with `V`, the larger of `max |u|` and `max |q|`,
+//! so that every error is a number without a unit. With `ρ = r / F` and `υ = u / V` they are, the largest over all contacts:
+//!
+//! ```text
+//! equilibrium   |u - W r - q| / V                       where u is given; otherwise u is W r + q, summed in twice the precision
+//! normal        |min(ρ_N, υ_N)|                         no penetration, no tension, no pressure across a gap
+//! cone          (|ρ_T| - μ (ρ_N)₊)₊                     Coulomb's cone
+//! dissipation   min(|υ_T|, |ρ_T + μ (ρ_N)₊ υ_T/|υ_T||)  slip against full friction
+//! natural map   |(min(ρ_N, υ_N), ρ_T - Π(ρ_T - υ_T))|   Π projects on the disk of radius μ (ρ_N)₊
+//! ```
+//!
+//! The natural map is 0 exactly where all laws hold; a residual of [`SOLVED`] counts as solved. Without friction there is no law
+//! for the tangents but `r_T = 0`.
+
+use serde::{Deserialize, Serialize};
+
+use super::LocalProblem;
+use crate::sparse::Twofold;
+
+/// The natural map at which a problem counts as solved.
+pub const SOLVED: f64 = 1e-10;
+
+/// The violation of each law, the largest over all contacts, without units.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct LocalErrors {
+    /// `|u - W r - q|`, relative to the largest velocity; 0 where no `u` is given.
+    pub equilibrium: f64,
+    /// Penetration, tension, or a pressure across a gap.
+    pub normal: f64,
+    /// The force beyond Coulomb's cone.
+    pub cone: f64,
+    /// Slip without full friction against it.
+    pub dissipation: f64,
+    /// The residual of all laws in one.
+    pub natural_map: f64,
+    /// The contact where the natural map is largest; 0 where there is no error at all.
+    pub contact: usize,
+}
+
+impl LocalErrors {
+    /// The largest of the natural map and of what `u` misses equilibrium by.
+    pub fn worst(&self) -> f64 {
+        larger(self.natural_map, self.equilibrium)
+    }
+
+    /// Whether the laws hold within `tolerance`; never of a number that is none.
+    pub fn within(&self, tolerance: f64) -> bool {
+        self.worst() <= tolerance
+    }
+}
+
+/// The larger of two numbers, of which one that is none is the largest.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
+/// The errors of forces `r`, with the velocities that follow from them.
+pub(super) fn measure(problem: &LocalProblem, r: &[f64]) -> LocalErrors {
+    judged(problem, r).1
+}
+
+/// The velocities that follow from forces `r`, and the errors.
+pub(super) fn judged(problem: &LocalProblem, r: &[f64]) -> (Vec<f64>, LocalErrors) {
+    let u = velocities(problem, r);
+    let errors = of_laws(problem, r, &u);
+    (u, errors)
+}
+
+/// The errors of forces `r` and velocities `u`, wherever these come from.
+pub(super) fn measure_given(problem: &LocalProblem, r: &[f64], u: &[f64]) -> LocalErrors {
+    let velocity = larger(largest(u), largest(problem.q()));
+    let missed = velocities(problem, r).iter().zip(u).fold(0.0, |m, (exact, u)| larger((exact - u).abs(), m));
+    LocalErrors { equilibrium: over(missed, velocity), ..of_laws(problem, r, u) }
+}
+
+/// The largest size.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |m, value| larger(value.abs(), m))
+}
+
+/// `value / scale`, where nothing is 0 of nothing.
+fn over(value: f64, scale: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value / scale }
+}
+
+/// The errors of the laws.
+fn of_laws(problem: &LocalProblem, r: &[f64], u: &[f64]) -> LocalErrors {
+    let (force, velocity) = (largest(r), larger(largest(u), largest(problem.q())));
+    let mut errors = LocalErrors::default();
+    let d = problem.dimension();
+    for (i, mu) in problem.mu().iter().enumerate() {
+        let part = |from: &[f64], scale: f64| {
+            let mut whole = [0.0; 3];
+            whole.iter_mut().zip(&from[d * i..d * (i + 1)]).for_each(|(to, from)| *to = over(*from, scale));
+            whole
+        };
+        let ([r_n, r_t @ ..], [u_n, u_t @ ..]) = (part(r, force), part(u, velocity));
+        let Contact { normal, cone, dissipation, natural_map } = contact(r_n, r_t, u_n, u_t, *mu);
+        errors.normal = larger(normal, errors.normal);
+        errors.cone = larger(cone, errors.cone);
+        errors.dissipation = larger(dissipation, errors.dissipation);
+        if natural_map.is_nan() || natural_map > errors.natural_map {
+            (errors.natural_map, errors.contact) = (larger(natural_map, errors.natural_map), i);
+        }
+    }
+    errors
+}
+
+/// `W r + q`, in twice the working precision: where forces are large and cancel, little else is left of it.
+fn velocities(problem: &LocalProblem, r: &[f64]) -> Vec<f64> {
+    let mut sums = vec![Twofold::default(); r.len()];
+    problem.delassus().entries().for_each(|(row, column, w)| sums[row].add_product(w, r[column]));
+    sums.iter_mut().zip(problem.q()).for_each(|(sum, q)| sum.add(*q));
+    sums.into_iter().map(Twofold::value).collect()
+}
+
+/// The errors of one contact.
+struct Contact {
+    normal: f64,
+    cone: f64,
+    dissipation: f64,
+    natural_map: f64,
+}
+
+/// Those of a force and a velocity without units.
+fn contact(r_n: f64, r_t: [f64; 2], u_n: f64, u_t: [f64; 2], mu: f64) -> Contact {
+    let size = |[a, b]: [f64; 2]| a.hypot(b);
+    let normal = if r_n < u_n { r_n } else { u_n };
+    let radius = if r_n > 0.0 { mu * r_n } else { 0.0 };
+    let (friction, slip) = (size(r_t), size(u_t));
+    let missing = [0, 1].map(|k| if slip > 0.0 { r_t[k] + radius * (u_t[k] / slip) } else { 0.0 });
+    let trial = [0, 1].map(|k| r_t[k] - u_t[k]);
+    let reach = size(trial);
+    let tangential = [0, 1].map(|k| if reach > radius { r_t[k] - radius * (trial[k] / reach) } else { u_t[k] });
+    Contact {
+        normal: normal.abs(),
+        cone: if friction > radius { friction - radius } else { 0.0 },
+        dissipation: if mu > 0.0 { slip.min(size(missing)) } else { 0.0 },
+        natural_map: normal.hypot(size(tangential)),
+    }
+}

@@ -1,0 +1,67 @@
+//! An order of contacts that does not depend on the one they came in.
+//!
+//! Sweeps depend on the order of the contacts, and rounding of every sum does: the same problem with its rows permuted would take
+//! other iterations. So contacts are sorted by what is theirs (friction, free velocity, compliance), and those that are equal by what
+//! their neighbours are, as Weisfeiler and Leman tell the nodes of a graph apart. What is left of ties are mirror images.
+
+use super::LocalProblem;
+
+/// Rounds in which neighbours are asked, at most: each tells contacts apart by neighbours one step further away.
+const ROUNDS: usize = 4;
+
+/// The contacts of `problem`, sorted.
+pub(super) fn canonical(problem: &LocalProblem) -> Vec<usize> {
+    let d = problem.dimension();
+    let mut rows = vec![Vec::new(); problem.q().len()];
+    problem.delassus().entries().for_each(|(row, column, w)| rows[row].push((column, w)));
+    let row = |i: usize, k: usize| &rows[d * i + k];
+    let own = |i: usize| {
+        let mut key = vec![bits(problem.mu()[i])];
+        key.extend(problem.q()[d * i..d * (i + 1)].iter().map(|q| bits(*q)));
+        key.extend((0..d).flat_map(|k| row(i, k)).filter(|(column, _)| column / d == i).map(|(_, w)| bits(*w)));
+        key
+    };
+    let mut rank = vec![0; problem.contacts()];
+    let (mut order, mut classes) = sorted(&mut rank, own);
+    for _ in 0..ROUNDS {
+        if classes == problem.contacts() {
+            break;
+        }
+        let before = rank.clone();
+        let around = |i: usize| {
+            let mut key: Vec<(usize, usize, u64)> = (0..d)
+                .flat_map(|k| row(i, k).iter().map(move |&(column, w)| (k, column, w)))
+                .map(|(k, column, w)| (before[column / d], d * k + column % d, bits(w)))
+                .collect();
+            key.sort_unstable();
+            (before[i], key)
+        };
+        let more = sorted(&mut rank, around);
+        let settled = more.1 == classes;
+        (order, classes) = more;
+        if settled {
+            break;
+        }
+    }
+    order
+}
+
+/// Numbers that are ordered as `x` is.
+fn bits(x: f64) -> u64 {
+    let bits = (x + 0.0).to_bits();
+    if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
+}
+
+/// Contacts sorted by their keys, and how many different ones there are; the `rank` of a contact is that of its key.
+fn sorted<K: Ord>(rank: &mut [usize], key: impl Fn(usize) -> K) -> (Vec<usize>, usize) {
+    let mut keyed: Vec<(K, usize)> = (0..rank.len()).map(|i| (key(i), i)).collect();
+    keyed.sort_by(|a, b| a.0.cmp(&b.0));
+    let mut classes = 0;
+    for k in 0..keyed.len() {
+        if k == 0 || keyed[k].0 != keyed[k - 1].0 {
+            classes += 1;
+        }
+        rank[keyed[k].1] = classes;
+    }
+    (keyed.into_iter().map(|(_, i)| i).collect(), classes)
+}
