@@ -10,7 +10,7 @@
 mod cone;
 
 use super::judge::Judge;
-use super::law::{Linear, Vector3};
+use super::law::{Contact, Linear, Vector3};
 use super::scaled::Scaled;
 use super::system::System;
 use cone::{Missing, Unknowns};
@@ -61,10 +61,17 @@ pub(super) fn interior(judge: &mut Judge<'_>, path: Path, limit: usize) -> (Vec<
     (best, iterations)
 }
 
-/// The cold start.
+/// The cold start, by the root of the largest energy `q² / W` of any contact: the same in whatever units.
 fn start(scaled: &Scaled, reach: f64) -> Vec<Unknowns> {
-    let velocity = reach * scaled.q.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
-    scaled.laws().iter().map(|law| Unknowns::start(law, law.stiffness * velocity, velocity)).collect()
+    let mut root = 0.0_f64;
+    for (k, law) in scaled.laws().iter().enumerate() {
+        root = scaled.at(k, &scaled.q).iter().fold(root, |m, q| m.max(q.abs() * law.stiffness.sqrt()));
+    }
+    let of_contact = |law: &Contact| {
+        let (root, stiffness) = (reach * root, law.stiffness.sqrt());
+        Unknowns::start(law, root * stiffness, root / stiffness)
+    };
+    scaled.laws().iter().map(of_contact).collect()
 }
 
 /// The forces of all contacts.

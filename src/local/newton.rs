@@ -11,7 +11,7 @@ use super::scaled::Scaled;
 use super::system::System;
 
 /// The least and the largest `ε`, and the one to begin with: small beside 1, which would be as stiff again as the contact itself.
-const PROXIMAL: [f64; 3] = [1e-12, 0.1, 1e-6];
+const PROXIMAL: [f64; 3] = [1e-9, 0.1, 1e-6];
 /// The demanded share of the possible decrease (12).
 const SIGMA: f64 = 0.1;
 /// Steps are halved so often, at most: after that the step is taken whatever the merit.
@@ -19,7 +19,7 @@ const HALVINGS: usize = 6;
 /// After so many iterations without a better merit the statuses go round in a circle.
 const PATIENCE: usize = 10;
 /// One step more, below this, would only move the last digits.
-const POLISHED: f64 = 1e-14;
+const POLISHED: f64 = 1e-12;
 
 /// A point with what belongs to it.
 struct Point {

@@ -2,7 +2,8 @@
 //!
 //! Sweeps depend on the order of the contacts, and rounding of every sum does: the same problem with its rows permuted would take
 //! other iterations. So contacts are sorted by what is theirs (friction, free velocity, compliance), and those that are equal by what
-//! their neighbours are, as Weisfeiler and Leman tell the nodes of a graph apart. What is left of ties are mirror images.
+//! their neighbours are, as Weisfeiler and Leman tell the nodes of a graph apart. Numbers are compared to nine digits of the largest: their
+//! rounding, which is another in other units, decides nothing. What is left of ties are mirror images.
 
 use super::LocalProblem;
 
@@ -14,11 +15,13 @@ pub(super) fn canonical(problem: &LocalProblem) -> Vec<usize> {
     let d = problem.dimension();
     let mut rows = vec![Vec::new(); problem.q().len()];
     problem.delassus().entries().for_each(|(row, column, w)| rows[row].push((column, w)));
+    let (of_q, of_w) = (digits(problem.q().iter()), digits(problem.delassus().values().iter()));
+    let of_mu = digits(problem.mu().iter());
     let row = |i: usize, k: usize| &rows[d * i + k];
     let own = |i: usize| {
-        let mut key = vec![bits(problem.mu()[i])];
-        key.extend(problem.q()[d * i..d * (i + 1)].iter().map(|q| bits(*q)));
-        key.extend((0..d).flat_map(|k| row(i, k)).filter(|(column, _)| column / d == i).map(|(_, w)| bits(*w)));
+        let mut key = vec![of_mu(problem.mu()[i])];
+        key.extend(problem.q()[d * i..d * (i + 1)].iter().map(|q| of_q(*q)));
+        key.extend((0..d).flat_map(|k| row(i, k)).filter(|(column, _)| column / d == i).map(|(_, w)| of_w(*w)));
         key
     };
     let mut rank = vec![0; problem.contacts()];
@@ -29,9 +32,9 @@ pub(super) fn canonical(problem: &LocalProblem) -> Vec<usize> {
         }
         let before = rank.clone();
         let around = |i: usize| {
-            let mut key: Vec<(usize, usize, u64)> = (0..d)
+            let mut key: Vec<(usize, usize, i64)> = (0..d)
                 .flat_map(|k| row(i, k).iter().map(move |&(column, w)| (k, column, w)))
-                .map(|(k, column, w)| (before[column / d], d * k + column % d, bits(w)))
+                .map(|(k, column, w)| (before[column / d], d * k + column % d, of_w(w)))
                 .collect();
             key.sort_unstable();
             (before[i], key)
@@ -46,10 +49,13 @@ pub(super) fn canonical(problem: &LocalProblem) -> Vec<usize> {
     order
 }
 
-/// Numbers that are ordered as `x` is.
-fn bits(x: f64) -> u64 {
-    let bits = (x + 0.0).to_bits();
-    if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
+/// Digits that count, of the largest number.
+const DIGITS: f64 = 1e9;
+
+/// Numbers to these digits, as integers.
+fn digits<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> impl Fn(f64) -> i64 {
+    let largest = values.fold(0.0_f64, |m, value| m.max(value.abs()));
+    move |x| if largest > 0.0 { (x / largest * DIGITS).round() as i64 } else { 0 }
 }
 
 /// Contacts sorted by their keys, and how many different ones there are; the `rank` of a contact is that of its key.
