@@ -259,3 +259,122 @@ fn follow(judge: &mut Judge<'_>, settings: &CascadeSettings, paths: &[Path]) -> 
     }
     iterations
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sparse::Csc;
+
+    fn problem(dimension: usize, entries: &[(usize, usize, f64)], q: &[f64], mu: &[f64]) -> LocalProblem {
+        let n = q.len();
+        LocalProblem::new(dimension, Csc::from_triplets(n, n, entries).unwrap(), q.to_vec(), mu.to_vec()).unwrap()
+    }
+
+    fn solved(problem: &LocalProblem) -> Solved {
+        solve(problem, &CascadeSettings::default(), None).unwrap()
+    }
+
+    /// A block on two feet, 2 wide and with its centre 1 above the floor, unit mass and inertia, that comes down at speed `fall` and slides
+    /// at speed `slide`: normals, then tangents of the feet at (∓1, -1).
+    fn block(fall: f64, slide: f64, mu: f64) -> LocalProblem {
+        // Of a force along (x, y) at (a, b): the moment a y - b x.
+        let directions = [[0.0, 1.0, -1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]];
+        let product = |i: usize, j: usize| (0..3).map(|k| directions[i][k] * directions[j][k]).sum::<f64>();
+        let entries: Vec<_> = (0..16).map(|k| (k / 4, k % 4, product(k / 4, k % 4))).collect();
+        problem(2, &entries, &[-fall, slide, -fall, slide], &[mu, mu])
+    }
+
+    #[test]
+    fn nothing_at_all_is_solved() {
+        let nothing = solved(&problem(3, &[], &[], &[]));
+        assert_eq!((nothing.status, nothing.islands, nothing.iterations()), (LocalStatus::Solved, 0, 0));
+        assert!(nothing.r.is_empty() && nothing.stages.is_empty());
+    }
+
+    #[test]
+    fn what_flies_off_is_free() {
+        let free = solved(&problem(3, &[(0, 0, 1.0), (1, 1, 1.0)], &[0.0, -3.0, 1.0], &[0.5]));
+        assert_eq!((free.status, free.r, free.u), (LocalStatus::Solved, vec![0.0; 3], vec![0.0, -3.0, 1.0]));
+        assert_eq!(free.stages.len(), 1);
+        assert_eq!((free.stages[0].stage, free.stages[0].iterations), (Stage::Free, 0));
+    }
+
+    /// Three ways of a block by hand. Both feet hold: `W` of the tangents is singular, and their sum alone is known. They slide: the
+    /// moment of friction is on the front foot. Friction is so large that the block tips.
+    #[test]
+    fn a_block_on_two_feet() {
+        let holds = solved(&block(2.0, 1.0, 1.0));
+        assert_eq!(holds.status, LocalStatus::Solved, "{holds:?}");
+        assert!(holds.u.iter().all(|u| u.abs() < 1e-10), "{holds:?}");
+        // The moments of 2 r_N and r_T = -1 together: r_N2 - r_N1 = 1.
+        assert!((holds.r[0] - 0.5).abs() < 1e-9 && (holds.r[2] - 1.5).abs() < 1e-9, "{holds:?}");
+        assert!((holds.r[1] + holds.r[3] + 1.0).abs() < 1e-9);
+        let slides = solved(&block(2.0, 3.0, 0.5));
+        assert_eq!(slides.status, LocalStatus::Solved);
+        let expected = [0.5, -0.25, 1.5, -0.75];
+        assert!(slides.r.iter().zip(expected).all(|(r, e)| (r - e).abs() < 1e-12), "{slides:?}");
+        assert!((slides.u[1] - 2.0).abs() < 1e-12);
+        let tips = solved(&block(2.0, 30.0, 2.0));
+        assert_eq!(tips.status, LocalStatus::Solved);
+        assert!(tips.r[0].abs() < 1e-12 && tips.u[0] > 0.1 && tips.r[2] > 2.0, "{tips:?}");
+    }
+
+    #[test]
+    fn without_friction_there_is_no_force_along() {
+        let slides = solved(&block(2.0, 3.0, 0.0));
+        assert_eq!((slides.status, slides.r), (LocalStatus::Solved, vec![1.0, 0.0, 1.0, 0.0]));
+        assert_eq!(slides.u, [0.0, 3.0, 0.0, 3.0]);
+    }
+
+    /// One row of `W` is 0, and its contact approaches: no force can stop it. And two contacts each of which needs the other's force
+    /// to be smaller than its own: no solution, but nothing that proves it.
+    #[test]
+    fn what_cannot_be_solved_is_not() {
+        let helpless = solved(&problem(2, &[(0, 0, 1.0), (1, 1, 1.0)], &[-1.0, 0.0, -1.0, 0.0], &[0.5, 0.5]));
+        assert_eq!(helpless.status, LocalStatus::Unsolvable { contact: 1 });
+        assert_eq!(helpless.r[0], 1.0);
+        let wedge = [(0, 0, 1.0), (0, 2, -1.0), (2, 0, -1.0), (2, 2, 1.0)];
+        for dimension in [2, 3] {
+            let of = |k: usize| k / 2 * dimension;
+            let entries = wedge.map(|(i, j, w)| (of(i), of(j), w));
+            let mut q = vec![0.0; 2 * dimension];
+            (q[0], q[dimension]) = (-1.0, -0.5);
+            let squeezed = solved(&problem(dimension, &entries, &q, &[0.3, 0.0]));
+            assert_eq!(squeezed.status, LocalStatus::NotSolved);
+            assert!(squeezed.errors.natural_map > 1e-3, "{squeezed:?}");
+            assert_eq!(squeezed.stages.last().unwrap().stage, Stage::Sweeps);
+        }
+    }
+
+    #[test]
+    fn a_guess_is_judged_first() {
+        let block = block(2.0, 3.0, 0.5);
+        let settings = CascadeSettings::default();
+        let guessed = solve(&block, &settings, Some(&[0.5, -0.25, 1.5, -0.75])).unwrap();
+        let stages: Vec<Stage> = guessed.stages.iter().map(|record| record.stage).collect();
+        assert_eq!((guessed.status, stages), (LocalStatus::Solved, vec![Stage::Free, Stage::Guess]));
+        // A bad one does no harm.
+        let misled = solve(&block, &settings, Some(&[-1e9, 3e7, 1e-9, 5.0])).unwrap();
+        assert_eq!(misled.status, LocalStatus::Solved);
+        let error = solve(&block, &settings, Some(&[1.0; 3])).unwrap_err();
+        assert!(error.to_string().starts_with("guess: there are 3, but must be 4"), "{error}");
+    }
+
+    #[test]
+    fn a_tolerance_is_above_zero() {
+        for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let settings = CascadeSettings { tolerance, ..CascadeSettings::default() };
+            let error = solve(&block(1.0, 1.0, 0.5), &settings, None).unwrap_err();
+            assert!(matches!(error, LocalProblemError::Setting { setting: "tolerance", .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn numbers_out_of_all_bounds_do_no_harm() {
+        for (w, q) in [(1e308, -1e308), (1e-308, -1e308), (1e308, -1e-308), (5e-324, -1.0), (-1.0, -1.0)] {
+            let extreme = solved(&problem(2, &[(0, 0, w), (1, 1, w), (0, 1, 0.5 * w)], &[q, -q], &[0.3]));
+            assert!(extreme.r.iter().all(|r| r.is_finite()), "{extreme:?}");
+            assert_eq!(extreme.status == LocalStatus::Solved, extreme.errors.within(SOLVED));
+        }
+    }
+}

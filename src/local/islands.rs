@@ -62,3 +62,26 @@ pub(super) fn islands(problem: &LocalProblem) -> Vec<Island> {
     };
     contacts.into_iter().zip(parts).map(of_island).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contacts_are_taken_apart_and_put_together() {
+        // The second contact feels the fourth, in one direction only; an entry of 0 ties the first to nothing.
+        let entries = [(0, 0, 1.0), (2, 2, 2.0), (4, 4, 3.0), (6, 6, 4.0), (3, 7, 0.5), (1, 5, 0.0), (5, 5, 6.0)];
+        let q: Vec<f64> = (0..8).map(f64::from).collect();
+        let delassus = Csc::from_triplets(8, 8, &entries).unwrap();
+        let problem = LocalProblem::new(2, delassus, q.clone(), vec![0.1, 0.2, 0.3, 0.4]).unwrap();
+        let islands = islands(&problem);
+        let contacts: Vec<&[usize]> = islands.iter().map(|island| &island.contacts[..]).collect();
+        assert_eq!(contacts, [&[0][..], &[1, 3], &[2]]);
+        assert_eq!((islands[1].problem.q(), islands[1].problem.mu()), (&[2.0, 3.0, 6.0, 7.0][..], &[0.2, 0.4][..]));
+        let own: Vec<_> = islands[1].problem.delassus().entries().collect();
+        assert_eq!(own, [(0, 0, 2.0), (2, 2, 4.0), (1, 3, 0.5)]);
+        let mut whole = vec![0.0; 8];
+        islands.iter().for_each(|island| island.write(&island.read(&q), &mut whole));
+        assert_eq!(whole, q);
+    }
+}

@@ -18,7 +18,8 @@
 //!
 //! with `κ = μ n / |t|` and `P = 1 - e eᵀ`, which vanishes in the plane.
 
-use super::scaled::Block;
+/// A matrix on the directions of one contact, those that it does not have being 0.
+pub(super) type Block = [[f64; 3]; 3];
 
 /// What stands at a contact: normal, then tangents; 0 where it has none.
 pub(super) type Vector3 = [f64; 3];
@@ -98,5 +99,56 @@ impl Contact {
             }
         }
         Linear { by_u, by_r }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In every case the linearisation is the derivative.
+    #[test]
+    fn linearisation_is_the_derivative() {
+        let diagonal = [[0.5, 0.0, 0.0], [0.0, 0.4, 0.0], [0.0, 0.0, 0.3]];
+        for (tangents, r, u) in [
+            (2, [0.3, 0.1, 0.0], [1.0, 0.2, 0.1]),
+            (2, [1.0, 0.1, 0.2], [-0.1, 0.02, 0.01]),
+            (2, [1.0, 0.3, -0.2], [-0.1, -0.7, 0.4]),
+            (1, [1.0, 0.3, 0.0], [0.2, 0.9, 0.0]),
+            (0, [1.0, 0.0, 0.0], [0.2, 0.0, 0.0]),
+        ] {
+            let law = Contact::new(if tangents > 0 { 0.4 } else { 0.0 }, tangents, &diagonal);
+            let Linear { by_u, by_r } = law.linearize(r, u);
+            for k in 0..=tangents {
+                let step = 1e-6;
+                let moved = |x: Vector3, step: f64| {
+                    let mut x = x;
+                    x[k] += step;
+                    x
+                };
+                let slope = |a: Vector3, b: Vector3| [0, 1, 2].map(|c| (a[c] - b[c]) / (2.0 * step));
+                let over_u = slope(law.residual(r, moved(u, step)), law.residual(r, moved(u, -step)));
+                let over_r = slope(law.residual(moved(r, step), u), law.residual(moved(r, -step), u));
+                for c in 0..=tangents {
+                    assert!((over_u[c] - by_u[c][k]).abs() < 1e-8, "{law:?} {r:?} {u:?}: {over_u:?} {by_u:?}");
+                    assert!((over_r[c] - by_r[c][k]).abs() < 1e-8, "{law:?} {r:?} {u:?}: {over_r:?} {by_r:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_residual_vanishes_on_the_law() {
+        let law = Contact::new(0.5, 2, &UNIT);
+        for (r, u) in [
+            ([0.0; 3], [1.0, 3.0, -2.0]),
+            ([2.0, 0.3, 0.4], [0.0; 3]),
+            ([2.0, -0.6, 0.8], [0.0, 3.0, -4.0]),
+            ([0.0; 3], [0.0, 3.0, -4.0]),
+        ] {
+            let missed = law.residual(r, u);
+            assert!(missed.iter().all(|f| f.abs() < 1e-15), "{r:?} {u:?}: {missed:?}");
+        }
+        assert_ne!(law.residual([2.0, 0.6, -0.8], [0.0, 3.0, -4.0]), [0.0; 3]);
     }
 }

@@ -71,3 +71,35 @@ fn sorted<K: Ord>(rank: &mut [usize], key: impl Fn(usize) -> K) -> (Vec<usize>, 
     }
     (keyed.into_iter().map(|(_, i)| i).collect(), classes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sparse::Csc;
+
+    /// A chain of contacts that are alike but for their neighbours, with `order[k]` the number of the one in place `k`.
+    fn chain(order: [usize; 5]) -> LocalProblem {
+        let place = |i: usize| order.iter().position(|k| *k == i).unwrap();
+        let mut entries = Vec::new();
+        for i in 0..5 {
+            entries.extend([(2 * place(i), 2 * place(i), 2.0), (2 * place(i) + 1, 2 * place(i) + 1, 1.0)]);
+            if i < 4 {
+                let coupling = if i == 0 { -0.5 } else { -0.25 };
+                entries
+                    .extend([(2 * place(i), 2 * place(i + 1), coupling), (2 * place(i + 1), 2 * place(i), coupling)]);
+            }
+        }
+        let mut q = vec![0.0; 10];
+        (0..5).for_each(|i| q[2 * place(i)] = -1.0);
+        LocalProblem::new(2, Csc::from_triplets(10, 10, &entries).unwrap(), q, vec![0.5; 5]).unwrap()
+    }
+
+    #[test]
+    fn the_order_is_that_of_the_contacts() {
+        let sorted = |order: [usize; 5]| canonical(&chain(order)).into_iter().map(|k| order[k]).collect::<Vec<_>>();
+        let one = sorted([0, 1, 2, 3, 4]);
+        for other in [[4, 3, 2, 1, 0], [2, 0, 4, 1, 3], [1, 2, 3, 4, 0]] {
+            assert_eq!(sorted(other), one);
+        }
+    }
+}

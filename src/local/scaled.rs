@@ -6,12 +6,9 @@
 //! is rounded. A contact without friction has its normal row alone.
 
 use super::LocalProblem;
-use super::law::{Contact, Vector3};
+use super::law::{Block, Contact, Vector3};
 use super::order::canonical;
 use crate::sparse::Csr;
-
-/// A matrix on the directions of one contact, those that it does not have being 0.
-pub(super) type Block = [[f64; 3]; 3];
 
 /// `u' = W' r' + q'` of some contacts that touch no other.
 pub(super) struct Scaled {
@@ -33,8 +30,7 @@ pub(super) struct Scaled {
 
 /// The power of two next to `x`, or 1 of what has none.
 fn power_of_two(x: f64) -> f64 {
-    let power = x.log2().round().clamp(-1000.0, 1000.0);
-    if x > 0.0 && power.is_finite() { power.exp2() } else { 1.0 }
+    if x > 0.0 && x.is_finite() { x.log2().round().clamp(-1000.0, 1000.0).exp2() } else { 1.0 }
 }
 
 impl Scaled {
@@ -148,5 +144,62 @@ impl Scaled {
             (0..self.range(k).len()).map(move |c| whole[start + c] / self.force[k])
         };
         (0..self.contacts.len()).flat_map(of_contact).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sparse::Csc;
+
+    /// Three contacts of which the second has no friction, in large and small units.
+    fn example() -> LocalProblem {
+        let size = |row: usize| [3e4, 7e-6, 1e2][row / 2];
+        let entry = |i: usize, j: usize| if i == j { 2.0 } else { 0.1 / (1.0 + (i + 2 * j) as f64) };
+        let entries = (0..36).map(|k| (k / 6, k % 6, size(k / 6) * size(k % 6) * entry(k / 6, k % 6)));
+        let delassus = Csc::from_triplets(6, 6, &entries.collect::<Vec<_>>()).unwrap();
+        LocalProblem::new(2, delassus, vec![-3e7, 2.0, -1e-2, 5.0, -7e5, 1e5], vec![0.3, 0.0, 0.7]).unwrap()
+    }
+
+    #[test]
+    fn numbers_are_of_order_one() {
+        let scaled = Scaled::new(&example());
+        assert_eq!(scaled.rows(), 5);
+        let largest = scaled.q.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
+        assert!((0.5..2.0).contains(&largest), "{largest}");
+        assert!(scaled.diagonal.iter().all(|block| (0.5..=2.0).contains(&block[0][0])), "{:?}", scaled.diagonal);
+    }
+
+    #[test]
+    fn there_and_back_is_exact() {
+        let scaled = Scaled::new(&example());
+        let r = [0.3, -1.7, 2.5, 1e-7, 0.1];
+        assert_eq!(scaled.read(&scaled.write(&r)), r);
+    }
+
+    /// `u' = (v / d) u` but for the order of sums, and the tangent of the contact without friction is not there.
+    #[test]
+    fn velocities_are_those_of_the_problem() {
+        let problem = example();
+        let scaled = Scaled::new(&problem);
+        let r = [0.3, -0.1, 2.5, 0.7, 0.1];
+        let whole = scaled.write(&r);
+        let mut u = problem.delassus().times(&whole).unwrap();
+        u.iter_mut().zip(problem.q()).for_each(|(u, q)| *u += q);
+        let own = scaled.velocities(&r);
+        for (k, &contact) in scaled.contacts.iter().enumerate() {
+            for (c, row) in scaled.range(k).enumerate() {
+                // r' u' is r u over the square of one number.
+                let unit = scaled.force[k] * u[2 * contact + c] / own[row];
+                let first = scaled.force[0] * u[2 * scaled.contacts[0]] / own[0];
+                assert!((unit / first - 1.0).abs() < 1e-13, "{unit} {first}");
+            }
+        }
+    }
+
+    #[test]
+    fn units_do_not_overflow() {
+        assert_eq!([0.0, f64::INFINITY, f64::NAN, -1.0].map(power_of_two), [1.0; 4]);
+        assert_eq!([1.0, 3.0, 1e-3].map(power_of_two), [1.0, 4.0, 1.0 / 1024.0]);
     }
 }

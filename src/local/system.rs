@@ -79,3 +79,49 @@ impl<'a> System<'a> {
         x
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::local::LocalProblem;
+    use crate::local::law::UNIT;
+    use crate::sparse::Csc;
+
+    /// With blocks of all kinds, one contact being left out: `(A (W + ε D) + B) x = b`.
+    #[test]
+    fn the_solution_solves_the_system() {
+        let entries: Vec<_> = (0..81).map(|k| (k / 9, k % 9, 1.0 / (1.0 + (k / 9 + k % 9) as f64))).collect();
+        let problem = LocalProblem::new(3, Csc::from_triplets(9, 9, &entries).unwrap(), vec![1.0; 9], vec![0.5; 3]);
+        let scaled = Scaled::new(&problem.unwrap());
+        let mixed = |shift: f64| [0, 1, 2].map(|k| [0, 1, 2].map(|l| shift / (2.0 + (k + 3 * l) as f64)));
+        let mut by_u = mixed(1.0);
+        (0..3).for_each(|k| by_u[k][k] += 1.0);
+        let open = Linear { by_u: [[0.0; 3]; 3], by_r: UNIT };
+        let blocks = [Linear { by_u, by_r: mixed(0.3) }, open, Linear { by_u, by_r: UNIT }];
+        let b: Vec<f64> = (0..9).map(|k| f64::from(k) - 3.0).collect();
+        let proximal = 0.25;
+        let x = System::new(&scaled, &blocks, proximal).unwrap().solve(&b);
+        let mut product = scaled.delassus.mul(&x);
+        for (k, law) in scaled.laws().iter().enumerate() {
+            scaled.range(k).for_each(|row| product[row] += proximal / law.stiffness * x[row]);
+        }
+        for (k, Linear { by_u, by_r }) in blocks.iter().enumerate() {
+            let (w, own, right) = (scaled.at(k, &product), scaled.at(k, &x), scaled.at(k, &b));
+            for c in 0..3 {
+                let left: f64 = (0..3).map(|l| by_u[c][l] * w[l] + by_r[c][l] * own[l]).sum();
+                assert!((left - right[c]).abs() < 1e-12, "{k} {c}: {left} {}", right[c]);
+            }
+        }
+    }
+
+    #[test]
+    fn the_proximal_term_makes_it_regular() {
+        let entries = [(0, 0, 1.0), (0, 2, 1.0), (2, 0, 1.0), (2, 2, 1.0)];
+        let problem = LocalProblem::new(2, Csc::from_triplets(4, 4, &entries).unwrap(), vec![-1.0; 4], vec![0.0; 2]);
+        let scaled = Scaled::new(&problem.unwrap());
+        let closed = scaled.laws().iter().map(|law| law.linearize([1.0, 0.0, 0.0], [0.0; 3])).collect::<Vec<_>>();
+        assert!(matches!(System::new(&scaled, &closed, 0.0), Err(LinearError::Singular { .. })));
+        let x = System::new(&scaled, &closed, 1e-6).unwrap().solve(&[1.0, 1.0]);
+        assert!(x.iter().all(|x| (x - 0.5).abs() < 1e-6), "{x:?}");
+    }
+}

@@ -133,3 +133,49 @@ impl Unknowns {
         Unknowns { r: dr, v, s, lambda: (missing.products[1] - self.lambda * s) / self.s }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A direction takes away, to first order, all that is missing.
+    #[test]
+    fn a_small_step_takes_away_its_share() {
+        let w = [[1.0, 0.2, 0.1], [0.3, 0.8, -0.1], [0.1, -0.2, 0.9]];
+        let times = |x: Vector3| [0, 1, 2].map(|k| dot(w[k], x));
+        for tangents in [0, 1, 2] {
+            let law = Contact::new(if tangents > 0 { 0.6 } else { 0.0 }, tangents, &w);
+            let own = |x: Vector3| [0, 1, 2].map(|k| if k <= tangents { x[k] } else { 0.0 });
+            let point =
+                Unknowns { r: own([1.2, 0.2, 0.3]), v: 0.4, s: if tangents > 0 { 0.5 } else { 0.0 }, lambda: 0.7 };
+            let velocity = |point: &Unknowns| {
+                let product = times(point.r);
+                own([product[0] - 0.7, product[1] + 0.5, product[2] - 0.2])
+            };
+            let missing = point.missing(&law, velocity(&point));
+            let (Linear { by_u, by_r }, sizes) = point.linearize(&law);
+            let rhs = point.reduce(&law, sizes, &missing);
+            // (A W + B) dr = b by Cramer's rule, with 1 on the diagonal of what is not there.
+            let mut matrix = UNIT;
+            for k in 0..=tangents {
+                for l in 0..=tangents {
+                    matrix[k][l] = (0..3).map(|m| by_u[k][m] * w[m][l]).sum::<f64>() + by_r[k][l];
+                }
+            }
+            let determinant = |m: [[f64; 3]; 3]| dot(m[0], crate::vector::cross(m[1], m[2]));
+            let dr = own([0, 1, 2].map(|k| {
+                let mut replaced = matrix;
+                (0..3).for_each(|row| replaced[row][k] = rhs[row]);
+                determinant(replaced) / determinant(matrix)
+            }));
+            let direction = point.recover(&law, &missing, dr, own(times(dr)));
+            let numbers = |m: &Missing| [m.gap, m.slip[0], m.slip[1], m.cone, m.products[0], m.products[1]];
+            let step = 1e-4;
+            let ahead = point.ahead(step, &direction);
+            let left = ahead.missing(&law, velocity(&ahead));
+            for (before, after) in numbers(&missing).into_iter().zip(numbers(&left)) {
+                assert!((after - (1.0 - step) * before).abs() < 1e-6, "{tangents}: {missing:?} {left:?}");
+            }
+        }
+    }
+}
