@@ -29,6 +29,7 @@
 mod cascade;
 mod error;
 mod errors;
+mod factors;
 mod interior;
 mod islands;
 mod judge;

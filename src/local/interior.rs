@@ -86,8 +86,8 @@ fn advance(scaled: &Scaled, points: &[Unknowns], on_cone: bool) -> Option<Vec<Un
     let laws = scaled.laws();
     let (blocks, sizes): (Vec<Linear>, Vec<[f64; 2]>) =
         points.iter().zip(laws).map(|(point, law)| point.linearize(law)).unzip();
-    let system = System::new(scaled, &blocks, PROXIMAL).ok()?;
-    let solve = |missing: &[Missing]| -> Vec<Unknowns> {
+    let mut system = System::new(scaled, &blocks, PROXIMAL).ok()?;
+    let mut solve = |missing: &[Missing]| -> Vec<Unknowns> {
         let mut rhs = vec![0.0; scaled.rows()];
         for (k, missing) in missing.iter().enumerate() {
             scaled.put(k, points[k].reduce(&laws[k], sizes[k], missing), &mut rhs);

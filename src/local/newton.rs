@@ -53,7 +53,7 @@ impl Point {
         let blocks: Vec<Linear> = scaled.laws().iter().enumerate().map(at).collect();
         let rhs: Vec<f64> = self.f.iter().map(|f| -f).collect();
         loop {
-            if let Ok(system) = System::new(scaled, &blocks, *proximal) {
+            if let Ok(mut system) = System::new(scaled, &blocks, *proximal) {
                 let dr = system.solve(&rhs);
                 if dr.iter().all(|dr| dr.is_finite()) {
                     return Some(dr);

@@ -3,11 +3,10 @@
 //! `D` is the compliance `1/ρ` of each contact; `ε`, the proximal term, makes the matrix regular where `W` is not. It stands in this matrix
 //! alone and in no equation, so that what an iteration converges to is not changed by it. A contact whose `A` is 0 is left out.
 
-use faer::Mat;
-
+use super::factors::Factors;
 use super::law::Linear;
 use super::scaled::Scaled;
-use crate::linear::{LinearError, Lu};
+use crate::linear::LinearError;
 
 /// Factors of one matrix.
 pub(super) struct System<'a> {
@@ -15,7 +14,7 @@ pub(super) struct System<'a> {
     blocks: &'a [Linear],
     /// Place of each row in the matrix that is factored; none of a contact that is left out.
     places: Vec<Option<usize>>,
-    lu: Lu,
+    factors: Factors,
 }
 
 impl<'a> System<'a> {
@@ -33,29 +32,30 @@ impl<'a> System<'a> {
                 }
             }
         }
-        let mut matrix = Mat::<f64>::zeros(order, order);
-        for (k, Linear { by_u, by_r }) in blocks.iter().enumerate() {
-            let range = scaled.range(k);
-            let Some(first) = places[range.start] else { continue };
-            for (c, source) in range.clone().enumerate() {
-                for &(column, w) in scaled.delassus.row(source) {
-                    let Some(place) = places[column] else { continue };
-                    let w = if column == source { w + proximal / scaled.laws()[k].stiffness } else { w };
-                    for a in 0..range.len() {
-                        matrix[(first + a, place)] += by_u[a][c] * w;
+        let visit = |add: &mut dyn FnMut(usize, usize, f64)| {
+            for (k, Linear { by_u, by_r }) in blocks.iter().enumerate() {
+                let range = scaled.range(k);
+                let Some(first) = places[range.start] else { continue };
+                for (c, source) in range.clone().enumerate() {
+                    for &(column, w) in scaled.delassus.row(source) {
+                        let Some(place) = places[column] else { continue };
+                        let w = if column == source { w + proximal / scaled.laws()[k].stiffness } else { w };
+                        for (a, by_u) in by_u.iter().take(range.len()).enumerate() {
+                            add(first + a, place, by_u[c] * w);
+                        }
+                    }
+                    for (a, by_r) in by_r.iter().take(range.len()).enumerate() {
+                        add(first + a, first + c, by_r[c]);
                     }
                 }
-                for a in 0..range.len() {
-                    matrix[(first + a, first + c)] += by_r[a][c];
-                }
             }
-        }
-        let lu = Lu::new(matrix, &vec![1.0; order])?;
-        Ok(System { scaled, blocks, places, lu })
+        };
+        let factors = Factors::new(order, &visit)?;
+        Ok(System { scaled, blocks, places, factors })
     }
 
     /// `x` of `b`.
-    pub(super) fn solve(&self, b: &[f64]) -> Vec<f64> {
+    pub(super) fn solve(&mut self, b: &[f64]) -> Vec<f64> {
         // What is left out is known: x = b there.
         let mut x: Vec<f64> =
             b.iter().zip(&self.places).map(|(b, place)| if place.is_some() { 0.0 } else { *b }).collect();
@@ -70,7 +70,7 @@ impl<'a> System<'a> {
             let given = self.scaled.at(k, &given);
             rest.extend(range.enumerate().map(|(a, row)| b[row] - (0..3).map(|c| by_u[a][c] * given[c]).sum::<f64>()));
         }
-        let found = self.lu.solve(&rest);
+        let found = self.factors.solve(&rest);
         x.iter_mut().zip(&self.places).for_each(|(x, place)| {
             if let Some(place) = place {
                 *x = found[*place];
