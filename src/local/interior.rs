@@ -4,8 +4,8 @@
 //! Mehrotra, and the matrix has the proximal term of BN, tiny and constant. The start is cold: a force that would stop the largest free
 //! velocity at every contact. What it ends with is good to a few digits, and BN finishes it.
 //!
-//! The law is not monotone, and so a path may come to a dead end. Others, from further inside ([`Path::reach`]) or with the cone kept
-//! exactly at every step ([`Path::on_cone`]), which is slower, often do not.
+//! The law is not monotone, and so a path may come to a dead end. Others, from further inside (`reach`) or with the cone kept
+//! exactly at every step (`on_cone`), which is slower, often do not.
 
 mod cone;
 
@@ -34,9 +34,21 @@ const PATIENCE: usize = 15;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Path {
     /// How far inside it begins, as a multiple of what the data say.
-    pub reach: f64,
+    reach: f64,
     /// Whether what the cone leaves is what the forces say at every point, and not only at the end.
-    pub on_cone: bool,
+    on_cone: bool,
+}
+
+/// A path that comes to the cone at its end only.
+pub(super) const fn plain(reach: f64) -> Path {
+    Path { reach, on_cone: false }
+}
+
+impl Path {
+    /// The path that keeps to the cone.
+    pub(super) const fn on_cone(self) -> Path {
+        Path { on_cone: true, ..self }
+    }
 }
 
 /// Follows `path`, at most `limit` iterations; the best forces on it, and how many iterations it took.
