@@ -74,3 +74,44 @@ fn sparse(
     solver.factorize(matrix.values())?;
     Ok(solver)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `2 x_k - x_(k - 1) - x_(k + 1)`, in pieces that add up, and not symmetric.
+    fn chain(order: usize, add: &mut dyn FnMut(usize, usize, f64)) {
+        for k in 0..order {
+            add(k, k, 1.0);
+            add(k, k, 1.25);
+            if k > 0 {
+                add(k, k - 1, -1.0);
+                add(k - 1, k, -1.1);
+            }
+        }
+    }
+
+    #[test]
+    fn small_and_large_matrices_are_solved() {
+        for order in [0, 1, 20, SMALL + 100] {
+            let mut factors = Factors::new(order, &|add| chain(order, add)).unwrap();
+            let is_sparse = matches!(factors, Factors::Sparse(_));
+            assert_eq!(is_sparse, order > SMALL && SparseLu::default().is_built_in());
+            let x: Vec<f64> = (0..order).map(|k| (k as f64).sin()).collect();
+            let mut b = vec![0.0; order];
+            chain(order, &mut |row, column, value| b[row] += value * x[column]);
+            assert!(factors.solve(&b).iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn singular_and_huge_matrices_are_refused() {
+        for order in [3, SMALL + 100] {
+            let of_one = |add: &mut dyn FnMut(usize, usize, f64)| (1..order).for_each(|k| add(k, k, 1.0));
+            assert!(matches!(Factors::new(order, &of_one), Err(LinearError::Singular { .. })));
+        }
+        // Full, as far as is asked.
+        let all = |add: &mut dyn FnMut(usize, usize, f64)| (0..20_000_000).for_each(|k| add(k % 3, k % 7, 1.0));
+        assert!(matches!(Factors::new(LARGEST + 1, &all), Err(LinearError::OutOfMemory { .. })));
+    }
+}
