@@ -149,19 +149,20 @@ pub fn solve(
     let status = if errors.within(tolerance) {
         LocalStatus::Solved
     } else {
-        helpless(problem).map_or(LocalStatus::NotSolved, |contact| LocalStatus::Unsolvable { contact })
+        helpless(problem, tolerance).map_or(LocalStatus::NotSolved, |contact| LocalStatus::Unsolvable { contact })
     };
     Ok(Solved { r, u, status, errors, islands: islands.len(), stages })
 }
 
-/// A contact that approaches whatever the forces are.
-fn helpless(problem: &LocalProblem) -> Option<usize> {
+/// A contact that approaches whatever the forces are, and not by rounding.
+fn helpless(problem: &LocalProblem, tolerance: f64) -> Option<usize> {
+    let least = -tolerance * problem.q().iter().fold(0.0_f64, |m, q| m.max(q.abs()));
     let d = problem.dimension();
     let mut held = vec![false; problem.contacts()];
     for (row, _, w) in problem.delassus().entries() {
         held[row / d] |= row % d == 0 && w != 0.0;
     }
-    (0..problem.contacts()).find(|&i| !held[i] && problem.q()[d * i] < 0.0)
+    (0..problem.contacts()).find(|&i| !held[i] && problem.q()[d * i] < least)
 }
 
 /// The best forces of one island; what was tried is added to the `records`.
