@@ -10,8 +10,10 @@ use super::law::Linear;
 use super::scaled::Scaled;
 use super::system::System;
 
-/// The least and the largest `ε`, and the one to begin with: small beside 1, which would be as stiff again as the contact itself.
-const PROXIMAL: [f64; 3] = [1e-9, 0.1, 1e-6];
+/// The least `ε`, with which it begins, and the largest: small beside 1, which would be as stiff again as the contact itself. The rounding
+/// of an equation, 1e-16, moves forces that are not unique by that over `ε`: below 1e-6 it decides about statuses, and the same problem
+/// in other units takes another number of iterations.
+const PROXIMAL: [f64; 2] = [1e-6, 0.1];
 /// The demanded share of the possible decrease (12).
 const SIGMA: f64 = 0.1;
 /// Steps are halved so often, at most: after that the step is taken whatever the merit.
@@ -70,7 +72,8 @@ impl Point {
 /// Iterates from `start` until the judge calls a point solved, at most `limit` times; how many iterations it took.
 pub(super) fn newton(judge: &mut Judge<'_>, start: Vec<f64>, limit: usize) -> usize {
     let scaled = judge.scaled();
-    let [least, largest, mut proximal] = PROXIMAL;
+    let [least, largest] = PROXIMAL;
+    let mut proximal = least;
     let u = scaled.velocities(&start);
     let mut point = Point::new(scaled, start, u);
     let mut error = judge.offer(&point.r);

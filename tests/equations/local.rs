@@ -184,7 +184,10 @@ fn the_body_has_the_same_solution() {
         let mu: Vec<f64> = (0..nodes).map(|_| 0.4 + 0.3 * random.next()).collect();
         let force: Vec<f64> = (0..n).map(|i| if i % dimension == 0 { 1.0 } else { 2.0 * random.next() }).collect();
         let gap: Vec<f64> = (0..nodes).map(|_| 0.05 * random.next()).collect();
-        let last: Vec<f64> = (0..2 * nodes).map(|_| 0.1 * random.next()).collect();
+        let mut last: Vec<f64> = (0..2 * nodes).map(|_| 0.1 * random.next()).collect();
+        if dimension == 2 {
+            last[nodes..].fill(0.0);
+        }
         // K⁻¹ column by column, by conjugate gradients: definite and small.
         let solve_with = |b: &[f64]| conjugate_gradients(&triplets, b);
         // Rows of relative velocity: the normal points away from the floor, which is along the node's first direction.

@@ -23,7 +23,7 @@ pub const LIBRARY: &[Places] = &[
             "events/coordinates.rs",
             "events/dictionary.rs",
             "linear/",
-            "local/system.rs",
+            "local/factors.rs",
             "problem/contact_stiffness.rs",
             "uniqueness.rs",
         ],
