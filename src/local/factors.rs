@@ -5,6 +5,9 @@ use faer::Mat;
 use crate::linear::{LinearError, LinearSolver, Lu, SparseLu};
 use crate::sparse::Csc;
 
+/// Takes an entry `(row, column, value)`.
+pub(super) type Add<'a> = dyn FnMut(usize, usize, f64) + 'a;
+
 /// The factors.
 pub(super) enum Factors {
     /// Of all entries.
@@ -25,7 +28,7 @@ impl Factors {
     ///
     /// # Errors
     /// When it is singular, holds numbers that are not finite, or is too large.
-    pub(super) fn new(order: usize, visit: &dyn Fn(&mut dyn FnMut(usize, usize, f64))) -> Result<Self, LinearError> {
+    pub(super) fn new(order: usize, visit: &dyn Fn(&mut Add<'_>)) -> Result<Self, LinearError> {
         if order > SMALL && SparseLu::default().is_built_in() {
             let mut count = 0_usize;
             visit(&mut |_, _, value| count += usize::from(value != 0.0));
@@ -57,11 +60,7 @@ impl Factors {
 }
 
 /// Sparse factors of `count` entries.
-fn sparse(
-    order: usize,
-    count: usize,
-    visit: &dyn Fn(&mut dyn FnMut(usize, usize, f64)),
-) -> Result<Box<dyn LinearSolver>, LinearError> {
+fn sparse(order: usize, count: usize, visit: &dyn Fn(&mut Add<'_>)) -> Result<Box<dyn LinearSolver>, LinearError> {
     let mut entries = Vec::with_capacity(count);
     visit(&mut |row, column, value| {
         if value != 0.0 {
@@ -80,7 +79,7 @@ mod tests {
     use super::*;
 
     /// `2 x_k - x_(k - 1) - x_(k + 1)`, in pieces that add up, and not symmetric.
-    fn chain(order: usize, add: &mut dyn FnMut(usize, usize, f64)) {
+    fn chain(order: usize, add: &mut Add<'_>) {
         for k in 0..order {
             add(k, k, 1.0);
             add(k, k, 1.25);
@@ -107,11 +106,11 @@ mod tests {
     #[test]
     fn singular_and_huge_matrices_are_refused() {
         for order in [3, SMALL + 100] {
-            let of_one = |add: &mut dyn FnMut(usize, usize, f64)| (1..order).for_each(|k| add(k, k, 1.0));
+            let of_one = |add: &mut Add<'_>| (1..order).for_each(|k| add(k, k, 1.0));
             assert!(matches!(Factors::new(order, &of_one), Err(LinearError::Singular { .. })));
         }
         // Full, as far as is asked.
-        let all = |add: &mut dyn FnMut(usize, usize, f64)| (0..20_000_000).for_each(|k| add(k % 3, k % 7, 1.0));
+        let all = |add: &mut Add<'_>| (0..20_000_000).for_each(|k| add(k % 3, k % 7, 1.0));
         assert!(matches!(Factors::new(LARGEST + 1, &all), Err(LinearError::OutOfMemory { .. })));
     }
 }

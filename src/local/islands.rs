@@ -81,7 +81,9 @@ mod tests {
         let own: Vec<_> = islands[1].problem.delassus().entries().collect();
         assert_eq!(own, [(0, 0, 2.0), (2, 2, 4.0), (1, 3, 0.5)]);
         let mut whole = vec![0.0; 8];
-        islands.iter().for_each(|island| island.write(&island.read(&q), &mut whole));
+        for island in &islands {
+            island.write(&island.read(&q), &mut whole);
+        }
         assert_eq!(whole, q);
     }
 }

@@ -3,7 +3,7 @@
 //! `D` is the compliance `1/ρ` of each contact; `ε`, the proximal term, makes the matrix regular where `W` is not. It stands in this matrix
 //! alone and in no equation, so that what an iteration converges to is not changed by it. A contact whose `A` is 0 is left out.
 
-use super::factors::Factors;
+use super::factors::{Add, Factors};
 use super::law::Linear;
 use super::scaled::Scaled;
 use crate::linear::LinearError;
@@ -32,7 +32,7 @@ impl<'a> System<'a> {
                 }
             }
         }
-        let visit = |add: &mut dyn FnMut(usize, usize, f64)| {
+        let visit = |add: &mut Add<'_>| {
             for (k, Linear { by_u, by_r }) in blocks.iter().enumerate() {
                 let range = scaled.range(k);
                 let Some(first) = places[range.start] else { continue };
@@ -93,7 +93,7 @@ mod tests {
         let entries: Vec<_> = (0..81).map(|k| (k / 9, k % 9, 1.0 / (1.0 + (k / 9 + k % 9) as f64))).collect();
         let problem = LocalProblem::new(3, Csc::from_triplets(9, 9, &entries).unwrap(), vec![1.0; 9], vec![0.5; 3]);
         let scaled = Scaled::new(&problem.unwrap());
-        let mixed = |shift: f64| [0, 1, 2].map(|k| [0, 1, 2].map(|l| shift / (2.0 + (k + 3 * l) as f64)));
+        let mixed = |shift: f64| [0, 1, 2].map(|k| [0, 1, 2].map(|l| shift / (2.0 + f64::from(k + 3 * l))));
         let mut by_u = mixed(1.0);
         (0..3).for_each(|k| by_u[k][k] += 1.0);
         let open = Linear { by_u: [[0.0; 3]; 3], by_r: UNIT };
