@@ -115,7 +115,7 @@ fn permutation(n: usize, seed: u64) -> Vec<usize> {
     let mut random = Random(seed);
     let mut place: Vec<usize> = (0..n).collect();
     for i in (1..n).rev() {
-        place.swap(i, ((random.next() + 1.0) / 2.0 * i as f64).round() as usize);
+        place.swap(i, (f64::midpoint(random.next(), 1.0) * i as f64).round() as usize);
     }
     place
 }
@@ -191,7 +191,7 @@ fn the_body_has_the_same_solution() {
         // K⁻¹ column by column, by conjugate gradients: definite and small.
         let solve_with = |b: &[f64]| conjugate_gradients(&triplets, b);
         // Rows of relative velocity: the normal points away from the floor, which is along the node's first direction.
-        let sign = |row: usize| if row % dimension == 0 { -1.0 } else { 1.0 };
+        let sign = |row: usize| if row.is_multiple_of(dimension) { -1.0 } else { 1.0 };
         let mut entries = Vec::new();
         for column in 0..n {
             let mut unit = vec![0.0; n];
