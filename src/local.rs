@@ -36,15 +36,17 @@ mod judge;
 mod law;
 mod newton;
 mod order;
+mod record;
 mod scaled;
 mod single;
 mod sweeps;
 mod system;
 
-pub use cascade::{CascadeSettings, LocalStatus, Solved, Stage, StageRecord, solve};
+pub use cascade::solve;
 pub use error::LocalProblemError;
 use error::{expect_finite, expect_length};
 pub use errors::{LocalErrors, SOLVED};
+pub use record::{CascadeSettings, LocalStatus, Solved, Stage, StageRecord};
 
 use crate::sparse::Csc;
 
