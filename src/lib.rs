@@ -11,7 +11,7 @@
 //! Data flows one way: [`scene`] (TOML) → [`model`] ([`mesh`], [`fem`], [`contact`]) → [`problem`]
 //! (algebra only) → [`formulation`] (the equations `H(z) = 0` and their Jacobian on one fixed
 //! pattern) → [`nonlinear`] (Algorithms BN and IP) with [`linear`] (sparse LU) → [`history`] (increments and
-//! verdicts) → [`report`]. [`events`] follows the exact path in time instead. [`run`] is the door to all of it. [`solvability`] tells beforehand what to expect of a
+//! verdicts) → [`report`]. [`local`] solves problems in contact forces alone, whose matrix may be singular. [`events`] follows the exact path in time instead. [`run`] is the door to all of it. [`solvability`] tells beforehand what to expect of a
 //! problem, [`uniqueness`] afterwards how far friction is from making a solution ambiguous.
 //!
 //! ```

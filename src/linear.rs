@@ -47,6 +47,7 @@ mod versions;
 pub use self::faer::FaerLu;
 pub use choice::{SparseCholesky, SparseLu};
 pub use cholesky::{Cholesky, Reduced};
+pub(crate) use dense::Lu;
 pub use dense::{Dense, times_transposed};
 pub use direct::{Direct, Statistics};
 pub use error::LinearError;

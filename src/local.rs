@@ -26,14 +26,27 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod cascade;
 mod error;
 mod errors;
+mod factors;
+mod interior;
+mod islands;
+mod judge;
+mod law;
+mod newton;
+mod order;
+mod record;
+mod scaled;
+mod single;
 mod sweeps;
+mod system;
 
+pub use cascade::solve;
 pub use error::LocalProblemError;
 use error::{expect_finite, expect_length};
 pub use errors::{LocalErrors, SOLVED};
-pub use sweeps::{CascadeSettings, LocalStatus, Solved, Stage, StageRecord, solve};
+pub use record::{CascadeSettings, LocalStatus, Solved, Stage, StageRecord};
 
 use crate::sparse::Csc;
 
@@ -106,7 +119,10 @@ impl LocalProblem {
         if let Some(u) = u {
             self.check("u", u)?;
         }
-        Ok(errors::measure(self, r, u))
+        Ok(match u {
+            Some(u) => errors::measure_given(self, r, u),
+            None => errors::measure(self, r),
+        })
     }
 
     /// Whether there is one finite number for each row.

@@ -36,7 +36,7 @@ mod lu;
 
 use blocks::Blocks;
 use local::Local;
-use lu::Lu;
+pub(crate) use lu::Lu;
 pub use lu::times_transposed;
 
 /// A dense solver that eliminates the contact rows node by node.

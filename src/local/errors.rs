@@ -57,17 +57,39 @@ fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
-/// The errors of forces `r` and velocities `u`, which are worked out where they are not `given`.
-pub(super) fn measure(problem: &LocalProblem, r: &[f64], given: Option<&[f64]>) -> LocalErrors {
-    let exact = velocities(problem, r);
-    let u = given.unwrap_or(&exact);
-    let largest = |values: &[f64]| values.iter().fold(0.0, |m, value| larger(value.abs(), m));
+/// The errors of forces `r`, with the velocities that follow from them.
+pub(super) fn measure(problem: &LocalProblem, r: &[f64]) -> LocalErrors {
+    judged(problem, r).1
+}
+
+/// The velocities that follow from forces `r`, and the errors.
+pub(super) fn judged(problem: &LocalProblem, r: &[f64]) -> (Vec<f64>, LocalErrors) {
+    let u = velocities(problem, r);
+    let errors = of_laws(problem, r, &u);
+    (u, errors)
+}
+
+/// The errors of forces `r` and velocities `u`, wherever these come from.
+pub(super) fn measure_given(problem: &LocalProblem, r: &[f64], u: &[f64]) -> LocalErrors {
+    let velocity = larger(largest(u), largest(problem.q()));
+    let missed = velocities(problem, r).iter().zip(u).fold(0.0, |m, (exact, u)| larger((exact - u).abs(), m));
+    LocalErrors { equilibrium: over(missed, velocity), ..of_laws(problem, r, u) }
+}
+
+/// The largest size.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |m, value| larger(value.abs(), m))
+}
+
+/// `value / scale`, where nothing is 0 of nothing.
+fn over(value: f64, scale: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value / scale }
+}
+
+/// The errors of the laws.
+fn of_laws(problem: &LocalProblem, r: &[f64], u: &[f64]) -> LocalErrors {
     let (force, velocity) = (largest(r), larger(largest(u), largest(problem.q())));
-    let over = |value: f64, scale: f64| if value == 0.0 { 0.0 } else { value / scale };
     let mut errors = LocalErrors::default();
-    for (own, exact) in u.iter().zip(&exact) {
-        errors.equilibrium = larger(over((own - exact).abs(), velocity), errors.equilibrium);
-    }
     let d = problem.dimension();
     for (i, mu) in problem.mu().iter().enumerate() {
         let part = |from: &[f64], scale: f64| {
@@ -118,5 +140,88 @@ fn contact(r_n: f64, r_t: [f64; 2], u_n: f64, u_t: [f64; 2], mu: f64) -> Contact
         cone: if friction > radius { friction - radius } else { 0.0 },
         dissipation: if mu > 0.0 { slip.min(size(missing)) } else { 0.0 },
         natural_map: normal.hypot(size(tangential)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sparse::Csc;
+
+    /// Two unit masses that fall on a floor at 2 and slide at 3 and 0.5; friction holds the second.
+    fn masses() -> LocalProblem {
+        let delassus = Csc::from_triplets(4, 4, &[(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0), (3, 3, 1.0)]).unwrap();
+        LocalProblem::new(2, delassus, vec![-2.0, 3.0, -2.0, 0.5], vec![0.5; 2]).unwrap()
+    }
+
+    const FORCES: [f64; 4] = [2.0, -1.0, 2.0, -0.5];
+
+    #[test]
+    fn the_solution_has_no_error() {
+        assert_eq!(masses().errors(&FORCES, None).unwrap(), LocalErrors::default());
+        assert_eq!(masses().errors(&FORCES, Some(&[0.0, 2.0, 0.0, 0.0])).unwrap(), LocalErrors::default());
+    }
+
+    /// Forces and velocities that break one law each, with the error worked out by hand: forces are compared with 2, velocities with 3.
+    #[test]
+    fn each_law_is_missed() {
+        let of = |r: [f64; 4], u: Option<[f64; 4]>| masses().errors(&r, u.as_ref().map(|u| &u[..])).unwrap();
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{a} {b}");
+        // A pressure that is too small lets it in; one that is too large is there although the mass flies off.
+        near(of([1.7, -0.85, 2.0, -0.5], None).normal, 0.1);
+        near(of([2.0, -1.0, 2.5, -0.5], None).normal, 0.5 / 3.0);
+        near(of([-0.5, 0.0, 2.0, -0.5], Some([0.0; 4])).normal, 0.25);
+        // More friction than there is; less than slip asks for; none at all.
+        near(of([2.0, -1.2, 2.0, -0.5], None).cone, 0.1);
+        near(of([2.0, -0.8, 2.0, -0.5], None).dissipation, 0.1);
+        near(of([2.0, 0.0, 2.0, -0.5], None).dissipation, 0.5);
+        let along = of([2.0, 1.0, 2.0, -0.5], None);
+        near(along.dissipation, 1.0);
+        assert_eq!(along.contact, 0);
+        assert_eq!(of([2.0, -1.0, 2.0, 0.0], None).contact, 1);
+        // Velocities that are not those of the forces.
+        near(of(FORCES, Some([0.0, 2.0, 0.0, 0.3])).equilibrium, 0.1);
+        // Whatever law is missed, the natural map sees it.
+        for r in
+            [[1.7, -0.85, 2.0, -0.5], [2.0, -0.8, 2.0, -0.5], [2.0, -1.2, 2.0, -0.5], [2.0, 1.0, 2.0, -0.5], [0.0; 4]]
+        {
+            assert!(of(r, None).natural_map > 0.05 && !of(r, None).within(SOLVED), "{r:?}");
+        }
+    }
+
+    /// Forces 1e9 and velocities 1e-9 times as large: powers of two, so that it is the same to the last bit.
+    #[test]
+    fn errors_have_no_unit() {
+        let (force, velocity) = (2.0_f64.powi(30), 2.0_f64.powi(-30));
+        let entries: Vec<_> = (0..4).map(|k| (k, k, velocity / force)).collect();
+        let q = masses().q().iter().map(|q| q * velocity).collect();
+        let other = LocalProblem::new(2, Csc::from_triplets(4, 4, &entries).unwrap(), q, vec![0.5; 2]).unwrap();
+        let r = [1.9, -1.0, 2.1, 0.4];
+        let there = other.errors(&r.map(|r| r * force), None).unwrap();
+        assert_eq!(there, masses().errors(&r, None).unwrap());
+    }
+
+    #[test]
+    fn what_is_no_number_is_no_solution() {
+        let error = masses().errors(&[f64::NAN, 0.0, 0.0, 0.0], None).unwrap_err();
+        assert_eq!(error.to_string(), "r[0] is NaN, but must be finite");
+        let error = masses().errors(&FORCES, Some(&[0.0; 3])).unwrap_err();
+        assert_eq!(error.to_string(), "u: there are 3, but must be 4, one for each direction of each contact in mu");
+        let nan = LocalErrors { natural_map: f64::NAN, ..LocalErrors::default() };
+        assert!(!nan.within(1.0) && nan.worst().is_nan());
+        // Sums that overflow are no solution either.
+        let entries = [(0, 0, 1e300), (1, 1, 1.0)];
+        let huge =
+            LocalProblem::new(2, Csc::from_triplets(2, 2, &entries).unwrap(), vec![-1.0, 0.0], vec![0.5]).unwrap();
+        assert!(!huge.errors(&[1e300, 0.0], None).unwrap().within(SOLVED));
+        // Where W r and q cancel, what is left is exact.
+        let r = [1.0 + f64::EPSILON, 0.0];
+        let one = LocalProblem::new(
+            2,
+            Csc::from_triplets(2, 2, &[(0, 0, 1.0 - f64::EPSILON)]).unwrap(),
+            vec![-1.0, 0.0],
+            vec![0.5],
+        );
+        assert_eq!(velocities(&one.unwrap(), &r)[0], -f64::EPSILON * f64::EPSILON);
     }
 }

@@ -54,6 +54,17 @@ impl Csr {
         Self::from_rows(columns, rows).expect("rows of the crate's own matrices")
     }
 
+    /// The matrix with these rows, in which no column stands twice: a dense one is made as fast as it is read. Zeros stay.
+    pub(crate) fn of_distinct(columns: usize, rows: Vec<Vec<(usize, f64)>>) -> Self {
+        let mut matrix = Csr { columns, starts: vec![0], entries: Vec::with_capacity(rows.iter().map(Vec::len).sum()) };
+        for row in rows {
+            debug_assert!(row.iter().all(|&(column, _)| column < columns));
+            matrix.entries.extend(row);
+            matrix.starts.push(matrix.entries.len());
+        }
+        matrix
+    }
+
     /// The matrix with so many rows, all of them empty.
     pub fn empty(rows: usize, columns: usize) -> Self {
         Csr { columns, starts: vec![0; rows + 1], entries: Vec::new() }

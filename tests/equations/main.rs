@@ -23,6 +23,7 @@ mod ip_step;
 mod jacobian_fd;
 mod labels;
 mod left_out;
+mod local;
 mod matrices;
 mod neutral;
 mod own_method;

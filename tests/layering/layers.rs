@@ -27,6 +27,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("formulation", &["contact", "null_space", "problem", "sparse", "units", "vector"]),
     ("linear", &["sets", "sparse", "vector"]),
     ("jobs", &["linear"]),
+    ("local", &["linear", "sets", "sparse", "vector"]),
     ("nonlinear", &["formulation", "linear", "sparse", "units"]),
     ("condense", &["linear", "loading", "problem", "sparse"]),
     ("events", &["contact", "formulation", "linear", "loading", "problem", "sets", "sparse", "units", "vector"]),

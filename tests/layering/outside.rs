@@ -19,7 +19,14 @@ pub const LIBRARY: &[Places] = &[
     ("crc32fast", &["checkpoint.rs"]),
     (
         "faer",
-        &["events/coordinates.rs", "events/dictionary.rs", "linear/", "problem/contact_stiffness.rs", "uniqueness.rs"],
+        &[
+            "events/coordinates.rs",
+            "events/dictionary.rs",
+            "linear/",
+            "local/factors.rs",
+            "problem/contact_stiffness.rs",
+            "uniqueness.rs",
+        ],
     ),
     ("indicatif", &["cli/progress.rs"]),
     ("libc", &["linear/blas/room.rs", "linear/process.rs", "linear/process/allocator.rs"]),

@@ -41,7 +41,7 @@ pub fn times_transposed(l: &[f64], m: usize) -> Vec<f64> {
 const MERE_ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 /// The factors of `P A = L U`.
-pub(super) struct Lu {
+pub(crate) struct Lu {
     /// `L` below the diagonal, its own being 1, and `U`.
     factors: Mat<f64>,
     /// Row `k` of `P A` is row `permutation[k]` of `A`.
@@ -56,7 +56,7 @@ impl Lu {
     /// # Errors
     /// [`LinearError::Singular`] when a pivot vanishes or may be mere rounding, which faer does not
     /// look at; [`LinearError::NotFinite`] when an entry is no number.
-    pub(super) fn new(mut a: Mat<f64>, sizes: &[f64]) -> Result<Self, LinearError> {
+    pub(crate) fn new(mut a: Mat<f64>, sizes: &[f64]) -> Result<Self, LinearError> {
         let n = a.nrows();
         if !a.is_all_finite() {
             return Err(LinearError::NotFinite);
@@ -96,7 +96,7 @@ impl Lu {
     }
 
     /// Solves `A x = b`.
-    pub(super) fn solve(&self, b: &[f64]) -> Vec<f64> {
+    pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
         let mut x: Vec<f64> = self.permutation.iter().map(|&row| b[row]).collect();
         for column in 0..x.len() {
             let (head, below) = x.split_at_mut(column + 1);
