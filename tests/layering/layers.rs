@@ -129,7 +129,6 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "sparse",
         ],
     ),
-    ("local", &["sparse"]),
     (
         "run",
         &[
