@@ -74,6 +74,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "description",
             "fault",
             "fem",
+            "linear",
             "loading",
             "mesh",
             "problem",
