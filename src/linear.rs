@@ -8,7 +8,7 @@
 
 use std::sync::Arc;
 
-use crate::sparse::Pattern;
+use crate::sparse::{Pattern, SystemMatrix};
 
 pub mod blas;
 pub mod built_in;
@@ -22,6 +22,8 @@ mod direct;
 mod error;
 #[cfg(feature = "faer")]
 mod faer;
+#[cfg(feature = "mpi")]
+mod help;
 mod kernel;
 #[cfg(feature = "petsc")]
 mod multigrid;
@@ -51,9 +53,11 @@ pub(crate) use dense::Lu;
 pub use dense::{Dense, times_transposed};
 pub use direct::{Direct, Statistics};
 pub use error::LinearError;
+#[cfg(feature = "mpi")]
+pub use help::{Body, help};
 pub use kernel::null_space_of;
 #[cfg(feature = "petsc")]
-pub use multigrid::{Contact, Form, Grid, Multigrid};
+pub use multigrid::{Contact, Form, Grid, Multigrid, share};
 #[cfg(feature = "mumps")]
 pub use mumps::Mumps;
 pub use refine::{SolveInfo, backward_error, componentwise_error};
@@ -100,6 +104,22 @@ pub trait LinearSolver: Send {
     /// # Errors
     /// When there are no factors, or the backend fails.
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError>;
+
+    /// [`LinearSolver::analyze`] for matrices like `a`, of which a dense or shared block may not be among compressed columns.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::analyze`].
+    fn analyze_system(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
+        self.analyze(a.to_csc().pattern())
+    }
+
+    /// [`LinearSolver::factorize`] of `a`, likewise.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::factorize`].
+    fn factorize_system(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
+        self.factorize(a.to_csc().values())
+    }
 
     /// Whether it solves by iterations, of which each digit takes some.
     fn iterates(&self) -> bool {

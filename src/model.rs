@@ -4,6 +4,7 @@ mod balance;
 mod bodies;
 mod carrying;
 mod contact;
+mod discrete;
 mod element;
 mod energy;
 mod load;
@@ -14,12 +15,14 @@ mod pair_state;
 mod place;
 mod range;
 mod recovery;
+mod shared;
 mod stress;
 mod support;
 
 pub use balance::{Balance, Wrench};
 pub use pair::Pair;
 pub use pair_state::Slid;
+pub use shared::{Body, Share};
 
 use std::sync::Arc;
 
@@ -27,8 +30,10 @@ use crate::contact::{ContactBoundary, ContactNode, ObstacleMotion, PlacedObstacl
 use crate::description::Description;
 use crate::fault::Fault;
 use crate::fem::{
-    Dofs, Elasticity, Element, HeldRows, InvertedElement, NodalVolumes, Plane, RigidMotion, Spring, unresisted_motions,
+    Dofs, Elasticity, Element, HeldRows, InvertedElement, NodalVolumes, Plane, RigidMotion, Spring, assemble,
+    unresisted_motions,
 };
+use crate::linear::LinearError;
 use crate::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::problem::{ContactProblem, Parts, ProblemError};
@@ -39,8 +44,8 @@ use crate::units::{Scaling, UnitSystem};
 use balance::Statics;
 use carrying::Carrying;
 use contact::Contacts;
-use load::{Body, FreeStrain};
-use pair::Pairs;
+use discrete::Discrete;
+use load::FreeStrain;
 use recovery::Recovery;
 use support::Moved;
 
@@ -103,6 +108,9 @@ pub enum ModelError {
     /// An element of the mesh is not sound.
     #[error(transparent)]
     Element(#[from] InvertedElement),
+    /// Those that share the stiffness cannot go on.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
 }
 
 impl From<MeshError> for ModelError {
@@ -120,7 +128,19 @@ impl Model {
     /// # Errors
     /// As [`Model::build`]; the message names file and line.
     pub fn new(scene: &Scene) -> Result<Self, ModelError> {
-        Self::build(&scene.description).map_err(|error| match error {
+        Self::of_scene(scene, None)
+    }
+
+    /// The same with a stiffness that is shared as `share` does it, where that can be.
+    ///
+    /// # Errors
+    /// As [`Model::new`], and as `share`.
+    pub fn shared(scene: &Scene, share: Share<'_>) -> Result<Self, ModelError> {
+        Self::of_scene(scene, Some(share))
+    }
+
+    fn of_scene(scene: &Scene, share: Option<Share<'_>>) -> Result<Self, ModelError> {
+        Self::assembled(&scene.description, share).map_err(|error| match error {
             ModelError::Description(fault) => ModelError::Scene(scene.located(fault)),
             other => other,
         })
@@ -132,20 +152,21 @@ impl Model {
     /// When a value is not possible, or contradicts the mesh: a boundary that is not there, an obstacle in front of
     /// nothing, contact where supports hold the body inside the obstacle, nothing free; the message names the key.
     pub fn build(description: &Description) -> Result<Self, ModelError> {
-        description.check()?;
-        let mesh = meridian::meridian(description, description.mesh.made()?)?;
-        description.formulas_suit(mesh.dimension)?;
-        bodies::keep_apart(description, &mesh)?;
-        let holdings = support::holdings(description, &mesh)?;
-        let dofs = support::dofs(&mesh, &holdings)?;
-        let element = element::element(description, &mesh)?;
-        let materials = description.material.laws(&mesh)?;
-        let mut pairs = Pairs::new(description, &mesh, &dofs, &materials)?;
-        let dofs = pairs.dofs(description, &mesh, dofs)?;
-        let volumes = NodalVolumes::new(&mesh, element, |e| materials[e])?;
-        let beds = load::springs(description, &mesh)?;
+        Self::assembled(description, None)
+    }
+
+    fn assembled(description: &Description, share: Option<Share<'_>>) -> Result<Self, ModelError> {
+        let discrete = Discrete::new(description)?;
+        let sharing = share.and_then(|share| Some((share, Body::on(&discrete)?)));
+        let Discrete { mesh, holdings, dofs, element, materials, pairs, volumes, beds } = discrete;
+        let law = |e: usize| materials[e];
         let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
-        let (stiffness, rows) = HeldRows::beside(&mesh, &dofs, element, &volumes, |e| materials[e], &springs)?;
+        let (stiffness, rows) = if sharing.is_some() {
+            (None, HeldRows::alone(&mesh, &dofs, element, law)?)
+        } else {
+            let (stiffness, rows) = HeldRows::beside(&mesh, &dofs, element, &volumes, law, &springs)?;
+            (Some(stiffness), rows)
+        };
         let carrying = Carrying::new(description, &mesh, &pairs, holdings.iter().flatten().map(|(node, ..)| *node))?;
         let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, &carrying)?;
 
@@ -160,7 +181,7 @@ impl Model {
             Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))
         };
         let thin = description.material.plane == Some(Plane::Stress);
-        let body = Body { description, mesh: &mesh, element, volumes: &volumes, thin, materials: &materials };
+        let body = load::Body { description, mesh: &mesh, element, volumes: &volumes, thin, materials: &materials };
         let (mut cases, mut forces, mut thermal) = (Vec::new(), Vec::new(), Vec::new());
         let end = description.end();
         for (k, load) in description.loads.iter().enumerate() {
@@ -191,6 +212,14 @@ impl Model {
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &pairs.ties(&dofs));
+        let shared = match &sharing {
+            Some((share, body)) => body.stiffness(&contacts, share)?,
+            None => None,
+        };
+        let stiffness = match stiffness.or(shared) {
+            Some(stiffness) => stiffness,
+            None => assemble(&mesh, &dofs, element, law)?,
+        };
         let problem = ContactProblem::new(Parts {
             stiffness,
             c_n: map(&contacts, |contact| &contact.normal),

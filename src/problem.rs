@@ -250,10 +250,7 @@ impl ContactProblem {
         }
         let mut balance = vec![Twofold::default(); state.u.len()];
         let (u, rest) = self.strained(state);
-        for (row, column, value) in self.stiffness().entries() {
-            balance[row].add_product(value, u[column]);
-            balance[row].add(value * rest[column]);
-        }
+        self.stiffness().add_beyond(&u, &rest, &mut balance);
         for (map, forces) in [(self.c_n(), &state.p_n), (self.c_t(), &state.p_t), (self.c_o(), &state.p_o)] {
             for (i, p) in forces.iter().enumerate() {
                 map.row(i).iter().for_each(|&(dof, c)| balance[dof].add_product(c, *p));

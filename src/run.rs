@@ -31,6 +31,7 @@ mod grid;
 mod increments;
 mod need;
 mod recording;
+mod sharing;
 mod suited;
 mod watch;
 
@@ -143,14 +144,13 @@ impl<'a> Run<'a> {
         } else {
             Reach::default()
         };
-        let choice = match solver.linear {
-            Some(linear) => Choice::named(linear),
-            None => {
-                let means = means(&model, solver.method, budget);
-                Choice::cheapest(&model.problem, &reach, solver.method, times.len(), means)?
-            }
+        let choice = if let Some(linear) = solver.linear {
+            Choice::named(linear)
+        } else {
+            let means = means(&model, solver.method, budget);
+            Choice::cheapest(&model.problem, &reach, solver.method, times.len(), means)?
         };
-        Need::check(&model, choice.linear, budget)?;
+        sharing::check(&model, choice.linear, budget)?;
         let model_seconds = start.elapsed().as_secs_f64();
         let (uniqueness, companion, from) = (false, false, None);
         Ok(Run { scene, model, times, solver, choice, budget, reach, uniqueness, companion, from, model_seconds })
@@ -387,7 +387,8 @@ impl<'a> Run<'a> {
 
     /// What would have been much faster than the linear algebra that somebody named.
     fn faster(&self, linear: &str, done: &Done) -> Result<Option<Faster>, LinearError> {
-        if linear != self.choice.linear.to_string() {
+        // Who shares a stiffness has none for others to look at.
+        if linear != self.choice.linear.to_string() || self.model.problem.stiffness().shared().is_some() {
             return Ok(None);
         }
         let means = means(&self.model, self.solver.method, self.budget);

@@ -1,7 +1,7 @@
 //! Sparse matrices: an immutable [`Pattern`] that many value arrays share, compressed columns ([`Csc`]) for what is
 //! factored, half of them ([`Symmetric`]) for the stiffness, compressed rows ([`Csr`]) for the short rows of the contact
-//! maps. The stiffness of a condensed body is dense ([`DenseSymmetric`]), and stands as such in the matrices that are factored
-//! ([`SystemMatrix`]).
+//! maps. The stiffness of a condensed body is dense ([`DenseSymmetric`]), that of a body whose rows several processes have is shared
+//! ([`SharedSymmetric`]), and both stand as such in the matrices that are solved with ([`SystemMatrix`]).
 //!
 //! No field of theirs can be reached from outside, and every constructor refuses what does not fit with a
 //! [`MatrixError`]: the direct solvers, C among them, read these arrays by the lengths they state.
@@ -23,7 +23,9 @@ mod dense;
 mod error;
 mod lanes;
 mod matrix_market;
+mod node_rows;
 mod pattern;
+mod shared;
 mod symmetric;
 mod system;
 mod twofold;
@@ -35,7 +37,9 @@ pub(crate) use dense::mirror;
 pub use error::MatrixError;
 pub(crate) use lanes::{LANES, Lanes, lane, side_by_side};
 pub use matrix_market::{read_matrix_market, write_matrix_market};
+pub use node_rows::NodeRows;
 pub use pattern::Pattern;
+pub use shared::{SharedMatrix, SharedSymmetric};
 pub use symmetric::Symmetric;
 pub use system::SystemMatrix;
 pub use twofold::{Twofold, sum};

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 
 use clap::FromArgMatches;
 use stickslip::history::LinearAlgebra;
-use stickslip::linear::ranks;
+use stickslip::linear::{self, ranks};
+use stickslip::sparse::NodeRows;
 
 use super::{Cli, Command, Failure, interrupt, memory, output, program, threads};
 
@@ -40,13 +41,21 @@ fn helped() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2)),
     };
-    let Command::Run(_) = cli.command else { return ExitCode::SUCCESS };
+    let Command::Run(args) = &cli.command else { return ExitCode::SUCCESS };
     // It may start the program once more, here as on rank 0.
     if cli.kernel_before().is_err() {
         return ExitCode::from(2);
     }
     threads::start(threads::count(cli.threads));
-    match ranks::serve() {
+    // Each assembles rows of its own, of the body that rank 0 has.
+    let mut body = || match args.body() {
+        Ok(body) => body.map(|body| Box::new(body) as Box<dyn NodeRows>),
+        Err(error) => {
+            output::note(&error);
+            None
+        }
+    };
+    match linear::help(&mut body) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             output::note(&error.to_string());

@@ -17,6 +17,8 @@ use stickslip::formulation::{Layout, NewtonSystem};
 use stickslip::history::{IncrementError, Method, Status, WorkingSet};
 use stickslip::linear::blas::Blas;
 use stickslip::memory::Budget;
+#[cfg(feature = "mpi")]
+use stickslip::model::Body;
 use stickslip::model::Model;
 use stickslip::report::{
     Acting, BalanceRecord, Claim, CompanionEstimate, ComponentSums, LeftOut, ProbeTable, RankRecord, ResultFolder,
@@ -67,6 +69,15 @@ pub(super) struct RunArgs {
     companion: bool,
     #[command(flatten)]
     increments: IncrementArgs,
+}
+
+impl RunArgs {
+    /// What a rank assembles its rows of, if that can be shared.
+    #[cfg(feature = "mpi")]
+    pub(super) fn body(&self) -> Result<Option<Body>, String> {
+        let scene = self.scene.read().map_err(|error| error.to_string())?;
+        Body::of(&scene.description).map_err(|error| error.to_string())
+    }
 }
 
 /// On `count` threads. `kernel_before`: the kernel of the BLAS before the program started itself again.

@@ -77,21 +77,38 @@ pub(super) fn assemble_watched(
             }
         }
     };
-    let of_cell = |e: usize| {
-        let (whole, cell) = (material(e), &mesh.cells[e]);
-        let law = if volumes.of_cell(e).is_empty() { whole } else { whole.deviatoric() };
-        let stiffness = element_stiffness(cell.kind, mesh.geometry, &mesh.points(&cell.nodes), element, &law);
-        stiffness.ok_or_else(|| InvertedElement::of(mesh, e))
+    let law = |e: usize| {
+        let whole = material(e);
+        if volumes.of_cell(e).is_empty() { whole } else { whole.deviatoric() }
     };
-    for first in (0..mesh.cells.len()).step_by(TOGETHER) {
-        let cells = first..mesh.cells.len().min(first + TOGETHER);
-        let together: Vec<_> = cells.clone().into_par_iter().map(of_cell).collect();
-        for (e, stiffness) in cells.zip(together) {
-            add(&mesh.cells[e].nodes, stiffness?);
-        }
-    }
+    each_stiffness(mesh, element, law, mesh.cells.len(), |k| k, &mut add)?;
     for volume in volumes.iter() {
         add(volume.nodes(), volume.stiffness(mesh.dimension));
     }
     Ok(k)
+}
+
+/// Calls with the nodes and the stiffness of `count` cells, one after the other, of which number `k` is `cell(k)`.
+pub(super) fn each_stiffness(
+    mesh: &Mesh,
+    element: Element,
+    law: impl Fn(usize) -> Elasticity + Sync,
+    count: usize,
+    cell: impl Fn(usize) -> usize + Sync,
+    take: &mut impl FnMut(&[usize], Vec<Vec<f64>>),
+) -> Result<(), InvertedElement> {
+    let of_cell = |k: usize| {
+        let e = cell(k);
+        let (law, cell) = (law(e), &mesh.cells[e]);
+        let stiffness = element_stiffness(cell.kind, mesh.geometry, &mesh.points(&cell.nodes), element, &law);
+        stiffness.ok_or_else(|| InvertedElement::of(mesh, e))
+    };
+    for first in (0..count).step_by(TOGETHER) {
+        let cells = first..count.min(first + TOGETHER);
+        let together: Vec<_> = cells.clone().into_par_iter().map(of_cell).collect();
+        for (k, stiffness) in cells.zip(together) {
+            take(&mesh.cells[cell(k)].nodes, stiffness?);
+        }
+    }
+    Ok(())
 }

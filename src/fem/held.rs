@@ -1,11 +1,12 @@
 //! What happens where supports hold a body: their forces on it, and what their motion does to the rest.
 
-use super::assembly::assemble_watched;
+use super::assembly::{assemble_watched, each_stiffness};
 use super::dofs::Dofs;
 use super::elastic::Elasticity;
 use super::facet::NodalForces;
 use super::inverted::InvertedElement;
 use super::nodal_volume::NodalVolumes;
+use super::part::cells_at;
 use super::spring::Spring;
 use super::strain::Element;
 use crate::mesh::Mesh;
@@ -34,30 +35,35 @@ impl HeldRows {
         material: impl Fn(usize) -> Elasticity + Sync,
         springs: &[Spring],
     ) -> Result<(Symmetric, Self), InvertedElement> {
-        let d = mesh.dimension;
-        let followers: std::collections::BTreeSet<usize> = dofs.followers().into_iter().collect();
-        let holds = |node: &usize| dofs.is_held(*node) || followers.contains(node);
-        let nodes: Vec<usize> = (0..mesh.nodes.len()).filter(holds).collect();
-        let place = |node: usize| nodes.binary_search(&node).ok();
-        let mut rows = vec![Vec::new(); 3 * nodes.len()];
-        let mut stiffness = assemble_watched(mesh, dofs, element, volumes, material, |nodes, stiffness| {
-            for (a, &node) in nodes.iter().enumerate().filter(|(_, node)| holds(node)) {
-                let Some(held) = place(node) else { continue };
-                for (c, values) in stiffness[d * a..d * (a + 1)].iter().enumerate() {
-                    let columns = values.iter().enumerate().map(|(j, value)| (3 * nodes[j / d] + j % d, *value));
-                    rows[3 * held + c].extend(columns);
-                }
-            }
-        })?;
+        let mut gathered = Gathered::new(mesh, dofs);
+        let watch = |nodes: &[usize], stiffness: &[Vec<f64>]| gathered.add(nodes, stiffness);
+        let mut stiffness = assemble_watched(mesh, dofs, element, volumes, material, watch)?;
         for spring in springs {
             spring.add_to(&mut stiffness, dofs);
         }
         for (row, column, value) in springs.iter().flat_map(Spring::entries) {
-            if let Some(held) = place(row / 3) {
-                rows[3 * held + row % 3].push((column, value));
+            if let Some(held) = gathered.place(row / 3) {
+                gathered.rows[3 * held + row % 3].push((column, value));
             }
         }
-        Ok((stiffness, HeldRows { rows: Csr::of_rows(3 * mesh.nodes.len(), rows), nodes }))
+        Ok((stiffness, gathered.rows(mesh)))
+    }
+
+    /// These rows alone, of a body without springs and nodal volumes, where others assemble `K`.
+    ///
+    /// # Errors
+    /// [`InvertedElement`] for the first element at these nodes that is not sound.
+    pub fn alone(
+        mesh: &Mesh,
+        dofs: &Dofs,
+        element: Element,
+        material: impl Fn(usize) -> Elasticity + Sync,
+    ) -> Result<Self, InvertedElement> {
+        let mut gathered = Gathered::new(mesh, dofs);
+        let cells = cells_at(mesh, |node| gathered.place(node).is_some());
+        let mut add = |nodes: &[usize], stiffness: Vec<Vec<f64>>| gathered.add(nodes, &stiffness);
+        each_stiffness(mesh, element, material, cells.len(), |k| cells[k], &mut add)?;
+        Ok(gathered.rows(mesh))
     }
 
     /// The nodes, ascending.
@@ -76,6 +82,42 @@ impl HeldRows {
         let mut forces = vec![0.0; self.rows.columns()];
         self.rows.add_transposed(displacements.as_flattened(), &mut forces);
         forces.as_chunks().0.iter().copied().enumerate().filter(|(_, force)| *force != [0.0; 3]).collect()
+    }
+}
+
+/// Rows at the nodes that are held, or follow such nodes, as they add up cell by cell.
+struct Gathered {
+    dimension: usize,
+    nodes: Vec<usize>,
+    rows: Vec<Vec<(usize, f64)>>,
+}
+
+impl Gathered {
+    fn new(mesh: &Mesh, dofs: &Dofs) -> Self {
+        let followers: std::collections::BTreeSet<usize> = dofs.followers().into_iter().collect();
+        let holds = |node: &usize| dofs.is_held(*node) || followers.contains(node);
+        let nodes: Vec<usize> = (0..mesh.nodes.len()).filter(holds).collect();
+        Gathered { dimension: mesh.dimension, rows: vec![Vec::new(); 3 * nodes.len()], nodes }
+    }
+
+    fn place(&self, node: usize) -> Option<usize> {
+        self.nodes.binary_search(&node).ok()
+    }
+
+    /// Adds the stiffness of the cell with these nodes.
+    fn add(&mut self, nodes: &[usize], stiffness: &[Vec<f64>]) {
+        let d = self.dimension;
+        for (a, &node) in nodes.iter().enumerate() {
+            let Some(held) = self.place(node) else { continue };
+            for (c, values) in stiffness[d * a..d * (a + 1)].iter().enumerate() {
+                let columns = values.iter().enumerate().map(|(j, value)| (3 * nodes[j / d] + j % d, *value));
+                self.rows[3 * held + c].extend(columns);
+            }
+        }
+    }
+
+    fn rows(self, mesh: &Mesh) -> HeldRows {
+        HeldRows { rows: Csr::of_rows(3 * mesh.nodes.len(), self.rows), nodes: self.nodes }
     }
 }
 

@@ -200,10 +200,7 @@ impl Bdiff {
         let (mut strained, mut strained_rest) = strained(&self.data.free_motions, &z[..n], &rest[..n]);
         strained.extend(&z[n..]);
         strained_rest.extend(&rest[n..]);
-        for (row, column, value) in self.matrix.matrix().entries() {
-            sums[row].add_product(value, strained[column]);
-            sums[row].add(value * strained_rest[column]);
-        }
+        self.matrix.matrix().add_beyond(&strained, &strained_rest, &mut sums);
         for spring in self.matrix.springs() {
             sums[spring.place].add_product(-spring.stiffness, strained[spring.place]);
             sums[spring.place].add(-spring.stiffness * strained_rest[spring.place]);

@@ -149,18 +149,19 @@ fn sliding(problem: &ContactProblem, layout: &Layout, i: usize) -> Vec<(usize, [
     columns
 }
 
-/// The matrix with these entries, all of them 0 so far, and with `K` if that is dense.
+/// The matrix with these entries, all of them 0 so far, and with `K` if that is dense or shared.
 pub(super) fn matrix_with(entries: Pattern, problem: &ContactProblem, scaling: &Scaling) -> SystemMatrix {
-    let leading = problem.stiffness().dense().map(|dense| dense.scaled(1.0 / scaling.stiffness()));
-    SystemMatrix::of(leading, entries)
+    SystemMatrix::of(problem.stiffness(), 1.0 / scaling.stiffness(), entries)
 }
 
-/// Names the entries of the equilibrium rows, `K`, `C_nᵀ`, `C_tᵀ` and `C_oᵀ`; of a dense `K` the diagonal, to which springs are
-/// added.
+/// Names the entries of the equilibrium rows, `K`, `C_nᵀ`, `C_tᵀ` and `C_oᵀ`; of a dense or shared `K` the diagonal, to which springs
+/// are added.
 pub(super) fn take_equilibrium(problem: &ContactProblem, layout: &Layout, take: &mut dyn FnMut(usize, usize)) {
-    match problem.stiffness().dense() {
-        None => problem.stiffness().entries().for_each(|(row, column, _)| take(row, column)),
-        Some(dense) => (0..dense.order()).for_each(|place| take(place, place)),
+    let stiffness = problem.stiffness();
+    if stiffness.dense().is_some() || stiffness.shared().is_some() {
+        (0..stiffness.order()).for_each(|place| take(place, place));
+    } else {
+        stiffness.entries().for_each(|(row, column, _)| take(row, column));
     }
     for i in 0..layout.contacts() {
         problem.c_n().row(i).iter().for_each(|&(dof, _)| take(dof, layout.p_n(i)));
@@ -179,9 +180,9 @@ pub(super) fn write_equilibrium(
     layout: &Layout,
     scaling: &Scaling,
 ) {
-    let dense = matrix.leading().is_some();
+    let stands_beside = matrix.has_leading();
     let (pattern, values) = matrix.rest_mut().parts_mut();
-    if !dense {
+    if !stands_beside {
         // The rows of each column come in ascending order, and those of K are the first: no search.
         let mut next: Vec<usize> = pattern.column_starts().iter().map(|&start| start as usize).collect();
         for (row, column, value) in problem.stiffness().entries() {

@@ -58,14 +58,14 @@ enum Solver {
 impl Solver {
     fn analyze(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
         match self {
-            Solver::Sparse(solver) => solver.analyze(a.to_csc().pattern()),
+            Solver::Sparse(solver) => solver.analyze_system(a),
             Solver::Dense(solver) => solver.analyze(a),
         }
     }
 
     fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
         match self {
-            Solver::Sparse(solver) => solver.factorize(a.to_csc().values()),
+            Solver::Sparse(solver) => solver.factorize_system(a),
             Solver::Dense(solver) => solver.factorize(a),
         }
     }

@@ -56,9 +56,12 @@ pub struct Mumps {
     retries: usize,
 }
 
+/// Pattern, places of the entries, and the instance.
+type Analyzed<'a> = (&'a Pattern, &'a mut [Vec<c_int>; 2], &'a mut Shared<Instance>);
+
 impl Mumps {
     /// The instance and what it takes with it, once there is an analysis.
-    fn analyzed(&mut self) -> Result<(&Pattern, &mut [Vec<c_int>; 2], &mut Shared<Instance>), LinearError> {
+    fn analyzed(&mut self) -> Result<Analyzed<'_>, LinearError> {
         match (&self.pattern, &mut self.shared) {
             (Some(pattern), Some(shared)) => Ok((pattern, &mut self.places, shared)),
             _ => Err(LinearError::Order { missing: "analyze" }),

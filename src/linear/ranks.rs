@@ -36,6 +36,8 @@ pub(super) enum Kind {
     Mumps,
     #[cfg(feature = "petsc")]
     Amg,
+    #[cfg(feature = "petsc")]
+    Stiffness,
 }
 
 impl Kind {
@@ -44,18 +46,13 @@ impl Kind {
         Kind::Mumps,
         #[cfg(feature = "petsc")]
         Kind::Amg,
+        #[cfg(feature = "petsc")]
+        Kind::Stiffness,
     ];
-
-    /// The part of a rank other than 0.
-    fn part(self, world: &World) -> Result<Box<dyn Part>, LinearError> {
-        Ok(match self {
-            #[cfg(feature = "mumps")]
-            Kind::Mumps => Box::new(super::mumps::Instance::new(world)),
-            #[cfg(feature = "petsc")]
-            Kind::Amg => Box::new(super::petsc::Share::dealt(world)?),
-        })
-    }
 }
+
+/// Makes a rank's part of something that is shared.
+type Make<'a> = &'a mut dyn FnMut(Kind, &World) -> Result<Box<dyn Part>, LinearError>;
 
 /// What rank 0 tells the others: what to do, with which object, and which kind or job that is.
 type Command = [i64; 3];
@@ -105,7 +102,7 @@ impl State {
 }
 
 /// Starts MPI, unless it runs: this process' rank, and how many there are. Without a launcher that is rank 0 of 1. Who is not rank 0
-/// has to [`serve`].
+/// has to [`help`](super::help).
 ///
 /// # Errors
 /// Where MPI does not bear calls of several threads, one at a time, or has ended.
@@ -113,12 +110,12 @@ pub fn start() -> Result<(usize, usize), LinearError> {
     state().running().map(|world| (world.rank(), world.size()))
 }
 
-/// What a rank other than 0 does from its start on: it helps rank 0, and comes back when that ends MPI.
+/// What a rank other than 0 does from its start on: it helps rank 0 with the parts that it makes, and comes back when that ends MPI.
 ///
 /// # Errors
 /// As [`start`], and where this rank cannot do its part: the process has to end then, without a word to MPI, whose launcher ends the
 /// others. On rank 0 it returns at once.
-pub fn serve() -> Result<(), LinearError> {
+pub(super) fn serve(make: Make<'_>) -> Result<(), LinearError> {
     let mut state = state();
     let world = state.running()?;
     if world.rank() == 0 {
@@ -132,7 +129,7 @@ pub fn serve() -> Result<(), LinearError> {
             NEW => {
                 let kind = Kind::ALL.iter().find(|kind| **kind as i64 == what);
                 if let Some(kind) = kind {
-                    parts.insert(id, kind.part(world)?);
+                    parts.insert(id, make(*kind, world)?);
                 }
             }
             RUN => {

@@ -4,7 +4,7 @@ use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 
 use super::ContactProblem;
-use crate::sparse::{Csr, Symmetric};
+use crate::sparse::{Csc, Csr};
 use crate::vector::median;
 
 /// The displacements that share a stiffness entry with the normal motion of a contact node, ascending: with finite
@@ -25,14 +25,16 @@ impl ContactProblem {
     /// ever meets. Where the patch could move as a rigid body it is a quarter of the node's own `(C_n K C_nᵀ)_ii`,
     /// which in a uniform mesh is about the same.
     pub fn contact_stiffness(&self) -> Vec<f64> {
-        let patches = patches(self.stiffness(), self.c_n());
+        // Of a shared matrix, too, what there is reaches as far as the patches.
+        let at_hand = self.stiffness().at_hand();
+        let patches = patches(&at_hand, self.c_n());
         let mut last: Option<(&Patch, Option<Llt<f64>>)> = None;
         let mut stiffness = Vec::with_capacity(patches.len());
         for (i, patch) in patches.iter().enumerate() {
             // In a dense matrix all patches are the same.
             let factors = match last.take() {
                 Some((same, factors)) if same == patch => factors,
-                _ => self.factors(patch),
+                _ => self.factors(&at_hand, patch),
             };
             let compliance = factors.as_ref().map(|factors| compliance(factors, patch, self.c_n().row(i)));
             let own = self.own_stiffness(i);
@@ -57,12 +59,11 @@ impl ContactProblem {
     }
 
     /// `K_PP`, factored. None where the patch is all that moves and nothing stops it, or where it is singular.
-    fn factors(&self, patch: &Patch) -> Option<Llt<f64>> {
+    fn factors(&self, at_hand: &Csc, patch: &Patch) -> Option<Llt<f64>> {
         if patch.len() == self.displacements() && !self.free_motions.is_empty() {
             return None;
         }
-        let lower = self.stiffness().lower();
-        let (pattern, values) = (lower.pattern(), lower.values());
+        let (pattern, values) = (at_hand.pattern(), at_hand.values());
         let mut matrix = Mat::zeros(patch.len(), patch.len());
         for (j, &column) in patch.iter().enumerate() {
             for slot in pattern.column(column) {
@@ -89,14 +90,15 @@ fn compliance(factors: &Llt<f64>, patch: &Patch, row: &[(usize, f64)]) -> f64 {
 }
 
 /// The patch of each contact node.
-fn patches(stiffness: &Symmetric, c_n: &Csr) -> Vec<Patch> {
-    let mut nodes_of = vec![Vec::new(); stiffness.order()];
+fn patches(at_hand: &Csc, c_n: &Csr) -> Vec<Patch> {
+    let mut nodes_of = vec![Vec::new(); c_n.columns()];
     for i in 0..c_n.rows() {
         c_n.row(i).iter().for_each(|&(dof, _)| nodes_of[dof].push(i));
     }
     let mut patches = vec![Patch::new(); c_n.rows()];
-    for (row, column, _) in stiffness.entries() {
+    for (row, column, _) in at_hand.entries() {
         nodes_of[row].iter().for_each(|&i| patches[i].push(column));
+        nodes_of[column].iter().for_each(|&i| patches[i].push(row));
     }
     for patch in &mut patches {
         patch.sort_unstable();
@@ -109,6 +111,7 @@ fn patches(stiffness: &Symmetric, c_n: &Csr) -> Vec<Patch> {
 mod tests {
     use super::*;
     use crate::problem::Parts;
+    use crate::sparse::Symmetric;
 
     /// `n` points in a row with unit springs between them, the last one on a wall by another if it is `held`; every
     /// point is a contact node.

@@ -2,6 +2,7 @@
 
 use super::RunError;
 use super::need::has_room;
+use super::sharing;
 use crate::formulation::Layout;
 use crate::history::Method;
 use crate::memory::Budget;
@@ -30,8 +31,11 @@ fn chords(ends: &[f64], kinks: &[f64]) -> Vec<f64> {
 /// When the scene contradicts its mesh, as a probe outside of the body does, when its method does not know such a problem, and when the
 /// matrices would not fit into the memory that is free.
 pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
-    has_room(scene.description.mesh.nodes(), Budget::of_process())?;
-    let mut model = Model::new(scene)?;
+    let ranks = sharing::ranks(scene);
+    // Where ranks share the matrices each has its part of the nodes.
+    let part = |(nodes, dimension): (usize, usize)| (nodes / ranks, dimension);
+    has_room(scene.description.mesh.nodes().map(part), Budget::of_process())?;
+    let mut model = sharing::model(scene, ranks)?;
     if let Method::Events { .. } = scene.solver.method {
         let layout = Layout::new(&model.problem);
         let help = "use the method \"bn\"";

@@ -1,10 +1,10 @@
-//! Symmetric matrices: sparse ones, of which only the lower triangle is stored, and dense ones.
+//! Symmetric matrices: sparse ones, of which only the lower triangle is stored, dense ones, and those that processes share.
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::error::expect_length;
-use super::{Csc, DenseSymmetric, MatrixError, Pattern};
+use super::{Csc, DenseSymmetric, MatrixError, Pattern, SharedSymmetric, Twofold};
 
 /// A symmetric matrix.
 #[derive(Debug, Clone)]
@@ -17,11 +17,18 @@ enum Stored {
     /// By its lower triangle, diagonal included.
     Lower(Csc),
     Dense(DenseSymmetric),
+    Shared(SharedSymmetric),
 }
 
 impl From<DenseSymmetric> for Symmetric {
     fn from(dense: DenseSymmetric) -> Self {
         Symmetric { stored: Stored::Dense(dense) }
+    }
+}
+
+impl From<SharedSymmetric> for Symmetric {
+    fn from(shared: SharedSymmetric) -> Self {
+        Symmetric { stored: Stored::Shared(shared) }
     }
 }
 
@@ -61,7 +68,7 @@ impl Symmetric {
         Ok(Self::of_lower(lower))
     }
 
-    fn of_lower(lower: Csc) -> Self {
+    pub(super) fn of_lower(lower: Csc) -> Self {
         Symmetric { stored: Stored::Lower(lower) }
     }
 
@@ -115,10 +122,11 @@ impl Symmetric {
         match &self.stored {
             Stored::Lower(lower) => lower.pattern().columns(),
             Stored::Dense(dense) => dense.order(),
+            Stored::Shared(shared) => shared.order(),
         }
     }
 
-    /// The lower triangle, diagonal included: what is stored, unless the matrix is dense.
+    /// The lower triangle, diagonal included: what is stored, unless the matrix is dense or shared.
     pub fn lower(&self) -> Cow<'_, Csc> {
         match &self.stored {
             Stored::Lower(lower) => Cow::Borrowed(lower),
@@ -129,14 +137,31 @@ impl Symmetric {
                 lower.values_mut().iter_mut().zip(dense.lower_entries()).for_each(|(to, entry)| *to = entry.2);
                 Cow::Owned(lower)
             }
+            Stored::Shared(shared) => Cow::Owned(shared.lower()),
         }
     }
 
     /// The dense matrix that it is, if it is one.
     pub fn dense(&self) -> Option<&DenseSymmetric> {
         match &self.stored {
-            Stored::Lower(_) => None,
             Stored::Dense(dense) => Some(dense),
+            Stored::Lower(_) | Stored::Shared(_) => None,
+        }
+    }
+
+    /// The matrix that processes share, if it is one.
+    pub fn shared(&self) -> Option<&SharedSymmetric> {
+        match &self.stored {
+            Stored::Shared(shared) => Some(shared),
+            Stored::Lower(_) | Stored::Dense(_) => None,
+        }
+    }
+
+    /// What this process has of it: the lower triangle, or those columns of a shared matrix that are near contact, both triangles of them.
+    pub(crate) fn at_hand(&self) -> Cow<'_, Csc> {
+        match &self.stored {
+            Stored::Shared(shared) => Cow::Owned(shared.near()),
+            Stored::Lower(_) | Stored::Dense(_) => self.lower(),
         }
     }
 
@@ -164,6 +189,8 @@ impl Symmetric {
                 lower.values_mut()[slot] += value;
             }
             Stored::Dense(dense) => dense.raise(row, column, value),
+            // It stores no entry for [`Symmetric::add`], and nothing else of it is named.
+            Stored::Shared(_) => {}
         }
     }
 
@@ -172,16 +199,21 @@ impl Symmetric {
         match &self.stored {
             Stored::Lower(lower) => slot(lower, row, column).is_some(),
             Stored::Dense(dense) => row.max(column) < dense.order(),
+            Stored::Shared(_) => false,
         }
     }
 
     /// All stored entries on and below the diagonal as `(row, column, value)`, column after column.
     pub(crate) fn lower_entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        let (sparse, dense) = match &self.stored {
-            Stored::Lower(lower) => (Some(lower.entries()), None),
-            Stored::Dense(dense) => (None, Some(dense.lower_entries())),
+        let (sparse, dense, shared) = match &self.stored {
+            Stored::Lower(lower) => (Some(lower.entries()), None, None),
+            Stored::Dense(dense) => (None, Some(dense.lower_entries()), None),
+            Stored::Shared(shared) => {
+                let lower = shared.lower();
+                (None, None, Some(lower.entries().collect::<Vec<_>>()))
+            }
         };
-        sparse.into_iter().flatten().chain(dense.into_iter().flatten())
+        sparse.into_iter().flatten().chain(dense.into_iter().flatten()).chain(shared.into_iter().flatten())
     }
 
     /// All entries of both triangles as `(row, column, value)`.
@@ -197,12 +229,16 @@ impl Symmetric {
         match &self.stored {
             Stored::Lower(lower) => slot(lower, row, column).map_or(0.0, |slot| lower.values()[slot]),
             Stored::Dense(dense) => dense.get(row, column),
+            Stored::Shared(shared) => shared.get(row, column),
         }
     }
 
     /// The diagonal.
     pub fn diagonal(&self) -> Vec<f64> {
-        (0..self.order()).map(|i| self.get(i, i)).collect()
+        match &self.stored {
+            Stored::Shared(shared) => shared.diagonal(),
+            Stored::Lower(_) | Stored::Dense(_) => (0..self.order()).map(|i| self.get(i, i)).collect(),
+        }
     }
 
     /// `A x`.
@@ -224,6 +260,7 @@ impl Symmetric {
                 accumulate(lower, x, y, |value, x| value * x);
             }
             Stored::Dense(dense) => dense.mul(x, y),
+            Stored::Shared(shared) => shared.mul(x, y),
         }
     }
 
@@ -232,6 +269,18 @@ impl Symmetric {
         match &self.stored {
             Stored::Lower(lower) => accumulate(lower, x, y, |value, x| (value * x).abs()),
             Stored::Dense(dense) => dense.add_sizes(x, y),
+            Stored::Shared(shared) => shared.add_sizes(x, y),
+        }
+    }
+
+    /// Adds `A (x + rest)` to `sums`, in twice the working precision.
+    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [Twofold]) {
+        if let Some(shared) = self.shared() {
+            return shared.add_beyond(x, rest, sums);
+        }
+        for (row, column, value) in self.entries() {
+            sums[row].add_product(value, x[column]);
+            sums[row].add(value * rest[column]);
         }
     }
 
@@ -240,6 +289,7 @@ impl Symmetric {
         match &mut self.stored {
             Stored::Lower(lower) => lower.values_mut().iter_mut().for_each(|value| *value *= factor),
             Stored::Dense(dense) => *dense = dense.scaled(factor),
+            Stored::Shared(shared) => *shared = shared.scaled(factor),
         }
     }
 }

@@ -1,10 +1,10 @@
-//! The matrix of a linear system whose stiffness may be dense.
+//! The matrix of a linear system whose stiffness may be dense, or shared among processes.
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::error::expect_length;
-use super::{Csc, DenseSymmetric, MatrixError, Pattern};
+use super::{Csc, DenseSymmetric, MatrixError, Pattern, SharedSymmetric, Symmetric, Twofold};
 
 /// A square matrix that is sparse but for its first rows and columns, which may be a dense symmetric block:
 ///
@@ -14,11 +14,18 @@ use super::{Csc, DenseSymmetric, MatrixError, Pattern};
 /// ```
 ///
 /// The stiffness of a condensed body is such an `S`. It never changes, and whoever holds the matrix holds the same numbers.
-/// Without `S` the matrix is `R`, compressed columns.
+/// So is that of a body whose rows several processes have. Without `S` the matrix is `R`, compressed columns.
 #[derive(Debug, Clone)]
 pub struct SystemMatrix {
-    leading: Option<DenseSymmetric>,
+    leading: Option<Leading>,
     rest: Csc,
+}
+
+/// `S`.
+#[derive(Debug, Clone)]
+enum Leading {
+    Dense(DenseSymmetric),
+    Shared(SharedSymmetric),
 }
 
 impl From<Csc> for SystemMatrix {
@@ -39,12 +46,15 @@ impl SystemMatrix {
             return Err(MatrixError::NotSquare { rows, columns });
         }
         expect_length("rows of the dense block", leading.order().min(rows), leading.order())?;
-        Ok(SystemMatrix { leading: Some(leading), rest })
+        Ok(SystemMatrix { leading: Some(Leading::Dense(leading)), rest })
     }
 
-    /// The zero matrix with this pattern beside the dense block, if there is one, of which this crate's own matrices are made.
-    pub(crate) fn of(leading: Option<DenseSymmetric>, pattern: Pattern) -> Self {
-        SystemMatrix { leading, rest: Csc::zeros(Arc::new(pattern)) }
+    /// The zero matrix with this pattern beside `factor` times the stiffness, if that is dense or shared, of which this crate's own
+    /// matrices are made.
+    pub(crate) fn of(stiffness: &Symmetric, factor: f64, pattern: Pattern) -> Self {
+        let dense = stiffness.dense().map(|dense| Leading::Dense(dense.scaled(factor)));
+        let shared = stiffness.shared().map(|shared| Leading::Shared(shared.scaled(factor)));
+        SystemMatrix { leading: dense.or(shared), rest: Csc::zeros(Arc::new(pattern)) }
     }
 
     /// The order.
@@ -54,10 +64,26 @@ impl SystemMatrix {
 
     /// The dense block `S`.
     pub fn leading(&self) -> Option<&DenseSymmetric> {
-        self.leading.as_ref()
+        match &self.leading {
+            Some(Leading::Dense(dense)) => Some(dense),
+            Some(Leading::Shared(_)) | None => None,
+        }
     }
 
-    /// All that stands beside the dense block, or is added to it: `R`.
+    /// The block `S` where processes share it.
+    pub fn shared(&self) -> Option<&SharedSymmetric> {
+        match &self.leading {
+            Some(Leading::Shared(shared)) => Some(shared),
+            Some(Leading::Dense(_)) | None => None,
+        }
+    }
+
+    /// Whether there is a block `S`.
+    pub(crate) fn has_leading(&self) -> bool {
+        self.leading.is_some()
+    }
+
+    /// All that stands beside the block, or is added to it: `R`.
     pub fn rest(&self) -> &Csc {
         &self.rest
     }
@@ -78,21 +104,22 @@ impl SystemMatrix {
         self.leading.as_ref().map_or(0.0, |leading| leading.get(row, column)) + rest
     }
 
-    /// All stored entries as `(row, column, value)`. What is added to the dense block comes by itself.
+    /// All stored entries as `(row, column, value)`. What is added to the block comes by itself.
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        self.leading.iter().flat_map(DenseSymmetric::entries).chain(self.rest.entries())
+        let shared = self.shared().map(|shared| Symmetric::of_lower(shared.lower()).entries().collect::<Vec<_>>());
+        let dense = self.leading().into_iter().flat_map(DenseSymmetric::entries);
+        dense.chain(shared.into_iter().flatten()).chain(self.rest.entries())
     }
 
     /// The matrix as compressed columns.
     pub fn to_csc(&self) -> Cow<'_, Csc> {
         let Some(leading) = &self.leading else { return Cow::Borrowed(&self.rest) };
-        let (m, n, rest) = (leading.order(), self.order(), &self.rest);
+        let (leading, n, rest) = (leading.whole(), self.order(), &self.rest);
         let mut whole = Csc::zeros(Arc::new(Pattern::of(n, n, |take| {
-            (0..m).for_each(|column| (0..m).for_each(|row| take(row, column)));
-            rest.entries().for_each(|(row, column, _)| take(row, column));
+            leading.entries().chain(rest.entries()).for_each(|(row, column, _)| take(row, column));
         })));
         let (pattern, values) = whole.parts_mut();
-        for (row, column, value) in self.entries() {
+        for (row, column, value) in leading.entries().chain(rest.entries()) {
             if let Some(slot) = pattern.slot(row, column) {
                 values[slot] += value;
             }
@@ -114,9 +141,10 @@ impl SystemMatrix {
     /// `y = A x`.
     pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
-        if let Some(leading) = &self.leading {
-            let m = leading.order();
-            leading.mul(&x[..m], &mut y[..m]);
+        match &self.leading {
+            Some(Leading::Dense(dense)) => dense.mul(&x[..dense.order()], &mut y[..dense.order()]),
+            Some(Leading::Shared(shared)) => shared.mul(&x[..shared.order()], &mut y[..shared.order()]),
+            None => {}
         }
         self.rest.add_product(x, y);
     }
@@ -127,27 +155,72 @@ impl SystemMatrix {
             r[i] = value;
             s[i] = value.abs();
         }
-        if let Some(leading) = &self.leading {
-            let m = leading.order();
-            leading.residual(&x[..m], &mut r[..m], &mut s[..m]);
+        match &self.leading {
+            Some(Leading::Dense(dense)) => {
+                let m = dense.order();
+                dense.residual(&x[..m], &mut r[..m], &mut s[..m]);
+            }
+            Some(Leading::Shared(shared)) => {
+                let m = shared.order();
+                shared.residual(&x[..m], &mut r[..m], &mut s[..m]);
+            }
+            None => {}
         }
         self.rest.subtract_product(x, r, s);
     }
 
+    /// Adds `A (x + rest)` to `sums`, in twice the working precision.
+    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [Twofold]) {
+        if let Some(shared) = self.shared() {
+            let m = shared.order();
+            shared.add_beyond(&x[..m], &rest[..m], &mut sums[..m]);
+        }
+        let dense = self.leading().into_iter().flat_map(DenseSymmetric::entries);
+        for (row, column, value) in dense.chain(self.rest.entries()) {
+            sums[row].add_product(value, x[column]);
+            sums[row].add(value * rest[column]);
+        }
+    }
+
     /// The largest size of an entry.
     pub(crate) fn largest_entry(&self) -> f64 {
-        let leading = self.leading.as_ref().map_or(0.0, DenseSymmetric::largest_entry);
+        let leading = match &self.leading {
+            Some(Leading::Dense(dense)) => dense.largest_entry(),
+            Some(Leading::Shared(shared)) => shared.row_norms().fold(0.0, f64::max),
+            None => 0.0,
+        };
         self.rest.values().iter().fold(leading, |m, value| m.max(value.abs()))
     }
 
     /// The largest size in each row.
     pub(crate) fn row_norms(&self) -> Vec<f64> {
         let mut norms = vec![0.0_f64; self.pattern().rows()];
-        if let Some(leading) = &self.leading {
-            norms.iter_mut().zip(leading.row_norms()).for_each(|(norm, own)| *norm = own);
+        match &self.leading {
+            Some(Leading::Dense(dense)) => norms.iter_mut().zip(dense.row_norms()).for_each(|(norm, own)| *norm = own),
+            Some(Leading::Shared(shared)) => {
+                norms.iter_mut().zip(shared.row_norms()).for_each(|(norm, own)| *norm = own);
+            }
+            None => {}
         }
         self.rest.entries().for_each(|(row, _, value)| norms[row] = norms[row].max(value.abs()));
         norms
+    }
+}
+
+impl Leading {
+    /// All of it, in this process.
+    fn whole(&self) -> Symmetric {
+        match self {
+            Leading::Dense(dense) => Symmetric::from(dense.clone()),
+            Leading::Shared(shared) => Symmetric::of_lower(shared.lower()),
+        }
+    }
+
+    fn get(&self, row: usize, column: usize) -> f64 {
+        match self {
+            Leading::Dense(dense) => dense.get(row, column),
+            Leading::Shared(shared) => shared.get(row, column),
+        }
     }
 }
 

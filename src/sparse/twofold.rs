@@ -24,6 +24,11 @@ impl Twofold {
         self.low += a2 * b2 - (((product - a1 * b1) - a2 * b1) - a1 * b2);
     }
 
+    /// What its two numbers are.
+    pub fn parts(self) -> [f64; 2] {
+        [self.high, self.low]
+    }
+
     /// The sum, rounded.
     pub fn value(self) -> f64 {
         self.high + self.low

@@ -16,3 +16,5 @@ mod mumps;
 #[cfg(all(feature = "cli", target_os = "linux"))]
 mod ranks;
 mod scenes;
+#[cfg(all(feature = "petsc", feature = "cli", target_os = "linux"))]
+mod shared;

@@ -37,7 +37,7 @@ const LONG: [&str; 11] = [
     "OUT",
 ];
 
-fn long<'a>(solver: &'a str) -> Vec<&'a str> {
+fn long(solver: &str) -> Vec<&str> {
     [&LONG[..], &["--solver", solver]].concat()
 }
 

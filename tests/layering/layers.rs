@@ -75,6 +75,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "description",
             "fault",
             "fem",
+            "linear",
             "loading",
             "mesh",
             "problem",

@@ -1,6 +1,7 @@
 //! A multigrid hierarchy, which serves for other matrices than its own: setting one up takes as long as twenty iterations.
 
 use super::node::Eliminated;
+use super::shared::SharedCycle;
 use super::small::{on, put, transposed_on, vector};
 use super::stiffness::Layout;
 use crate::linear::LinearError;
@@ -15,6 +16,12 @@ pub(super) trait Cycle: Send {
 impl Cycle for Amg {
     fn cycle(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         Amg::cycle(self, r, z)
+    }
+}
+
+impl Cycle for SharedCycle {
+    fn cycle(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
+        SharedCycle::cycle(self, r, z)
     }
 }
 

@@ -17,6 +17,9 @@ const STIFF: f64 = 1.0;
 /// A row of displacements of which a decomposition leaves less than this depends on the others.
 const DEPENDENT: f64 = 1e-10;
 
+/// How many words tell a node to another rank.
+pub(super) const WORDS: usize = 33;
+
 /// The rows and columns of one contact node. What it does not have is 0.
 #[derive(Clone, Copy)]
 pub(super) struct Local {
@@ -186,6 +189,35 @@ impl Eliminated {
         on(&self.frame, v)
     }
 
+    /// What a rank has to know of it to make its rows of `K̂`.
+    pub(super) fn words(&self) -> [i64; WORDS] {
+        let flags = [self.held, self.missing].map(|flags| flags.map(|flag| f64::from(u8::from(flag))));
+        let numbers = [self.frame, self.sweep, self.springs].into_iter().flatten().chain(flags).flatten();
+        let mut words = [0; WORDS];
+        words.iter_mut().zip(numbers).for_each(|(word, number)| *word = number.to_bits() as i64);
+        words
+    }
+
+    /// A node of which this is known, and nothing else.
+    pub(super) fn of_words(words: &[i64; WORDS]) -> Self {
+        let number = |k: usize| f64::from_bits(words[k] as u64);
+        let matrix = |from: usize| [0, 1, 2].map(|i| [0, 1, 2].map(|j| number(from + 3 * i + j)));
+        let flags = |from: usize| [0, 1, 2].map(|k| number(from + k) != 0.0);
+        let zero = [[0.0; 3]; 3];
+        Eliminated {
+            frame: matrix(0),
+            held: flags(27),
+            missing: flags(30),
+            b: zero,
+            r: zero,
+            prescribed: zero,
+            compliance: zero,
+            reactions: zero,
+            sweep: matrix(9),
+            springs: matrix(18),
+        }
+    }
+
     /// Directions of the frame that are not solved for.
     pub(super) fn gone(&self) -> [bool; 3] {
         [0, 1, 2].map(|k| self.held[k] || self.missing[k])
@@ -222,6 +254,14 @@ mod tests {
             local.d[row][..2].copy_from_slice(&d[row]);
         }
         local.eliminated(Form::Symmetric)
+    }
+
+    #[test]
+    fn what_is_told_of_a_node_is_what_makes_its_rows() {
+        let slip = node([[0.0, 0.0], [0.0, 1.0]], [[1.0, 0.4], [0.0, 0.0]]);
+        let told = Eliminated::of_words(&slip.words());
+        assert_eq!((told.frame, told.gone(), told.held), (slip.frame, slip.gone(), slip.held));
+        assert_eq!((told.sweep, told.springs), (slip.sweep, slip.springs));
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! The preconditioner: contact eliminated, a cycle for the rest, and the forces that follow.
 
+use super::block::Border;
 use super::form::Form;
 use super::grid::Grid;
 use super::hierarchy::Hierarchy;
 use super::node::Eliminated;
 use super::small::{put, vector};
-use super::stiffness::{Border, Layout};
+use super::stiffness::Layout;
 use crate::linear::LinearError;
 
 /// Vectors on all directions.

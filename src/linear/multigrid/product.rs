@@ -25,7 +25,9 @@ impl<'a> Product<'a> {
             if k == SUMS { n } else { starts[..n].partition_point(|&start| (start as u64) < entries) }
         });
         sums.resize_with(SUMS, Vec::new);
-        sums.iter_mut().for_each(|sum| sum.resize(n, 0.0));
+        for sum in sums.iter_mut() {
+            sum.resize(n, 0.0);
+        }
         Product { pattern, values, bounds: bounds.collect(), sums }
     }
 

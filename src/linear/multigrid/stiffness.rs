@@ -7,15 +7,17 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::block::{Block, Border};
 use super::form::Form;
 use super::grid::Grid;
 use super::node::{Eliminated, Local};
-use super::small::Small;
+use super::piece::State;
+use super::shared::Stiffness;
 use crate::linear::LinearError;
 use crate::linear::error::expect_length;
 use crate::linear::petsc::Rows;
 use crate::linear::ranks::{Graph, partition};
-use crate::sparse::Pattern;
+use crate::sparse::{Pattern, SharedSymmetric, SystemMatrix};
 
 /// Where everything is, for one pattern.
 pub(super) struct Layout {
@@ -34,8 +36,10 @@ pub(super) struct Layout {
     shares: Vec<Vec<(usize, f64)>>,
     /// And the other way.
     uses: Vec<Vec<(usize, f64)>>,
-    /// The columns of each node's block row, ascending.
+    /// The columns of each node's block row, ascending; of a shared stiffness those of contact nodes alone.
     columns: Vec<Vec<usize>>,
+    /// Entries of `K̂`.
+    entries: usize,
     /// The nodes of each rank are between these.
     ranks: Vec<usize>,
 }
@@ -43,22 +47,25 @@ pub(super) struct Layout {
 /// Rows of so many nodes are made together by one thread.
 const TOGETHER: usize = 512;
 
-/// The rows of a contact node in the stiffness, in all frames, before anything is held: as long as the block row, for each direction.
-pub(super) type Border = [Vec<f64>; 3];
-
 impl Layout {
-    pub(super) fn new(grid: &Grid, pattern: &Pattern) -> Result<Self, LinearError> {
-        expect_length("columns of the matrix", pattern.rows(), pattern.columns())?;
-        grid.checked(pattern.columns())?;
+    /// That of matrices with the pattern of `matrix`, whose nodes are numbered already if ranks share them.
+    pub(super) fn new(grid: &Grid, matrix: &SystemMatrix) -> Result<Self, LinearError> {
+        expect_length("columns of the matrix", matrix.pattern().rows(), matrix.order())?;
+        grid.checked(matrix.order())?;
+        let shared = Stiffness::of(matrix);
         let displacements = grid.displacements.len();
-        let mut node = vec![None; grid.nodes];
+        if let Some(shared) = shared {
+            expect_length("displacements of the shared stiffness", shared.displacements(), displacements)?;
+            expect_length("nodes of the shared stiffness", shared.nodes(), grid.nodes)?;
+            expect_length("changed displacements of a shared stiffness", 0, grid.changed.len())?;
+        }
+        let (mut node, mut known) = (vec![None; grid.nodes], 0);
         let mut own: Vec<[Option<usize>; 3]> = Vec::new();
         let mut place = Vec::with_capacity(displacements);
         for (dof, &(at, direction)) in grid.displacements.iter().enumerate() {
-            let k = *node[at].get_or_insert(own.len());
-            if k == own.len() {
-                own.push([None; 3]);
-            }
+            let k = *node[at].get_or_insert_with(|| shared.and_then(|shared| shared.number(at)).unwrap_or(known));
+            known = known.max(k + 1);
+            own.resize(known, [None; 3]);
             own[k][direction] = Some(dof);
             place.push((k, direction));
         }
@@ -71,32 +78,30 @@ impl Layout {
             contact[k] = Some(i);
             contacts.push((k, of.forces));
         }
-        let mut shares: Vec<Vec<(usize, f64)>> = (0..displacements).map(|dof| vec![(dof, 1.0)]).collect();
-        let mut uses = shares.clone();
-        for (e, others) in &grid.changed {
-            for &(a, c) in others {
-                shares[a].push((*e, c));
-                uses[*e].push((a, c));
-            }
-        }
         let mut layout = Layout {
-            ranks: vec![0, own.len()],
+            ranks: shared.map_or_else(|| vec![0, own.len()], |shared| shared.bounds().to_vec()),
             dimension: grid.dimension,
             displacements,
             place,
             own,
             contact,
             contacts,
-            shares,
-            uses,
+            shares: Vec::new(),
+            uses: Vec::new(),
             columns: Vec::new(),
+            entries: 0,
         };
+        if shared.is_none() {
+            layout.change(grid);
+        }
         let mut seen = vec![usize::MAX; layout.own.len()];
         for (k, own) in layout.own.iter().enumerate() {
             let mut columns = vec![k];
             seen[k] = k;
-            for dof in own.iter().flatten() {
-                layout.each_neighbour(*dof, pattern, |_, _, to| {
+            // Of a shared stiffness rows of contact nodes are all that is here.
+            let here = shared.is_none() || layout.contact[k].is_some();
+            for dof in own.iter().flatten().filter(|_| here) {
+                layout.each_neighbour(*dof, matrix, |_, to| {
                     let (other, _) = layout.place[to];
                     if seen[other] != k {
                         seen[other] = k;
@@ -105,14 +110,26 @@ impl Layout {
                 });
             }
             columns.sort_unstable();
-            layout.columns.push(columns);
+            layout.columns.push(if here { columns } else { Vec::new() });
         }
-        let entries: usize =
-            layout.columns.iter().map(|columns| columns.len() * layout.dimension * layout.dimension).sum();
-        if i32::try_from(entries).is_err() {
+        let entries = layout.columns.iter().map(|columns| columns.len() * layout.dimension * layout.dimension).sum();
+        layout.entries = shared.map_or(entries, Stiffness::entries);
+        if i32::try_from(layout.entries).is_err() {
             return Err(LinearError::OutOfMemory { step: "the multigrid hierarchy, whose indices have 32 bits" });
         }
         Ok(layout)
+    }
+
+    /// Takes notice of the displacements that hold shares of others.
+    fn change(&mut self, grid: &Grid) {
+        self.shares = (0..self.displacements).map(|dof| vec![(dof, 1.0)]).collect();
+        self.uses = self.shares.clone();
+        for (e, others) in &grid.changed {
+            for &(a, c) in others {
+                self.shares[a].push((*e, c));
+                self.uses[*e].push((a, c));
+            }
+        }
     }
 
     /// The same with the nodes of each of so many `ranks` one after the other, nearly as many on each, with few couplings in between.
@@ -151,18 +168,48 @@ impl Layout {
         self.ranks.iter().map(|node| node * self.dimension).collect()
     }
 
-    /// Calls with slot of `K`, factor and column for all that row `dof` of `K̃` is made of.
-    fn each_neighbour(&self, dof: usize, pattern: &Pattern, mut take: impl FnMut(usize, f64, usize)) {
-        for &(e, c) in &self.shares[dof] {
-            // K is symmetric: its columns are its rows.
-            for slot in pattern.column_starts()[e] as usize..pattern.column_starts()[e + 1] as usize {
-                if let Some(uses) = self.uses.get(pattern.row_indices()[slot] as usize) {
-                    for &(to, g) in uses {
-                        take(slot, c * g, to);
+    /// Calls with value and column of all that row `dof` of `K̃` is made of. K is symmetric: its columns are its rows.
+    fn each_neighbour(&self, dof: usize, matrix: &SystemMatrix, mut take: impl FnMut(f64, usize)) {
+        let (pattern, values) = (matrix.pattern(), matrix.rest().values());
+        let Some(shared) = matrix.shared() else {
+            for &(e, c) in &self.shares[dof] {
+                let slots = pattern.column_starts()[e] as usize..pattern.column_starts()[e + 1] as usize;
+                for (row, value) in pattern.row_indices()[slots.clone()].iter().zip(&values[slots]) {
+                    for &(to, g) in self.uses.get(*row as usize).into_iter().flatten() {
+                        take(c * g * value, to);
                     }
                 }
             }
+            return;
+        };
+        let near = shared.matrix().near();
+        let slots =
+            |pattern: &Pattern| pattern.column_starts()[dof] as usize..pattern.column_starts()[dof + 1] as usize;
+        for slot in slots(near.pattern()) {
+            take(shared.factor() * near.values()[slot], near.pattern().row_indices()[slot] as usize);
         }
+        // Beside it stand the springs of the motions that contact leaves free.
+        for slot in slots(pattern).filter(|slot| pattern.row_indices()[*slot] as usize == dof) {
+            take(values[slot], dof);
+        }
+    }
+
+    /// What ranks have to know of `matrix` to make their rows of `K̂`: what stands beside their shared stiffness.
+    pub(super) fn state(&self, matrix: &SystemMatrix, nodes: &[Eliminated], form: Form) -> State {
+        let (pattern, values) = (matrix.pattern(), matrix.rest().values());
+        let spring = |dof: usize| Some((self.at(dof), values[pattern.slot(dof, dof)?])).filter(|(_, k)| *k != 0.0);
+        State {
+            factor: matrix.shared().map_or(1.0, SharedSymmetric::factor),
+            form,
+            springs: (0..self.displacements).filter_map(spring).collect(),
+            contacts: self.contacts.iter().map(|(node, _)| *node).zip(nodes.iter().copied()).collect(),
+        }
+    }
+
+    /// The place of a displacement among all directions of all nodes.
+    fn at(&self, dof: usize) -> usize {
+        let (node, direction) = self.place[dof];
+        node * self.dimension + direction
     }
 
     /// All directions of all nodes, which `K̂` is on.
@@ -172,7 +219,7 @@ impl Layout {
 
     /// Entries of `K̂`.
     pub(super) fn entries(&self) -> usize {
-        self.columns.iter().map(|columns| columns.len() * self.dimension * self.dimension).sum()
+        self.entries
     }
 
     /// The columns of the block row of `node`.
@@ -180,10 +227,10 @@ impl Layout {
         &self.columns[node]
     }
 
-    /// The rows and columns of each contact node in the matrix with `values`.
-    fn locals(&self, pattern: &Pattern, values: &[f64]) -> Vec<Local> {
+    /// The rows and columns of each contact node.
+    fn locals(&self, matrix: &SystemMatrix) -> Vec<Local> {
         let get = |row: Option<usize>, column: Option<usize>| match (row, column) {
-            (Some(row), Some(column)) => pattern.slot(row, column).map_or(0.0, |slot| values[slot]),
+            (Some(row), Some(column)) => matrix.get(row, column),
             _ => 0.0,
         };
         let local = |&(node, forces): &(usize, [Option<usize>; 3])| {
@@ -204,19 +251,13 @@ impl Layout {
         self.contacts.iter().map(local).collect()
     }
 
-    /// The contact nodes of the matrix with `values`.
-    pub(super) fn nodes(&self, pattern: &Pattern, values: &[f64], form: Form) -> Vec<Eliminated> {
-        self.locals(pattern, values).iter().map(|local| local.eliminated(form)).collect()
+    /// The contact nodes of `matrix`.
+    pub(super) fn nodes(&self, matrix: &SystemMatrix, form: Form) -> Vec<Eliminated> {
+        self.locals(matrix).iter().map(|local| local.eliminated(form)).collect()
     }
 
-    /// `K̂` of the matrix with `values` and these contact nodes, and their rows beside.
-    pub(super) fn stiffness(
-        &self,
-        pattern: &Pattern,
-        values: &[f64],
-        nodes: &[Eliminated],
-        form: Form,
-    ) -> (Rows, Vec<Border>) {
+    /// `K̂` of `matrix` with these contact nodes, and their rows beside.
+    pub(super) fn stiffness(&self, matrix: &SystemMatrix, nodes: &[Eliminated], form: Form) -> (Rows, Vec<Border>) {
         let (d, entries) = (self.dimension, self.entries());
         let mut starts = vec![0];
         for columns in &self.columns {
@@ -244,13 +285,13 @@ impl Layout {
         let write = |at: &mut Vec<usize>, (piece, columns, to): (Range<usize>, &mut [i32], &mut [f64])| {
             let (mut next, mut border) = (0, Vec::new());
             for node in piece {
-                let mut block = self.rows(node, pattern, values, at, nodes);
+                let mut rows = self.rows(node, matrix, at, nodes);
                 if let Some(contact) = self.contact[node] {
-                    border.push((contact, block.clone()));
-                    nodes[contact].take_friction(form, &mut block, at[node] * d, d);
+                    border.push((contact, rows.clone()));
                 }
-                self.hold(node, at[node], &mut block, nodes);
-                for row in block.into_iter().take(d) {
+                let missing = |column: usize| self.own[column].map(|dof| dof.is_none());
+                self.block(node, at[node], nodes).eliminate(form, &mut rows, missing);
+                for row in rows.into_iter().take(d) {
                     let places = self.columns[node].iter().flat_map(|column| column * d..(column + 1) * d);
                     columns[next..].iter_mut().zip(places).for_each(|(to, place)| *to = place as i32);
                     to[next..next + row.len()].copy_from_slice(&row);
@@ -267,95 +308,36 @@ impl Layout {
         (rows, border)
     }
 
-    /// The rows of the contact nodes alone, where another matrix stands for `K̂`.
-    pub(super) fn border(&self, pattern: &Pattern, values: &[f64], nodes: &[Eliminated]) -> Vec<Border> {
+    /// The rows of the contact nodes alone, where another matrix stands for `K̂` or ranks make it.
+    pub(super) fn border(&self, matrix: &SystemMatrix, nodes: &[Eliminated]) -> Vec<Border> {
         let mut at = vec![0; self.own.len()];
-        self.contacts.iter().map(|&(node, _)| self.rows(node, pattern, values, &mut at, nodes)).collect()
+        self.contacts.iter().map(|&(node, _)| self.rows(node, matrix, &mut at, nodes)).collect()
     }
 
     /// The block row of `node` of `K̃`, in all frames; its columns are left in `at`.
-    fn rows(&self, node: usize, pattern: &Pattern, values: &[f64], at: &mut [usize], nodes: &[Eliminated]) -> Border {
+    fn rows(&self, node: usize, matrix: &SystemMatrix, at: &mut [usize], nodes: &[Eliminated]) -> Border {
         let d = self.dimension;
         self.columns[node].iter().enumerate().for_each(|(k, &column)| at[column] = k);
         let mut rows: Border = std::array::from_fn(|_| vec![0.0; self.columns[node].len() * d]);
         for (row, dof) in rows.iter_mut().zip(self.own[node]) {
             let Some(dof) = dof else { continue };
-            self.each_neighbour(dof, pattern, |slot, factor, to| {
+            self.each_neighbour(dof, matrix, |value, to| {
                 let (other, direction) = self.place[to];
-                row[at[other] * d + direction] += factor * values[slot];
+                row[at[other] * d + direction] += value;
             });
         }
-        for (k, &column) in self.columns[node].iter().enumerate() {
-            let Some(contact) = self.contact[column] else { continue };
-            for row in &mut rows {
-                let block = &mut row[k * d..(k + 1) * d];
-                let mut turned = [0.0; 3];
-                turned[..d].copy_from_slice(block);
-                block.copy_from_slice(&nodes[contact].in_frame(turned)[..d]);
-            }
-        }
-        if let Some(contact) = self.contact[node] {
-            for k in 0..self.columns[node].len() * d {
-                let turned = nodes[contact].in_frame([0, 1, 2].map(|i| rows[i][k]));
-                rows.iter_mut().zip(turned).for_each(|(row, turned)| row[k] = turned);
-            }
-        }
+        self.block(node, at[node], nodes).turn(&mut rows);
         rows
     }
 
-    /// Empties rows and columns of directions that are not solved for, but for the diagonal.
-    fn hold(&self, node: usize, own: usize, rows: &mut Border, nodes: &[Eliminated]) {
-        let d = self.dimension;
-        let gone = |node: usize| match self.contact[node] {
-            Some(contact) => nodes[contact].gone(),
-            None => self.own[node].map(|dof| dof.is_none()),
-        };
-        let largest = (0..d).map(|a| rows[a][own * d + a]).fold(0.0, f64::max);
-        let own_gone = gone(node);
-        for (k, &column) in self.columns[node].iter().enumerate() {
-            let column_gone = gone(column);
-            for a in 0..d {
-                for b in (0..d).filter(|&b| own_gone[a] || column_gone[b]) {
-                    let diagonal = column == node && a == b;
-                    let entry = &mut rows[a][k * d + b];
-                    *entry = if diagonal && *entry > 0.0 {
-                        *entry
-                    } else if diagonal {
-                        if largest > 0.0 { largest } else { 1.0 }
-                    } else {
-                        0.0
-                    };
-                }
-            }
-        }
-    }
-}
-
-impl Eliminated {
-    /// Adds the springs to the rows of this node, whose own block begins at `own`, and takes from the free ones what the reactions
-    /// in the held ones bring into them.
-    fn take_friction(&self, form: Form, rows: &mut Border, own: usize, dimension: usize) {
-        let free = self.gone().map(|gone| !gone);
-        let springs: Small = match form {
-            Form::Oblique => self.springs,
-            Form::Symmetric => [0, 1, 2].map(|i| {
-                [0, 1, 2].map(|j| {
-                    let mean = 0.5 * (self.springs[i][j] + self.springs[j][i]);
-                    if free[i] && free[j] { mean } else { 0.0 }
-                })
-            }),
-        };
-        for (row, springs) in rows.iter_mut().zip(springs) {
-            row[own..].iter_mut().take(dimension).zip(springs).for_each(|(entry, spring)| *entry += spring);
-        }
-        if form == Form::Oblique {
-            let before = rows.clone();
-            for i in (0..3).filter(|&i| free[i]) {
-                for j in (0..3).filter(|&j| self.sweep[i][j] != 0.0) {
-                    let c = self.sweep[i][j];
-                    rows[i].iter_mut().zip(&before[j]).for_each(|(to, from)| *to -= c * from);
-                }
-            }
-        }
+    /// Where the block row of `node` stands, which is the column `own` itself.
+    fn block<'a>(
+        &'a self,
+        node: usize,
+        own: usize,
+        nodes: &'a [Eliminated],
+    ) -> Block<'a, impl Fn(usize) -> Option<&'a Eliminated>> {
+        let contact = |column: usize| self.contact[column].map(|contact| &nodes[contact]);
+        Block { dimension: self.dimension, columns: &self.columns[node], own, contact }
     }
 }

@@ -122,9 +122,8 @@ impl Share {
         values: &[f64],
         kernel: &[Vec<f64>],
     ) -> Result<Self, LinearError> {
-        let bounds = |at: usize| -> Vec<usize> {
-            words[at..at + world.size() + 1].iter().map(|&bound| bound as usize).collect()
-        };
+        let bounds =
+            |at: usize| -> Vec<usize> { words[at..=at + world.size()].iter().map(|&bound| bound as usize).collect() };
         let (rows, entries) = (bounds(3), bounds(3 + world.size() + 1));
         let own = |bounds: &[usize]| bounds[world.rank() + 1] - bounds[world.rank()];
         let mut matrix = Rows {
@@ -149,7 +148,12 @@ impl Share {
     }
 
     /// The share with these rows; on all ranks at a time.
-    fn new(world: &World, mut matrix: Rows, kernel: Vec<Vec<f64>>, bounds: Vec<usize>) -> Result<Self, LinearError> {
+    pub(in crate::linear) fn new(
+        world: &World,
+        mut matrix: Rows,
+        kernel: Vec<Vec<f64>>,
+        bounds: Vec<usize>,
+    ) -> Result<Self, LinearError> {
         started()?;
         let (alone, rows) = (world.size() == 1, matrix.starts.len() - 1);
         let (n, block) = (count(rows)?, count(matrix.block)?);
@@ -225,8 +229,8 @@ impl Share {
         Ok(share)
     }
 
-    /// One cycle on rank 0, `z` with `A z ≈ r`; the others have to serve.
-    pub(super) fn cycle(&mut self, world: &World, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
+    /// One cycle, `z` with `A z ≈ r`, both on rank 0 and empty on the others; on all ranks at a time.
+    pub(in crate::linear) fn cycle(&mut self, world: &World, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         if world.size() == 1 {
             return self.apply(r, z);
         }

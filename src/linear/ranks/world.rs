@@ -4,10 +4,10 @@
 
 use std::ffi::{c_int, c_long};
 
-use super::super::blas::room;
-use super::super::error::expect_length;
-use super::super::{LinearError, RankUse, process};
 use super::{Command, sys};
+use crate::linear::blas::room;
+use crate::linear::error::expect_length;
+use crate::linear::{LinearError, RankUse, process};
 
 /// How long a rank that has not been needed for a while sleeps before it looks again, ns.
 const NAP: c_long = 5_000_000;
@@ -46,6 +46,7 @@ impl Shares {
     }
 }
 
+#[allow(clippy::unused_self, reason = "MPI runs as long as there is a world")]
 impl World {
     /// Starts MPI; nobody else may do so at the same time.
     ///
@@ -156,12 +157,32 @@ impl World {
     }
 
     /// `N` numbers of each rank, on rank 0.
-    fn of_each<const N: usize>(&self, mine: [f64; N]) -> Vec<[f64; N]> {
+    pub(in crate::linear) fn of_each<const N: usize>(&self, mine: [f64; N]) -> Vec<[f64; N]> {
         let bounds: Vec<usize> = (0..=self.size).map(|rank| rank * N).collect();
         let mut all = vec![0.0; if self.rank == 0 { self.size * N } else { 0 }];
         // The lengths fit.
         let _ = self.collect(&mine, &bounds, &mut all);
         all.chunks_exact(N).map(|numbers| std::array::from_fn(|k| numbers[k])).collect()
+    }
+
+    /// Whether every rank has a `yes`; all hear of it.
+    #[cfg(feature = "petsc")]
+    pub(in crate::linear) fn all(&self, yes: bool) -> bool {
+        let answers = self.of_each([f64::from(yes)]);
+        let mut all = [i64::from(answers.into_iter().all(|[yes]| yes == 1.0))];
+        self.tell(&mut all);
+        all == [1]
+    }
+
+    /// Between which bounds the share of each rank is, where all follow each other and this one has so `many`; all hear of it.
+    #[cfg(feature = "petsc")]
+    pub(in crate::linear) fn bounds(&self, many: usize) -> Vec<usize> {
+        let mut bounds = vec![0; self.size + 1];
+        for (rank, [many]) in self.of_each([many as f64]).into_iter().enumerate() {
+            bounds[rank + 1] = bounds[rank] + many as i64;
+        }
+        self.tell(&mut bounds);
+        bounds.into_iter().map(|bound| bound as usize).collect()
     }
 
     /// What each rank has taken, on rank 0.

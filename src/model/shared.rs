@@ -1,0 +1,103 @@
+//! The stiffness of a body whose rows several processes have, each assembled where it stays.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::Arc;
+
+use super::ModelError;
+use super::discrete::Discrete;
+use crate::contact::ContactNode;
+use crate::description::Description;
+use crate::fem::{Dofs, Elasticity, Element, assemble_part};
+use crate::linear::LinearError;
+use crate::mesh::Mesh;
+use crate::sparse::{NodeRows, Symmetric};
+
+/// What shares a stiffness among processes: from its rows, and the nodes of which this process keeps the columns. `None` where that cannot be, as
+/// another process does not have the same body.
+pub type Share<'a> = &'a dyn Fn(&dyn NodeRows, &[bool]) -> Result<Option<Symmetric>, LinearError>;
+
+/// A body before anything is assembled.
+#[derive(Debug, Clone)]
+pub struct Body {
+    mesh: Arc<Mesh>,
+    dofs: Dofs,
+    element: Element,
+    materials: Vec<Elasticity>,
+}
+
+impl Body {
+    /// That of `description`; `None` if its stiffness is more than the sum over its cells on displacements of their own nodes.
+    ///
+    /// # Errors
+    /// As [`super::Model::build`], as far as mesh, supports and materials go.
+    pub fn of(description: &Description) -> Result<Option<Self>, ModelError> {
+        let discrete = Discrete::new(description)?;
+        Ok(Self::on(&discrete))
+    }
+
+    pub(super) fn on(discrete: &Discrete) -> Option<Self> {
+        let Discrete { mesh, dofs, element, materials, .. } = discrete;
+        let body =
+            || Body { mesh: Arc::clone(mesh), dofs: dofs.clone(), element: *element, materials: materials.clone() };
+        discrete.is_a_sum_over_cells().then(body)
+    }
+
+    /// `K`, shared as `share` does it; `None` where the rows of a contact node are not on its own displacements alone.
+    pub(super) fn stiffness(
+        &self,
+        contacts: &[ContactNode],
+        share: Share<'_>,
+    ) -> Result<Option<Symmetric>, LinearError> {
+        let mut is_contact = vec![false; self.mesh.nodes.len()];
+        for contact in contacts {
+            let own = self.dofs.node(contact.node);
+            let rows = [&contact.normal, &contact.tangents[0], &contact.tangents[1]];
+            let is_local = rows.into_iter().flatten().all(|(dof, _)| own.contains(&Some(*dof)));
+            if !is_local || std::mem::replace(&mut is_contact[contact.node], true) {
+                return Ok(None);
+            }
+        }
+        let mut near = is_contact.clone();
+        for cell in self.mesh.cells.iter().filter(|cell| cell.nodes.iter().any(|node| is_contact[*node])) {
+            cell.nodes.iter().for_each(|&node| near[node] = true);
+        }
+        share(self, &near)
+    }
+}
+
+impl NodeRows for Body {
+    fn dimension(&self) -> usize {
+        self.mesh.dimension
+    }
+
+    fn nodes(&self) -> usize {
+        self.mesh.nodes.len()
+    }
+
+    fn order(&self) -> usize {
+        self.dofs.free()
+    }
+
+    fn places(&self, node: usize) -> [Option<usize>; 3] {
+        [0, 1, 2].map(|c| self.dofs.node(node).get(c).copied().flatten())
+    }
+
+    fn each_cell(&self, take: &mut dyn FnMut(&[usize])) {
+        self.mesh.cells.iter().for_each(|cell| take(&cell.nodes));
+    }
+
+    fn fingerprint(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        let mut number = |x: f64| x.to_bits().hash(&mut hasher);
+        self.mesh.nodes.iter().flatten().for_each(|x| number(*x));
+        self.materials.iter().for_each(|law| [law.lambda, law.mu].into_iter().for_each(&mut number));
+        self.mesh.cells.iter().for_each(|cell| cell.nodes.hash(&mut hasher));
+        (0..self.nodes()).for_each(|node| self.places(node).hash(&mut hasher));
+        hasher.finish()
+    }
+
+    fn rows(&self, nodes: &[bool]) -> Option<Symmetric> {
+        // Which cell is to blame the first process finds when it assembles all of them.
+        assemble_part(&self.mesh, &self.dofs, self.element, |e| self.materials[e], nodes).ok()
+    }
+}
