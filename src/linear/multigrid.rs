@@ -85,6 +85,11 @@ impl Multigrid {
         }
     }
 
+    /// Whether the present matrix has the hierarchy of another.
+    fn borrows(&self) -> bool {
+        self.factored.as_ref().is_some_and(|factored| self.hierarchies[factored.hierarchy].lent)
+    }
+
     fn iterate(&mut self, b: &[f64], x: &mut [f64], tolerance: f64) -> Result<gmres::Found, LinearError> {
         let (Some(matrix), Some(layout)) = (&self.matrix, &self.layout) else {
             return Err(LinearError::Order { missing: "analyze" });
@@ -94,14 +99,15 @@ impl Multigrid {
         };
         let elimination = Elimination { grid: &self.grid, layout, nodes, border, form: self.form };
         let hierarchy = &mut self.hierarchies[*hierarchy];
+        let limit = hierarchy.patience(tolerance).min(MOST_ITERATIONS);
         let approximately = |r: &[f64], z: &mut [f64]| elimination.precondition(hierarchy, work, r, z);
         let found = if matrix.shared().is_some() {
             let product = |x: &[f64], y: &mut [f64]| matrix.mul(x, y);
-            gmres::solve(b, x, tolerance, MOST_ITERATIONS, product, approximately)?
+            gmres::solve(b, x, tolerance, limit, product, approximately)?
         } else {
             let mut product = Product::new(matrix.pattern(), matrix.rest().values(), &mut self.sums);
             let product = |x: &[f64], y: &mut [f64]| product.times(x, y);
-            gmres::solve(b, x, tolerance, MOST_ITERATIONS, product, approximately)?
+            gmres::solve(b, x, tolerance, limit, product, approximately)?
         };
         self.iterated.iterations += found.iterations;
         hierarchy.took(found.iterations, found.residual);
@@ -193,7 +199,12 @@ impl LinearSolver for Multigrid {
         if let Some(instead) = &mut self.instead {
             return instead.solve(b, x);
         }
-        let found = self.iterate(b, x, tolerance)?;
+        let mut found = self.iterate(b, x, tolerance)?;
+        if found.residual > tolerance && self.borrows() {
+            // The hierarchy of another matrix is worn by that: now it is one of its own.
+            self.prepare()?;
+            found = self.iterate(b, x, tolerance)?;
+        }
         if found.residual <= tolerance {
             return Ok(());
         }

@@ -33,6 +33,9 @@ const CHANGED: f64 = 0.1;
 /// With so many times the iterations for a digit that it took at first, it does not.
 const WORN: f64 = 1.6;
 
+/// To set one up takes as long as so many iterations.
+const SET_UP: f64 = 20.0;
+
 /// A hierarchy with the frames in which it was set up.
 pub(super) struct Hierarchy {
     cycle: Box<dyn Cycle>,
@@ -42,8 +45,8 @@ pub(super) struct Hierarchy {
     /// Iterations for a digit of its first matrix.
     rate: Option<f64>,
     worn: bool,
-    /// Whether the present matrix has other frames.
-    lent: bool,
+    /// Whether the present matrix is another than its own.
+    pub(super) lent: bool,
     rest: Vec<f64>,
 }
 
@@ -78,6 +81,12 @@ impl Hierarchy {
     /// Lends it to another matrix than its own.
     pub(super) fn lend(&mut self) {
         self.lent = true;
+    }
+
+    /// After how many iterations to `tolerance` a matrix that borrows it had better have had one of its own.
+    pub(super) fn patience(&self, tolerance: f64) -> usize {
+        let digits = (-tolerance.log10()).max(1.0);
+        self.rate.filter(|_| self.lent).map_or(usize::MAX, |rate| (rate * digits + SET_UP).ceil() as usize)
     }
 
     /// Takes notice of how many iterations so many digits took.
