@@ -10,7 +10,7 @@ mod world;
 use std::collections::HashMap;
 use std::ffi::c_int;
 use std::mem::ManuallyDrop;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
 use super::{LinearError, RankUse};
 pub(super) use metis::Graph;
@@ -70,13 +70,18 @@ static MPI: Mutex<State> = Mutex::new(State::Before);
 enum State {
     Before,
     Running(World),
-    /// Rank 0 has left what all do together with an error, and others may still be waiting in it.
+    /// Rank 0 has left what all do together with an error or a panic, and others may still be waiting in it.
     Broken,
     Ended,
 }
 
 fn state() -> MutexGuard<'static, State> {
-    MPI.lock().unwrap_or_else(PoisonError::into_inner)
+    MPI.lock().unwrap_or_else(|panicked| {
+        // Who panicked in what all ranks do together has left the others in it.
+        let mut state = panicked.into_inner();
+        state.abandon();
+        state
+    })
 }
 
 impl State {
@@ -94,10 +99,17 @@ impl State {
 
     /// What came out of something that all ranks did together. After an error nothing is done together any more.
     fn after<T>(&mut self, result: Result<T, LinearError>) -> Result<T, LinearError> {
-        if result.is_err() && matches!(self, State::Running(world) if world.size() > 1) {
-            *self = State::Broken;
+        if result.is_err() {
+            self.abandon();
         }
         result
+    }
+
+    /// Leaves the other ranks, if there are any, where they are: this process has to end, and the launcher ends them.
+    fn abandon(&mut self) {
+        if matches!(self, State::Running(world) if world.size() > 1) {
+            *self = State::Broken;
+        }
     }
 }
 
