@@ -143,14 +143,24 @@ impl Piece {
 
     /// `Σ term(K_ij, x_j)` in each row `i`, of what was dealt of `x`.
     fn sums(&self, x: &[f64], term: impl Fn(f64, f64) -> f64 + Sync) -> Vec<f64> {
-        let d = self.dimension;
+        match self.dimension {
+            2 => self.sums_in::<2>(x, term),
+            _ => self.sums_in::<3>(x, term),
+        }
+    }
+
+    /// The same in `D` dimensions, a sum for each.
+    fn sums_in<const D: usize>(&self, x: &[f64], term: impl Fn(f64, f64) -> f64 + Sync) -> Vec<f64> {
+        let x = x.as_chunks::<D>().0;
         self.of_rows(|columns, values| {
-            let mut sum = 0.0;
-            for (values, column) in values.chunks_exact(d).zip(columns) {
-                let x = &x[*column as usize * d..][..d];
-                sum += values.iter().zip(x).map(|(value, x)| term(*value, *x)).sum::<f64>();
+            let mut sums = [0.0; D];
+            for (values, column) in values.as_chunks::<D>().0.iter().zip(columns) {
+                let x = &x[*column as usize];
+                for c in 0..D {
+                    sums[c] += term(values[c], x[c]);
+                }
             }
-            sum
+            sums.iter().sum()
         })
     }
 
