@@ -97,16 +97,18 @@ fn licences_that_bind_more_are_found() {
 
 #[test]
 fn every_c_library_that_is_linked_is_named_with_its_licence() {
-    let [suitesparse, mumps, petsc] = [
+    let [suitesparse, ranks, mumps, petsc] = [
         include_str!("../../ffi/suitesparse.rs"),
+        include_str!("../../ffi/ranks.rs"),
         include_str!("../../ffi/mumps.rs"),
         include_str!("../../ffi/petsc.rs"),
     ];
-    let names = [suitesparse, mumps].into_iter().flat_map(|script| script.split("rustc-link-lib=dylib=").skip(1));
+    let names =
+        [suitesparse, ranks, mumps].into_iter().flat_map(|script| script.split("rustc-link-lib=dylib=").skip(1));
     let names = names.map(|rest| rest.split('"').next().unwrap().to_string()).filter(|name| !name.starts_with('{'));
     let mut linked: BTreeSet<_> = names.collect();
     // What these are called is told by the installation.
-    for (script, mark, name) in [(mumps, "\"dmumps", "dmumps"), (mumps, "mpicc", "mpi"), (petsc, "\"petsc\"", "petsc")]
+    for (script, mark, name) in [(mumps, "\"dmumps", "dmumps"), (ranks, "mpicc", "mpi"), (petsc, "\"petsc\"", "petsc")]
     {
         linked.extend(script.contains(mark).then(|| name.to_string()));
     }
