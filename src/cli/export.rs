@@ -10,7 +10,7 @@ use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
 use stickslip::run::{RecordedIncrement, Run};
 
-use super::solve::write;
+use super::solve::{destination, write};
 use super::{Failure, SceneArgs, interrupt};
 
 #[derive(Args)]
@@ -57,6 +57,7 @@ impl Observer for One {
 /// Exit status 1: the increment did not converge, and the file has the problem without a solution.
 pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitCode, Failure> {
     interrupt::listen();
+    destination(&args.out)?;
     let scene = args.scene.read()?;
     let run = Run::new(&scene)?;
     let increments = run.times().len();

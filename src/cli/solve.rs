@@ -58,6 +58,7 @@ impl From<SolveError> for Failure {
 /// Exit status 1: it is not solved.
 pub(super) fn solve_file(args: &SolveArgs) -> Result<ExitCode, Failure> {
     let name = args.file.display().to_string();
+    args.out.as_deref().map(destination).transpose()?;
     let mut file = ProblemFile::read(&args.file)?;
     let guess = args.guess.map(|number| file.guesses.get(usize::from(number) - 1).ok_or(number)).transpose();
     let guess = guess.map_err(|number| {
@@ -71,13 +72,13 @@ pub(super) fn solve_file(args: &SolveArgs) -> Result<ExitCode, Failure> {
     let answer = solve(&file.problem, guess)?;
     let report = ProblemReport::solved(&name, &file, &answer, cpu_seconds() - start);
     let Answer { solution, .. } = answer;
-    tell(&report, args.json)?;
     if let Some(path) = &args.out {
         file.solution = Some(solution);
         write(path, &file)?;
-        if !args.json {
-            say!("results      {}", path.display());
-        }
+    }
+    tell(&report, args.json)?;
+    if let (Some(path), false) = (&args.out, args.json) {
+        say!("results      {}", path.display());
     }
     Ok(status(report.status))
 }
@@ -156,17 +157,28 @@ fn tell(report: &ProblemReport, json: bool) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Folder and name of a file that is to be written: a new one, or a file in whose place it goes.
+pub(super) fn destination(path: &Path) -> Result<(&Path, &str), Failure> {
+    let refused = |help: &str, why: &str| {
+        let help = help.to_string();
+        Failure::Input(miette::miette!(help = help, "{}: {why}", path.display()))
+    };
+    let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
+        return Err(refused("name a file", "it is no file that can be written"));
+    };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(refused("make its folder, or name another one", "its folder is not there"));
+    }
+    // A link would be replaced by the file, and so would a device.
+    match path.symlink_metadata() {
+        Ok(there) if !there.is_file() => Err(refused("name a file", "what is there is no regular file")),
+        _ => Ok((folder, name)),
+    }
+}
+
 /// Writes `file` as FCLIB.
 pub(super) fn write(path: &Path, file: &ProblemFile) -> Result<(), Failure> {
-    let bytes = file.to_fclib()?;
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
-        let help = "name a file";
-        return Err(Failure::Input(miette::miette!(
-            help = help,
-            "{}: it is no file that can be written",
-            path.display()
-        )));
-    };
-    write_file(folder, name, bytes).map_err(|error| write_failure(path, &error))
+    let (folder, name) = destination(path)?;
+    write_file(folder, name, file.to_fclib()?).map_err(|error| write_failure(path, &error))
 }

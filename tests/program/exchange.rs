@@ -42,7 +42,11 @@ fn what_cannot_be_read_has_one_message() {
     let folder = Folder::new();
     let bad = folder.join("bad.dat");
     fs::write(&bad, "2 1 0 2 2\n2 2 1 x").unwrap();
+    let link = folder.join("link.hdf5");
+    std::os::unix::fs::symlink(&bad, &link).unwrap();
     for (args, words) in [
+        (vec!["solve", &problem("local.hdf5"), "--out", &folder.join("none/x.hdf5")], "its folder is not there"),
+        (vec!["solve", &problem("local.hdf5"), "--out", &link], "what is there is no regular file"),
         (vec!["solve", &bad], "line 2: expected the entries of a matrix"),
         (vec!["judge", &problem("sliding.dat")], "there is no solution beside the problem"),
         (vec!["judge", &problem("sliding.dat"), &bad], "it is neither HDF5 nor a text"),
