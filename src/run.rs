@@ -39,6 +39,7 @@ use std::borrow::Cow;
 use std::time::Instant;
 
 pub use discretise::discretise;
+use discretise::{for_run, shared};
 pub use error::RunError;
 #[cfg(feature = "petsc")]
 pub use grid::grid;
@@ -109,7 +110,7 @@ impl<'a> Run<'a> {
     /// As [`Run::new`].
     pub fn prepared(scene: &'a Scene, prepare: impl FnOnce(&Model)) -> Result<Self, RunError> {
         let start = Instant::now();
-        let model = Cow::Owned(discretise(scene)?);
+        let model = Cow::Owned(for_run(scene)?);
         prepare(&model);
         Run::start(Some(scene), model, scene.time.all(), scene.solver, start)
     }
@@ -150,7 +151,16 @@ impl<'a> Run<'a> {
             let means = means(&model, solver.method, budget);
             Choice::cheapest(&model.problem, &reach, solver.method, times.len(), means)?
         };
-        sharing::check(&model, choice.linear, budget)?;
+        let of_rows = sharing::share(&Solver { linear: Some(choice.linear), ..solver });
+        let model = match (scene, of_rows) {
+            // The choice has looked at the whole stiffness, which goes before its rows come.
+            (Some(scene), Some(share)) if solver.linear.is_none() => {
+                drop(model);
+                Cow::Owned(shared(scene, share)?)
+            }
+            _ => model,
+        };
+        Need::check(&model, choice.linear, budget)?;
         let model_seconds = start.elapsed().as_secs_f64();
         let (uniqueness, companion, from) = (false, false, None);
         Ok(Run { scene, model, times, solver, choice, budget, reach, uniqueness, companion, from, model_seconds })

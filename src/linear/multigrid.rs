@@ -15,6 +15,7 @@ mod numbering;
 mod piece;
 mod precondition;
 mod product;
+mod rows;
 mod shared;
 mod small;
 mod stiffness;
@@ -140,7 +141,7 @@ impl Multigrid {
                 let cycle = stiffness.cycle(&layout.state(matrix, &nodes, self.form), &kernel)?;
                 (Box::new(cycle) as Box<dyn Cycle>, layout.border(matrix, &nodes))
             } else {
-                let (rows, border) = layout.stiffness(matrix, &nodes, self.form);
+                let (rows, border) = layout.stiffness(matrix, &nodes, self.form)?;
                 ((self.make_cycle)(rows, kernel, &layout.bounds())?, border)
             };
             self.hierarchies.push(Hierarchy::new(cycle, &nodes));

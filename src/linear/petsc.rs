@@ -36,10 +36,6 @@ impl Amg {
     /// between its `bounds`.
     pub(super) fn new(matrix: Rows, kernel: Vec<Vec<f64>>, bounds: &[usize]) -> Result<Self, LinearError> {
         let order = matrix.starts.len() - 1;
-        let counted = [order, matrix.values.len()].into_iter().all(|count| i32::try_from(count).is_ok());
-        if !counted {
-            return Err(LinearError::OutOfMemory { step: "the multigrid hierarchy, whose indices have 32 bits" });
-        }
         expect_finite(&matrix.values)?;
         for motion in &kernel {
             expect_length("displacements of a motion", order, motion.len())?;

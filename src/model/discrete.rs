@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::pair::Pairs;
+use super::pair::{Pair, Pairs};
 use super::support::{self, Holding};
 use super::{ModelError, bodies, element, load, meridian};
 use crate::description::Description;
@@ -40,9 +40,13 @@ impl Discrete {
         let beds = load::springs(description, &mesh)?;
         Ok(Discrete { mesh, holdings, dofs, element, materials, pairs, volumes, beds })
     }
+}
 
-    /// Whether the stiffness is the sum of those of the cells, each on displacements of its own nodes.
-    pub(super) fn is_a_sum_over_cells(&self) -> bool {
-        self.pairs.all.is_empty() && self.volumes.is_empty() && self.beds.iter().all(Vec::is_empty)
-    }
+/// Whether the stiffness is the sum of those of the cells, each on displacements of its own nodes.
+pub(super) fn is_a_sum_over_cells<'a>(
+    pairs: &[Pair],
+    volumes: &NodalVolumes,
+    mut springs: impl Iterator<Item = &'a Spring>,
+) -> bool {
+    pairs.is_empty() && volumes.is_empty() && springs.next().is_none()
 }

@@ -3,8 +3,9 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-use super::ModelError;
-use super::discrete::Discrete;
+use super::discrete::{self, Discrete};
+use super::pair::Pairs;
+use super::{Model, ModelError};
 use crate::contact::ContactNode;
 use crate::description::Description;
 use crate::fem::{Dofs, Elasticity, Element, assemble_part};
@@ -36,10 +37,10 @@ impl Body {
     }
 
     pub(super) fn on(discrete: &Discrete) -> Option<Self> {
-        let Discrete { mesh, dofs, element, materials, .. } = discrete;
+        let Discrete { mesh, dofs, element, materials, pairs: Pairs { all: pairs, .. }, volumes, beds, .. } = discrete;
         let body =
             || Body { mesh: Arc::clone(mesh), dofs: dofs.clone(), element: *element, materials: materials.clone() };
-        discrete.is_a_sum_over_cells().then(body)
+        discrete::is_a_sum_over_cells(pairs, volumes, beds.iter().flatten()).then(body)
     }
 
     /// `K`, shared as `share` does it; `None` where the rows of a contact node are not on its own displacements alone.
@@ -48,20 +49,35 @@ impl Body {
         contacts: &[ContactNode],
         share: Share<'_>,
     ) -> Result<Option<Symmetric>, LinearError> {
-        let mut is_contact = vec![false; self.mesh.nodes.len()];
-        for contact in contacts {
-            let own = self.dofs.node(contact.node);
-            let rows = [&contact.normal, &contact.tangents[0], &contact.tangents[1]];
-            let is_local = rows.into_iter().flatten().all(|(dof, _)| own.contains(&Some(*dof)));
-            if !is_local || std::mem::replace(&mut is_contact[contact.node], true) {
-                return Ok(None);
-            }
-        }
+        let Some(is_contact) = alone_with_contact(&self.mesh, &self.dofs, contacts) else { return Ok(None) };
         let mut near = is_contact.clone();
         for cell in self.mesh.cells.iter().filter(|cell| cell.nodes.iter().any(|node| is_contact[*node])) {
             cell.nodes.iter().for_each(|&node| near[node] = true);
         }
         share(self, &near)
+    }
+}
+
+/// The nodes with contact, if the rows of each are on its own displacements alone.
+fn alone_with_contact(mesh: &Mesh, dofs: &Dofs, contacts: &[ContactNode]) -> Option<Vec<bool>> {
+    let mut is_contact = vec![false; mesh.nodes.len()];
+    for contact in contacts {
+        let own = dofs.node(contact.node);
+        let rows = [&contact.normal, &contact.tangents[0], &contact.tangents[1]];
+        let is_local = rows.into_iter().flatten().all(|(dof, _)| own.contains(&Some(*dof)));
+        if !is_local || std::mem::replace(&mut is_contact[contact.node], true) {
+            return None;
+        }
+    }
+    Some(is_contact)
+}
+
+impl Model {
+    /// Whether its stiffness may be had in rows of nodes, each made where it stays: [`Body::of`] has one, with contact on displacements of
+    /// single nodes.
+    pub(crate) fn has_rows(&self) -> bool {
+        discrete::is_a_sum_over_cells(&self.pairs, &self.volumes, self.statics.springs())
+            && alone_with_contact(&self.mesh, &self.dofs, &self.contacts).is_some()
     }
 }
 

@@ -2,11 +2,12 @@
 
 use super::RunError;
 use super::need::has_room;
-use super::sharing;
+use super::sharing::share;
 use crate::formulation::Layout;
 use crate::history::Method;
+use crate::linear::built_in::ranks;
 use crate::memory::Budget;
-use crate::model::Model;
+use crate::model::{Model, Share};
 use crate::report::ProbeTable;
 use crate::scene::Scene;
 use crate::timeline::equal_increments;
@@ -31,11 +32,27 @@ fn chords(ends: &[f64], kinks: &[f64]) -> Vec<f64> {
 /// When the scene contradicts its mesh, as a probe outside of the body does, when its method does not know such a problem, and when the
 /// matrices would not fit into the memory that is free.
 pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
-    let ranks = sharing::ranks(scene);
-    // Where ranks share the matrices each has its part of the nodes.
-    let part = |(nodes, dimension): (usize, usize)| (nodes / ranks, dimension);
+    has_room(scene.description.mesh.nodes(), Budget::of_process())?;
+    suitable(scene, Model::new(scene)?)
+}
+
+/// The same with the stiffness that the solver of `scene` wants.
+pub(super) fn for_run(scene: &Scene) -> Result<Model, RunError> {
+    match share(&scene.solver) {
+        Some(share) => shared(scene, share),
+        None => discretise(scene),
+    }
+}
+
+/// The same with a stiffness that is shared as `share` does it, where that can be: each process has its part of the nodes.
+pub(super) fn shared(scene: &Scene, share: Share<'_>) -> Result<Model, RunError> {
+    let part = |(nodes, dimension): (usize, usize)| (nodes / ranks(), dimension);
     has_room(scene.description.mesh.nodes().map(part), Budget::of_process())?;
-    let mut model = sharing::model(scene, ranks)?;
+    suitable(scene, Model::shared(scene, share)?)
+}
+
+/// The model of `scene`, if the scene and its method know such a problem.
+fn suitable(scene: &Scene, mut model: Model) -> Result<Model, RunError> {
     if let Method::Events { .. } = scene.solver.method {
         let layout = Layout::new(&model.problem);
         let help = "use the method \"bn\"";

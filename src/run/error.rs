@@ -12,7 +12,7 @@ pub enum RunError {
     /// The scene cannot be discretised.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Model(#[from] ModelError),
+    Model(ModelError),
     /// There is no room for what the run takes.
     #[error("{what} need {} or more, but {} leaves {}", in_words(*needed), budget.source, in_words(budget.bytes))]
     #[diagnostic(help("{}", budget.source.remedy()))]
@@ -45,6 +45,15 @@ impl RunError {
             RunError::Model(_) | RunError::SlidesInAPlane => true,
             RunError::NoRoom { .. } => false,
             RunError::History(error) => of_history(error),
+        }
+    }
+}
+
+impl From<ModelError> for RunError {
+    fn from(error: ModelError) -> Self {
+        match error {
+            ModelError::Linear(error) => error.into(),
+            other => RunError::Model(other),
         }
     }
 }

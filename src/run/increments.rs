@@ -1,7 +1,8 @@
 //! How many increments leave a given error.
 
 use super::companion::equal_parts;
-use super::{Run, RunError, discretise};
+use super::discretise::for_run;
+use super::{Run, RunError};
 use crate::history::Observer;
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
@@ -25,7 +26,7 @@ pub fn increments_for(
     prepare: impl FnOnce(&Model),
     observer: &mut dyn Observer,
 ) -> Result<ChosenIncrements, RunError> {
-    let model = discretise(scene)?;
+    let model = for_run(scene)?;
     prepare(&model);
     let kinks = model.loading.kinks();
     drop(model);

@@ -3,6 +3,7 @@
 use super::RunError;
 use crate::auto::Path;
 use crate::history::LinearAlgebra;
+use crate::linear::built_in::ranks;
 use crate::linear::cost::{self, Sizes, Work};
 use crate::linear::{Cholesky, FactorInfo, LinearError};
 use crate::memory::Budget;
@@ -10,6 +11,11 @@ use crate::model::Model;
 
 /// Bytes that mesh, assembly and the patterns and values of all formulations take for an entry of the lower triangle of the stiffness.
 const BODY_BYTES: f64 = 160.0;
+
+/// Bytes that mesh, rows and vectors take for a displacement where multigrid has its stiffness in rows of nodes.
+const ROWS_BYTES: f64 = 1500.0;
+/// The same where it has a stiffness in one piece, and Newton matrices beside.
+const PIECE_BYTES: f64 = 3500.0;
 
 /// What the program takes before it has a mesh, bytes.
 const PROGRAM_BYTES: f64 = 25e6;
@@ -40,12 +46,16 @@ impl Need {
     /// # Errors
     /// When memory is short for the symbolic analysis.
     pub fn of(model: &Model, linear: LinearAlgebra, records: usize) -> Result<Self, LinearError> {
-        Ok(Self::with(model, linear, records, Cholesky::predict(model.problem.stiffness())?))
+        let stiffness = match linear {
+            LinearAlgebra::Multigrid => FactorInfo::default(),
+            LinearAlgebra::Whole(_) | LinearAlgebra::Condensed(_) => Cholesky::predict(model.problem.stiffness())?,
+        };
+        Ok(Self::with(model, linear, records, stiffness))
     }
 
     /// That of `model` by one of the ways that there were to choose from, without records.
     pub fn of_path(model: &Model, path: &Path) -> Self {
-        Need { body: body(model), factors: path.cost.bytes, history: 0.0, least: 0.0 }
+        Need { body: body(model, path.linear), factors: path.cost.bytes, history: 0.0, least: 0.0 }
     }
 
     fn with(model: &Model, linear: LinearAlgebra, records: usize, stiffness: FactorInfo) -> Self {
@@ -57,12 +67,12 @@ impl Need {
         let (factors, least) = match linear {
             LinearAlgebra::Whole(lu) => (cost::sparse(&sizes, &work, lu).bytes, 16.0 * entries),
             LinearAlgebra::Multigrid => {
-                let bytes = cost::multigrid(problem.displacements(), &work).bytes;
+                let bytes = cost::multigrid(problem.displacements(), &work).shared_by(ranks()).bytes;
                 (bytes, 0.5 * bytes)
             }
             LinearAlgebra::Condensed(_) => (cost::condensed(&sizes, &work).bytes, 8.0 * entries),
         };
-        Need { body: body(model), factors, history: RECORD_BYTES * records as f64, least }
+        Need { body: body(model, linear), factors, history: RECORD_BYTES * records as f64, least }
     }
 
     /// All of it.
@@ -95,14 +105,19 @@ impl Need {
     /// An error if `budget`, what is left once the model is made, has no room for the factors of a run of `model`.
     pub(super) fn check(model: &Model, linear: LinearAlgebra, budget: Option<Budget>) -> Result<(), RunError> {
         let Some(budget) = budget else { return Ok(()) };
-        let entries = MOST_FILL * model.problem.stiffness().lower().values().len();
-        let most = Self::with(model, linear, 0, FactorInfo { entries, ..FactorInfo::default() });
-        if most.least <= budget.bytes as f64 {
-            return Ok(());
-        }
+        let what = if linear == LinearAlgebra::Multigrid {
+            "the hierarchies of this scene"
+        } else {
+            let entries = MOST_FILL * model.problem.stiffness().lower().values().len();
+            let most = Self::with(model, linear, 0, FactorInfo { entries, ..FactorInfo::default() });
+            if most.least <= budget.bytes as f64 {
+                return Ok(());
+            }
+            "the factors of this scene"
+        };
         match Self::of(model, linear, 0) {
             Ok(Need { least, .. }) if least > budget.bytes as f64 => {
-                Err(RunError::NoRoom { what: "the factors of this scene", needed: least as u64, budget })
+                Err(RunError::NoRoom { what, needed: least as u64, budget })
             }
             Ok(_) | Err(LinearError::NotBuiltIn { .. }) => Ok(()),
             Err(error) => Err(error.into()),
@@ -123,8 +138,16 @@ impl Need {
 }
 
 /// What a run takes before anything is factored, bytes.
-fn body(model: &Model) -> f64 {
-    PROGRAM_BYTES + BODY_BYTES * model.problem.stiffness().lower().values().len() as f64
+fn body(model: &Model, linear: LinearAlgebra) -> f64 {
+    let stiffness = model.problem.stiffness();
+    let bytes = match linear {
+        LinearAlgebra::Multigrid => {
+            let each = if stiffness.shared().is_some() || model.has_rows() { ROWS_BYTES } else { PIECE_BYTES };
+            each * stiffness.order() as f64
+        }
+        LinearAlgebra::Whole(_) | LinearAlgebra::Condensed(_) => BODY_BYTES * stiffness.lower().values().len() as f64,
+    };
+    PROGRAM_BYTES + bytes
 }
 
 /// Whether so many nodes in so many dimensions, where that is known beforehand, fit into the `budget`. Asking

@@ -114,6 +114,20 @@ fn auto_takes_what_ranks_can_share() {
     assert!(report["solver_choice"].as_str().unwrap().contains("2 processes"), "{}", report["solver_choice"]);
 }
 
+/// What the choice needed of the stiffness goes before its rows come: where rank 0 keeps all of it, it takes 260 MB.
+#[cfg(feature = "petsc")]
+#[test]
+fn auto_shares_a_stiffness_for_multigrid() {
+    let cube = path("cube");
+    let fine = ["--set", "mesh.elements=[20,20,20]", "--set", "time.increments=1"];
+    let ended = Job::start(2, &[&["run", &cube, "--solver", "auto", "--out", "OUT"][..], &fine].concat()).end();
+    assert_eq!(ended.status, Some(0), "{}", ended.error);
+    let report = ended.report();
+    assert_eq!(report["solver"], "multigrid", "{}", report["solver_choice"]);
+    let ranks = report["totals"]["ranks"].as_array().unwrap();
+    assert!(ranks.iter().all(|rank| rank["peak_rss_bytes"].as_u64() < Some(225_000_000)), "{ranks:?}");
+}
+
 #[test]
 fn usr1_to_the_launcher_ends_a_run_in_order() {
     for &(solver, tolerance, _) in SHARED {

@@ -11,9 +11,10 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::block::{Block, Border};
-use super::form::Form;
 use super::node::Eliminated;
 use super::numbering::Numbering;
+use super::rows::rows;
+use crate::linear::LinearError;
 use crate::linear::petsc::{Rows, Share};
 use crate::linear::ranks::World;
 use crate::sparse::{NodeRows, Symmetric};
@@ -208,43 +209,41 @@ impl Piece {
     }
 
     /// The rows of `K̂` of this rank.
-    fn eliminated(&self, first: usize, state: &State) -> Rows {
-        let d = self.dimension;
+    fn eliminated(&self, first: usize, state: &State) -> Result<Rows, LinearError> {
+        // Hierarchies are no business of other threads.
+        let Piece { dimension, nodes, missing, starts, columns: beside, values: own_values, .. } = self;
+        let d = *dimension;
         let State { factor, form, springs, contacts } = state;
         let contact_of: HashMap<usize, usize> = contacts.iter().enumerate().map(|(k, (node, _))| (*node, k)).collect();
-        let contact: Vec<Option<usize>> = self.nodes.iter().map(|node| contact_of.get(node).copied()).collect();
+        let contact: Vec<Option<usize>> = nodes.iter().map(|node| contact_of.get(node).copied()).collect();
         let springs: HashMap<usize, f64> = springs.iter().copied().collect();
-        let mut rows = Rows {
-            starts: vec![0],
-            columns: Vec::with_capacity(self.values.len()),
-            values: Vec::with_capacity(self.values.len()),
-            block: d,
-            symmetric: *form == Form::Symmetric,
-        };
-        for own in 0..self.starts.len() - 1 {
-            let range = self.starts[own]..self.starts[own + 1];
-            let columns: Vec<usize> = self.columns[range.clone()].iter().map(|column| *column as usize).collect();
+        let make = |(): &mut (), own: usize, places: &mut [i32], values: &mut [f64]| {
+            let range = starts[own]..starts[own + 1];
+            let columns: Vec<usize> = beside[range.clone()].iter().map(|column| *column as usize).collect();
             let width = columns.len() * d;
-            let here = &self.values[range.start * d * d..range.end * d * d];
+            let here = &own_values[range.start * d * d..range.end * d * d];
             let mut block: Border = std::array::from_fn(|a| match here.get(a * width..(a + 1) * width) {
                 Some(values) => values.iter().map(|value| factor * value).collect(),
                 None => vec![0.0; width],
             });
-            let at = columns.iter().position(|column| self.nodes[*column] == first + own).unwrap_or(0);
+            let at = columns.iter().position(|column| nodes[*column] == first + own).unwrap_or(0);
             for (a, row) in block.iter_mut().enumerate().take(d) {
                 row[at * d + a] += springs.get(&((first + own) * d + a)).copied().unwrap_or(0.0);
             }
             let of = |column: usize| -> Option<&Eliminated> { contact[column].map(|k| &contacts[k].1) };
             let place = Block { dimension: d, columns: &columns, own: at, contact: of };
             place.turn(&mut block);
-            place.eliminate(*form, &mut block, |column| self.missing[column]);
-            for row in block.iter().take(d) {
-                let all = columns.iter().flat_map(|column| (0..d).map(move |b| self.nodes[*column] * d + b));
-                rows.columns.extend(all.map(|column| column as i32));
-                rows.values.extend_from_slice(row);
-                rows.starts.push(rows.values.len() as i32);
+            place.eliminate(*form, &mut block, |column| missing[column]);
+            for ((row, places), values) in
+                block.iter().zip(places.chunks_exact_mut(width)).zip(values.chunks_exact_mut(width))
+            {
+                values.copy_from_slice(row);
+                let all = columns.iter().flat_map(|column| (0..d).map(move |b| nodes[*column] * d + b));
+                places.iter_mut().zip(all).for_each(|(to, place)| *to = place as i32);
             }
-        }
-        rows
+            None::<()>
+        };
+        let widths = starts.windows(2).map(|pair| pair[1] - pair[0]);
+        Ok(rows(d, *form, widths, || (), make)?.0)
     }
 }

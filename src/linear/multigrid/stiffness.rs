@@ -3,15 +3,12 @@
 //! It has the pattern of `K`. Held directions are rows of the diagonal, and so are those that supports have taken; springs stand where
 //! forces follow displacements.
 
-use std::ops::Range;
-
-use rayon::prelude::*;
-
 use super::block::{Block, Border};
 use super::form::Form;
 use super::grid::Grid;
 use super::node::{Eliminated, Local};
 use super::piece::State;
+use super::rows::rows;
 use super::shared::Stiffness;
 use crate::linear::LinearError;
 use crate::linear::error::expect_length;
@@ -43,9 +40,6 @@ pub(super) struct Layout {
     /// The nodes of each rank are between these.
     ranks: Vec<usize>,
 }
-
-/// Rows of so many nodes are made together by one thread.
-const TOGETHER: usize = 512;
 
 impl Layout {
     /// That of matrices with the pattern of `matrix`, whose nodes are numbered already if ranks share them.
@@ -114,9 +108,6 @@ impl Layout {
         }
         let entries = layout.columns.iter().map(|columns| columns.len() * layout.dimension * layout.dimension).sum();
         layout.entries = shared.map_or(entries, Stiffness::entries);
-        if i32::try_from(layout.entries).is_err() {
-            return Err(LinearError::OutOfMemory { step: "the multigrid hierarchy, whose indices have 32 bits" });
-        }
         Ok(layout)
     }
 
@@ -257,55 +248,38 @@ impl Layout {
     }
 
     /// `K̂` of `matrix` with these contact nodes, and their rows beside.
-    pub(super) fn stiffness(&self, matrix: &SystemMatrix, nodes: &[Eliminated], form: Form) -> (Rows, Vec<Border>) {
-        let (d, entries) = (self.dimension, self.entries());
-        let mut starts = vec![0];
-        for columns in &self.columns {
-            for _ in 0..d {
-                starts.push(starts[starts.len() - 1] + (columns.len() * d) as i32);
+    ///
+    /// # Errors
+    /// When it has more entries than PETSc counts.
+    pub(super) fn stiffness(
+        &self,
+        matrix: &SystemMatrix,
+        nodes: &[Eliminated],
+        form: Form,
+    ) -> Result<(Rows, Vec<Border>), LinearError> {
+        let d = self.dimension;
+        let make = |at: &mut Vec<usize>, node: usize, columns: &mut [i32], values: &mut [f64]| {
+            let mut rows = self.rows(node, matrix, at, nodes);
+            let border = self.contact[node].map(|contact| (contact, rows.clone()));
+            let missing = |column: usize| self.own[column].map(|dof| dof.is_none());
+            self.block(node, at[node], nodes).eliminate(form, &mut rows, missing);
+            let width = self.columns[node].len() * d;
+            for (row, values) in rows.iter().zip(values.chunks_exact_mut(width)) {
+                values.copy_from_slice(row);
             }
-        }
-        let mut rows = Rows {
-            starts,
-            columns: vec![0; entries],
-            values: vec![0.0; entries],
-            block: d,
-            symmetric: form == Form::Symmetric,
-        };
-        let mut pieces = Vec::new();
-        let (mut columns_left, mut values_left) = (&mut rows.columns[..], &mut rows.values[..]);
-        for first in (0..self.own.len()).step_by(TOGETHER) {
-            let nodes = first..self.own.len().min(first + TOGETHER);
-            let length = (rows.starts[nodes.end * d] - rows.starts[first * d]) as usize;
-            let (columns, values);
-            (columns, columns_left) = columns_left.split_at_mut(length);
-            (values, values_left) = values_left.split_at_mut(length);
-            pieces.push((nodes, columns, values));
-        }
-        let write = |at: &mut Vec<usize>, (piece, columns, to): (Range<usize>, &mut [i32], &mut [f64])| {
-            let (mut next, mut border) = (0, Vec::new());
-            for node in piece {
-                let mut rows = self.rows(node, matrix, at, nodes);
-                if let Some(contact) = self.contact[node] {
-                    border.push((contact, rows.clone()));
-                }
-                let missing = |column: usize| self.own[column].map(|dof| dof.is_none());
-                self.block(node, at[node], nodes).eliminate(form, &mut rows, missing);
-                for row in rows.into_iter().take(d) {
-                    let places = self.columns[node].iter().flat_map(|column| column * d..(column + 1) * d);
-                    columns[next..].iter_mut().zip(places).for_each(|(to, place)| *to = place as i32);
-                    to[next..next + row.len()].copy_from_slice(&row);
-                    next += row.len();
-                }
+            for columns in columns.chunks_exact_mut(width) {
+                let places = self.columns[node].iter().flat_map(|column| column * d..(column + 1) * d);
+                columns.iter_mut().zip(places).for_each(|(to, place)| *to = place as i32);
             }
             border
         };
-        let borders: Vec<_> = pieces.into_par_iter().map_init(|| vec![0; self.own.len()], write).collect();
+        let widths = self.columns.iter().map(Vec::len);
+        let (rows, borders) = rows(d, form, widths, || vec![0; self.own.len()], make)?;
         let mut border = vec![Border::default(); self.contacts.len()];
-        for (contact, rows) in borders.into_iter().flatten() {
+        for (contact, rows) in borders {
             border[contact] = rows;
         }
-        (rows, border)
+        Ok((rows, border))
     }
 
     /// The rows of the contact nodes alone, where another matrix stands for `K̂` or ranks make it.

@@ -159,7 +159,7 @@ impl Piece {
             world.deal(kernel.get(k).map_or(&[], Vec::as_slice), &bounds, &mut own).map(|()| own)
         });
         let motions = motions.collect::<Result<_, _>>()?;
-        let rows = self.eliminated(self.first(world), &state);
+        let rows = self.eliminated(self.first(world), &state)?;
         self.hierarchies.insert(number, Share::new(world, rows, motions, bounds)?);
         Ok(())
     }
