@@ -195,9 +195,9 @@ impl Cli {
         let threads = threads::count(self.threads);
         threads::start(threads);
         #[cfg(feature = "mpi")]
-        match &self.command {
-            Command::Compare(_) => ranks::refuse("compare")?,
-            Command::Sweep(_) => ranks::refuse("sweep")?,
+        match (&self.command, ranks::lead()?) {
+            (Command::Compare(_), count) => ranks::refuse("compare", count)?,
+            (Command::Sweep(_), count) => ranks::refuse("sweep", count)?,
             _ => {}
         }
         match &self.command {
@@ -247,8 +247,10 @@ fn program() -> clap::Command {
 
 pub(crate) fn main() -> ExitCode {
     #[cfg(feature = "mpi")]
-    if ranks::helps() {
-        return ranks::help();
+    if ranks::may_help()
+        && let Some(code) = ranks::help()
+    {
+        return code;
     }
     let json = std::env::args_os().any(|argument| argument == "--json");
     memory::end_in_order(json);

@@ -146,8 +146,8 @@ pub trait LinearSolver: Send {
 pub struct Iterated {
     /// How many there were.
     pub iterations: usize,
-    /// Whether they stood still, so that a direct solver took over.
-    pub gave_way: bool,
+    /// The direct solver that took over, if they stood still.
+    pub instead: Option<SparseLu>,
 }
 
 /// What one of several processes of MPI has taken.

@@ -304,6 +304,11 @@ impl<'a> Run<'a> {
             faster: self.faster(&linear, &done)?,
             linear,
             choice: &self.choice,
+            unsuited: outcome
+                .linear
+                .instead
+                .and_then(|_| unsuited(&self.model, self.solver.method))
+                .map(|why| why.to_string()),
             outcome: &outcome,
             validity: &validity,
             largest_pressure: estimates.largest_pressure(&self.model),

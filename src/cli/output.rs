@@ -38,7 +38,8 @@ fn plain(text: &str) -> String {
 
 /// Prints a line on standard error. There is nobody to tell if that fails.
 pub(super) fn note(line: &str) {
-    let _ = writeln!(stderr(), "{line}");
+    // In one piece, as other processes may write there, too.
+    let _ = stderr().write_all(format!("{line}\n").as_bytes());
 }
 
 /// Whether standard output has refused a line.

@@ -2,11 +2,12 @@
 //! the factorisations of MUMPS and the cycles of multigrid.
 
 use std::env;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::process::ExitCode;
 
 use clap::FromArgMatches;
 use stickslip::history::LinearAlgebra;
-use stickslip::linear::{self, ranks};
+use stickslip::linear::{self, LinearError, ranks};
 use stickslip::sparse::NodeRows;
 
 use super::{Cli, Command, Failure, interrupt, memory, output, program, threads};
@@ -19,58 +20,82 @@ fn rank() -> Option<usize> {
     RANK.iter().find_map(|name| env::var(name).ok()?.parse().ok())
 }
 
-/// Whether this process is there to help another one.
-pub(super) fn helps() -> bool {
+/// Whether a launcher has started this process to help another one, as far as the environment tells.
+pub(super) fn may_help() -> bool {
     rank().is_some_and(|rank| rank > 0)
 }
 
-/// All that a process does which helps.
-pub(super) fn help() -> ExitCode {
+/// All that a process does which helps; none if MPI knows of no other one, as in a job of somebody else's that this program is started from.
+pub(super) fn help() -> Option<ExitCode> {
     let code = helped();
-    memory::exits();
+    if code.is_some() {
+        memory::exits();
+    }
     code
 }
 
-/// Helps; with commands that solve nothing there is nothing to do. What is wrong, rank 0 says.
-fn helped() -> ExitCode {
-    // Whatever is to end in order, rank 0 sees to it; and it can only if its helpers are there.
-    interrupt::disregard();
-    memory::end_in_order(false);
+/// Helps rank 0, whatever its command. What is wrong, rank 0 says.
+fn helped() -> Option<ExitCode> {
     let matches = program().try_get_matches();
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
-        Err(error) => return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2)),
+        Err(error) => return Some(ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))),
     };
-    let Command::Run(args) = &cli.command else { return ExitCode::SUCCESS };
     // It may start the program once more, here as on rank 0.
     if cli.kernel_before().is_err() {
-        return ExitCode::from(2);
+        return Some(ExitCode::from(2));
     }
+    let failed = |error: &LinearError| {
+        output::note(&error.to_string());
+        Some(ExitCode::from(3))
+    };
+    let rank = match ranks::start() {
+        Ok((0, _)) => return None,
+        Ok((rank, _)) => rank,
+        Err(error) => return failed(&error),
+    };
+    // Whatever is to end in order, rank 0 sees to it; and it can only if its helpers are there.
+    interrupt::disregard();
+    memory::end_in_order(false);
     threads::start(threads::count(cli.threads));
+    match ranks::agree(arguments()) {
+        Ok(true) => {}
+        Ok(false) => {
+            output::note(&format!("rank {rank} was started with other arguments than rank 0, whose are obeyed"))
+        }
+        Err(error) => return failed(&error),
+    }
     // Each assembles rows of its own, of the body that rank 0 has.
-    let mut body = || match args.body() {
-        Ok(body) => body.map(|body| Box::new(body) as Box<dyn NodeRows>),
-        Err(error) => {
-            output::note(&error);
-            None
+    let mut body = || {
+        let Command::Run(args) = &cli.command else { return None };
+        match args.body() {
+            Ok(body) => body.map(|body| Box::new(body) as Box<dyn NodeRows>),
+            Err(error) => {
+                output::note(&format!("rank {rank}: {error}"));
+                None
+            }
         }
     };
     match linear::help(&mut body) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            output::note(&error.to_string());
-            ExitCode::from(3)
-        }
+        Ok(()) => Some(ExitCode::SUCCESS),
+        Err(error) => failed(&error),
     }
 }
 
-/// On rank 0: how many processes there are, MPI being started if a launcher has been at work.
+/// A number for the arguments of this process.
+fn arguments() -> u64 {
+    let mut hasher = DefaultHasher::new();
+    env::args_os().skip(1).for_each(|argument| argument.hash(&mut hasher));
+    hasher.finish()
+}
+
+/// On rank 0: how many processes there are, MPI being started if a launcher has been at work, whose other processes wait for that.
 pub(super) fn lead() -> Result<usize, Failure> {
     if rank().is_none() {
         return Ok(1);
     }
-    let (_, count) = ranks::start().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-    Ok(count)
+    let started = ranks::start().and_then(|(_, count)| ranks::agree(arguments()).map(|_| count));
+    started.map_err(|error| Failure::Machine(miette::miette!("{error}")))
 }
 
 /// An error unless `linear`, if it is known already, has work for `count` processes.
@@ -87,9 +112,9 @@ pub(super) fn check(count: usize, linear: Option<LinearAlgebra>) -> Result<(), F
     }
 }
 
-/// An error if a launcher has started a `command` that shares its work among processes or threads of its own.
-pub(super) fn refuse(command: &str) -> Result<(), Failure> {
-    if rank().is_none() {
+/// An error if a launcher has started `count` processes for a `command` that shares its work among processes or threads of its own.
+pub(super) fn refuse(command: &str, count: usize) -> Result<(), Failure> {
+    if count == 1 {
         return Ok(());
     }
     let help =

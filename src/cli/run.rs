@@ -83,11 +83,9 @@ impl RunArgs {
 /// On `count` threads. `kernel_before`: the kernel of the BLAS before the program started itself again.
 pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -> Result<ExitCode, Failure> {
     interrupt::listen();
-    #[cfg(feature = "mpi")]
-    let ranks = ranks::lead()?;
     let scene = args.scene.read()?;
     #[cfg(feature = "mpi")]
-    ranks::check(ranks, scene.solver.linear)?;
+    ranks::check(stickslip::linear::ranks::count(), scene.solver.linear)?;
     if !args.json {
         say!("{}", scene.title);
         say!("set-up       mesh, stiffness, contact");
@@ -358,13 +356,15 @@ fn print_verdict(report: &RunReport, increments: usize) {
             None => say!("increments   what they leave cannot be told: a run with {increments} ended {status}"),
         }
     }
-    say!(
-        "work         {} iterations, {} factorisations, {} symbolic analysis, {} entries in L and U",
-        totals.iterations,
-        totals.factorizations,
-        totals.symbolic_analyses,
-        totals.nnz_factors
-    );
+    let (matrices, entries) = (totals.factorizations, totals.nnz_factors);
+    let linear = match totals.krylov_iterations {
+        Some(krylov) => format!("{matrices} Newton matrices with {entries} entries, {krylov} iterations of GMRES"),
+        None => format!(
+            "{matrices} factorisations, {} symbolic analysis, {entries} entries in L and U",
+            totals.symbolic_analyses
+        ),
+    };
+    say!("work         {} iterations, {linear}", totals.iterations);
     if let Some(WorkingSet { first, last, all, grown }) = report.working_set {
         let then = match grown {
             0 => String::new(),

@@ -53,6 +53,11 @@ impl SparseLu {
         }
     }
 
+    /// The default one; where there are several processes MUMPS, if it is built in, which all of them share.
+    pub fn for_ranks() -> Self {
+        if built_in::ranks() > 1 && SparseLu::Mumps.is_built_in() { SparseLu::Mumps } else { SparseLu::default() }
+    }
+
     /// A solver; one that is not built in says so when it is to analyse.
     pub fn solver(self) -> Box<dyn LinearSolver> {
         self.solver_for(false)

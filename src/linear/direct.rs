@@ -31,8 +31,8 @@ pub struct Statistics {
     pub worst_backward_error: f64,
     /// Iterations within the solves, where they are done so.
     pub krylov_iterations: usize,
-    /// Whether these stood still, so that a direct solver took over.
-    pub gave_way: bool,
+    /// The direct solver that took over, if these stood still.
+    pub instead: Option<SparseLu>,
     /// The last factorisation.
     pub factor: FactorInfo,
 }
@@ -246,11 +246,11 @@ impl Direct {
     }
 
     fn count_solve(&mut self, start: Instant) {
-        let Iterated { iterations, gave_way } = self.solver.iterated();
+        let Iterated { iterations, instead } = self.solver.iterated();
         let statistics = &mut self.statistics;
         statistics.solves += 1;
         statistics.solve_seconds += start.elapsed().as_secs_f64();
         statistics.krylov_iterations += iterations;
-        statistics.gave_way |= gave_way;
+        statistics.instead = statistics.instead.or(instead);
     }
 }

@@ -213,13 +213,13 @@ impl LinearSolver for Multigrid {
         let Some(matrix) = &self.matrix else { return Err(LinearError::Order { missing: "analyze" }) };
         self.factored = None;
         self.hierarchies.clear();
-        // Of a shared stiffness rank 0 has to have all now; who shares the factors takes the least beside.
-        let shares = matrix.shared().is_some() && SparseLu::Mumps.is_built_in();
-        let mut direct = if shares { SparseLu::Mumps } else { SparseLu::default() }.solver();
+        // Rank 0 has to have all of the matrix now; who shares the factors takes the least beside.
+        let lu = SparseLu::for_ranks();
+        let mut direct = lu.solver();
         direct.analyze_system(matrix)?;
         direct.factorize_system(matrix)?;
         direct.solve(b, x)?;
-        self.iterated.gave_way = true;
+        self.iterated.instead = Some(lu);
         self.instead = Some(direct);
         Ok(())
     }

@@ -122,6 +122,18 @@ pub fn start() -> Result<(usize, usize), LinearError> {
     state().running().map(|world| (world.rank(), world.size()))
 }
 
+/// Whether `number` is that of rank 0; on all ranks at a time, before any of them helps.
+///
+/// # Errors
+/// As [`start`].
+pub fn agree(number: u64) -> Result<bool, LinearError> {
+    let mut state = state();
+    let world = state.running()?;
+    let mut told = [number as i64];
+    world.tell(&mut told);
+    Ok(told == [number as i64])
+}
+
 /// What a rank other than 0 does from its start on: it helps rank 0 with the parts that it makes, and comes back when that ends MPI.
 ///
 /// # Errors

@@ -6,6 +6,8 @@ use crate::estimate::{ContactGraph, PeakOf};
 use crate::model::Model;
 use crate::problem::State;
 
+use super::estimates::is_as_large;
+
 /// The largest contact pressure of a history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
@@ -52,16 +54,18 @@ impl Peak {
         };
         let nodes = model.contact_boundaries.iter().enumerate();
         let pairs = nodes.flat_map(|(b, boundary)| boundary.nodes.iter().map(move |&i| [b, i]));
-        let least = before.as_ref().map_or(0.0, |peak| peak.pressure);
         // The first of those that are as large.
-        let largest = pairs.fold((least, None), |(most, at), pair| match pressures[pair[1]] {
-            pressure if pressure > most => (pressure, Some(pair)),
+        let largest = pairs.fold((0.0, None), |(most, at), pair| match pressures[pair[1]] {
+            pressure if pressure > 0.0 && !is_as_large(most, pressure) => (pressure, Some(pair)),
             _ => (most, at),
         });
-        if let (pressure, Some(at)) = largest {
+        let so_far = before.as_ref().map_or(0.0, |peak| peak.pressure);
+        if let (pressure, Some(at)) = largest
+            && is_as_large(pressure, so_far)
+        {
             let mut p_n = before.take().map_or(Vec::new(), |peak| peak.p_n);
             p_n.clone_from(&state.p_n);
-            *before = Some(Peak { pressure, at, time, p_n });
+            *before = Some(Peak { pressure: pressure.max(so_far), at, time, p_n });
         }
     }
 

@@ -216,6 +216,8 @@ pub struct Facts<'a> {
     pub working_set: Option<&'a [usize]>,
     /// Why that was chosen.
     pub choice: &'a Choice,
+    /// Why multigrid gave way, if it did and that is known.
+    pub unsuited: Option<String>,
     /// What came of it.
     pub outcome: &'a HistoryOutcome,
     /// Whether the solution stays where its equations hold.
@@ -266,7 +268,9 @@ impl RunReport {
             &outcome.linear,
             choice.linear == LinearAlgebra::Multigrid,
             &facts.linear,
+            facts.unsuited.as_deref(),
         ));
+        warnings.extend(Warning::of_ranks(model, choice.linear, measured.ranks.len()));
         RunReport {
             schema_version: SCHEMA_VERSION,
             program_version: env!("CARGO_PKG_VERSION"),

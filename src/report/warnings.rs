@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::description::Action;
 use crate::estimate::expected_locking;
 use crate::fem::Element;
+use crate::history::LinearAlgebra;
 use crate::linear::Statistics;
 use crate::linear::blas::{Blas, KERNEL_VARIABLE};
 use crate::model::Model;
@@ -75,6 +76,8 @@ pub enum WarningKind {
     SlowBlas,
     /// Multigrid that stood still, so that a direct solver took over. Costs time and no accuracy.
     MultigridGaveWay,
+    /// A process that has another body than rank 0, so that they do not share its stiffness. Costs memory and no accuracy.
+    RanksApart,
 }
 
 impl WarningKind {
@@ -103,7 +106,8 @@ impl WarningKind {
             | WarningKind::CurvedGaps
             | WarningKind::Jump
             | WarningKind::Unbalanced
-            | WarningKind::MultigridGaveWay => true,
+            | WarningKind::MultigridGaveWay
+            | WarningKind::RanksApart => true,
         }
     }
 }
@@ -149,18 +153,33 @@ impl Warning {
         blas.is_slow().then_some(Warning { kind: WarningKind::SlowBlas, message })
     }
 
-    /// That multigrid was `asked` for and stood still, or could not begin, so that another solver was `taken`.
-    pub(super) fn of_multigrid(linear: &Statistics, asked: bool, taken: &str) -> Option<Self> {
+    /// That multigrid was `asked` for and stood still, if it is known `why`, or could not begin, so that another solver was `taken`.
+    pub(super) fn of_multigrid(linear: &Statistics, asked: bool, taken: &str, why: Option<&str>) -> Option<Self> {
         if asked && taken != "multigrid" {
             let message = format!(
                 "multigrid cannot have two obstacles at a node, or contact rows that nodes share: {taken} solved"
             );
             return Some(Warning { kind: WarningKind::MultigridGaveWay, message });
         }
-        let message = "multigrid did not come to an end in 60 iterations, so that a direct solver took over, which takes more memory: \
-                       meshes that are graded much in two directions and nu of 0.49 and more are not for multigrid; \
-                       use solver.linear = \"auto\"";
-        linear.gave_way.then(|| Warning { kind: WarningKind::MultigridGaveWay, message: message.to_string() })
+        let why = why.unwrap_or("these matrices are not for it");
+        linear.instead.map(|instead| Warning {
+            kind: WarningKind::MultigridGaveWay,
+            message: format!(
+                "multigrid did not come to an end in 60 iterations, so that {instead} took over, which takes more memory: {why}; use \
+                 solver.linear = \"auto\""
+            ),
+        })
+    }
+
+    /// That rank 0 has the stiffness in one piece where several processes might share it: one of them has another body.
+    pub(super) fn of_ranks(model: &Model, linear: LinearAlgebra, ranks: usize) -> Option<Self> {
+        let apart = ranks > 1
+            && linear == LinearAlgebra::Multigrid
+            && model.has_rows()
+            && model.problem.stiffness().shared().is_none();
+        let message = "a process has another body than rank 0, or cannot read the scene, so that rank 0 has assembled alone, which takes more \
+                       memory there: start all with the same scene and options, and have all files at the same place";
+        apart.then(|| Warning { kind: WarningKind::RanksApart, message: message.to_string() })
     }
 
     /// That elements lock, if it makes the body too stiff by a `share` that counts.

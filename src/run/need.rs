@@ -65,13 +65,15 @@ impl Need {
         let work = Work { increments: 0.0, factorizations: 0.0, all_free: false };
         let entries = stiffness.entries as f64;
         let (factors, least) = match linear {
-            LinearAlgebra::Whole(lu) => (cost::sparse(&sizes, &work, lu).bytes, 16.0 * entries),
+            LinearAlgebra::Whole(lu) => (cost::sparse(&sizes, &work, lu), 16.0 * entries),
             LinearAlgebra::Multigrid => {
-                let bytes = cost::multigrid(problem.displacements(), &work).shared_by(ranks()).bytes;
-                (bytes, 0.5 * bytes)
+                let cost = cost::multigrid(problem.displacements(), &work);
+                (cost, 0.5 * cost.bytes)
             }
-            LinearAlgebra::Condensed(_) => (cost::condensed(&sizes, &work).bytes, 8.0 * entries),
+            LinearAlgebra::Condensed(_) => (cost::condensed(&sizes, &work), 8.0 * entries),
         };
+        let ranks = if linear.is_shared() { ranks() } else { 1 };
+        let (factors, least) = (factors.shared_by(ranks).bytes, least / ranks as f64);
         Need { body: body(model, linear), factors, history: RECORD_BYTES * records as f64, least }
     }
 

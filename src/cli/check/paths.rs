@@ -2,6 +2,7 @@
 
 use stickslip::auto::{Choice, Means, Path};
 use stickslip::history::LinearAlgebra;
+use stickslip::linear::built_in::ranks;
 use stickslip::memory::{Budget, in_words};
 use stickslip::model::Model;
 use stickslip::reach::Reach;
@@ -12,7 +13,8 @@ use stickslip::scene::Scene;
 pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Result<Vec<String>, RunError> {
     let (method, increments) = (scene.solver.method, scene.time.increments);
     let unsuited = unsuited(model, method);
-    let means = Means { available: budget.map(|budget| budget.bytes), multigrid: unsuited.is_none(), ranks: 1 };
+    let ranks = ranks();
+    let means = Means { available: budget.map(|budget| budget.bytes), multigrid: unsuited.is_none(), ranks };
     let choice = Choice::cheapest(&model.problem, &Reach::default(), method, increments, means)?;
     let linear = scene.solver.linear.unwrap_or(choice.linear);
     let need = match choice.paths().iter().find(|path| path.linear == linear) {
@@ -39,8 +41,17 @@ pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Res
         let name = format!("{linear}{chosen}");
         lines.push(format!("             {name:<18} {:>7.2} s {:>9}{out}", cost.seconds, in_words(need.bytes())));
     }
+    if ranks > 1 {
+        lines.push(format!("             by {ranks} processes; memory is that of the first one"));
+    }
     if let (Some(why), true) = (unsuited, LinearAlgebra::Multigrid.is_built_in()) {
         lines.push(format!("             \"auto\" leaves multigrid: {why}"));
+        if scene.solver.linear == Some(LinearAlgebra::Multigrid) {
+            lines.push(
+                "             a direct solver may have to take over, with the time and memory that it needs"
+                    .to_string(),
+            );
+        }
     }
     Ok(lines)
 }

@@ -188,8 +188,8 @@ pub(super) mod tests {
         for (found, expected) in x.iter().zip(&expected) {
             assert!((found - expected).abs() <= 1e-8 * largest, "{found} {expected}");
         }
-        let Iterated { iterations, gave_way } = solver.iterated();
-        assert!(!gave_way);
+        let Iterated { iterations, instead } = solver.iterated();
+        assert!(instead.is_none());
         iterations
     }
 
