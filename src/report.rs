@@ -20,6 +20,7 @@ mod history_chart;
 mod history_curves;
 mod increment_warnings;
 mod increments;
+mod largest;
 mod lists;
 mod map;
 mod pairs;

@@ -39,7 +39,7 @@ use std::borrow::Cow;
 use std::time::Instant;
 
 pub use discretise::discretise;
-use discretise::{for_run, shared};
+use discretise::{as_chosen, for_run};
 pub use error::RunError;
 #[cfg(feature = "petsc")]
 pub use grid::grid;
@@ -66,7 +66,7 @@ use crate::report::{
 use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
 use companion::{Companion, Quiet};
-use suited::means;
+use suited::{gave_way, means};
 pub use watch::Ledger;
 use watch::{Audience, Watch};
 
@@ -151,15 +151,7 @@ impl<'a> Run<'a> {
             let means = means(&model, solver.method, budget);
             Choice::cheapest(&model.problem, &reach, solver.method, times.len(), means)?
         };
-        let of_rows = sharing::share(&Solver { linear: Some(choice.linear), ..solver });
-        let model = match (scene, of_rows) {
-            // The choice has looked at the whole stiffness, which goes before its rows come.
-            (Some(scene), Some(share)) if solver.linear.is_none() => {
-                drop(model);
-                Cow::Owned(shared(scene, share)?)
-            }
-            _ => model,
-        };
+        let model = as_chosen(scene, model, solver, choice.linear)?;
         Need::check(&model, choice.linear, budget)?;
         let model_seconds = start.elapsed().as_secs_f64();
         let (uniqueness, companion, from) = (false, false, None);
@@ -279,10 +271,7 @@ impl<'a> Run<'a> {
         if let (Some(companion), Status::Converged) = (companion.as_ref(), outcome.status) {
             all_estimates.companion = Some(self.compared(companion, &states, audience.observer())?);
         }
-        let critical_friction = match last {
-            Some(last) => self.critical_friction(&last, &outcome)?,
-            None => None,
-        };
+        let critical_friction = last.map(|last| self.critical_friction(&last, &outcome)).transpose()?.flatten();
         let measured = Measured {
             cpu_seconds: cpu_seconds(),
             wall_seconds: self.model_seconds + start.elapsed().as_secs_f64(),
@@ -304,11 +293,7 @@ impl<'a> Run<'a> {
             faster: self.faster(&linear, &done)?,
             linear,
             choice: &self.choice,
-            unsuited: outcome
-                .linear
-                .instead
-                .and_then(|_| unsuited(&self.model, self.solver.method))
-                .map(|why| why.to_string()),
+            unsuited: gave_way(&outcome.linear, &self.model, self.solver.method),
             outcome: &outcome,
             validity: &validity,
             largest_pressure: estimates.largest_pressure(&self.model),

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::companion::CompanionEstimate;
+use super::largest::is_as_large;
 use super::peak::{LargestPressure, Peak};
 use super::warnings::{Warning, WarningKind};
 use crate::contact::ContactStatus;
@@ -68,14 +69,6 @@ struct Heaviest {
     /// The contact forces; displacements are left out.
     state: State,
     statuses: Vec<ContactStatus>,
-}
-
-/// Beside a share that is smaller nothing is larger: of times at which rounding would have to decide, the last one counts, whatever the linear algebra.
-const ROUNDING: f64 = 1e-9;
-
-/// Whether something is as large as the `largest` so far, or larger.
-pub(super) fn is_as_large(new: f64, largest: f64) -> bool {
-    new >= (1.0 - ROUNDING) * largest
 }
 
 /// Zones with fewer nodes across have a peak that may be a tenth off.

@@ -6,7 +6,7 @@ use crate::estimate::{ContactGraph, PeakOf};
 use crate::model::Model;
 use crate::problem::State;
 
-use super::estimates::is_as_large;
+use super::largest::is_as_large;
 
 /// The largest contact pressure of a history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

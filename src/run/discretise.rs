@@ -1,10 +1,12 @@
 //! A scene to its model, if the machine has room for it and the method knows such a problem.
 
+use std::borrow::Cow;
+
 use super::RunError;
 use super::need::has_room;
 use super::sharing::share;
 use crate::formulation::Layout;
-use crate::history::Method;
+use crate::history::{LinearAlgebra, Method, Solver};
 use crate::linear::built_in::ranks;
 use crate::memory::Budget;
 use crate::model::{Model, Share};
@@ -41,6 +43,23 @@ pub(super) fn for_run(scene: &Scene) -> Result<Model, RunError> {
     match share(&scene.solver) {
         Some(share) => shared(scene, share),
         None => discretise(scene),
+    }
+}
+
+/// The `model` of `scene` with the stiffness that the `chosen` linear algebra wants, where `solver` names none. The choice has looked at
+/// the whole stiffness, which goes before its rows come.
+pub(super) fn as_chosen<'a>(
+    scene: Option<&Scene>,
+    model: Cow<'a, Model>,
+    solver: Solver,
+    chosen: LinearAlgebra,
+) -> Result<Cow<'a, Model>, RunError> {
+    match (scene, share(&Solver { linear: Some(chosen), ..solver })) {
+        (Some(scene), Some(share)) if solver.linear.is_none() => {
+            drop(model);
+            Ok(Cow::Owned(shared(scene, share)?))
+        }
+        _ => Ok(model),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::auto::Means;
 use crate::history::{LinearAlgebra, Method};
+use crate::linear::Statistics;
 use crate::linear::built_in::ranks;
 use crate::memory::Budget;
 use crate::model::Model;
@@ -59,6 +60,11 @@ pub fn unsuited(model: &Model, method: Method) -> Option<Unsuited> {
         return Some(Unsuited::Stretched(stretched));
     }
     built_in(model)
+}
+
+/// Why multigrid gave way, if it did and that is known.
+pub(super) fn gave_way(linear: &Statistics, model: &Model, method: Method) -> Option<String> {
+    linear.instead.and_then(|_| unsuited(model, method)).map(|why| why.to_string())
 }
 
 #[cfg(feature = "petsc")]
