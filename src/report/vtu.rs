@@ -20,6 +20,16 @@ pub enum Values {
     Whole(Vec<i32>),
 }
 
+impl Values {
+    /// The type of the values, by VTK's word.
+    pub(super) fn kind(&self) -> &'static str {
+        match self {
+            Values::Real(_) => "Float64",
+            Values::Whole(_) => "Int32",
+        }
+    }
+}
+
 /// A field: so many values for each point or cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
@@ -72,13 +82,13 @@ impl Grid {
         for (element, fields) in [("PointData", &self.point_fields), ("CellData", &self.cell_fields)] {
             let _ = writeln!(text, "<{element}>");
             for Field { name, components, values } in fields {
-                let quantity = quantities::field(name);
+                let (quantity, kind) = (quantities::field(name), values.kind());
                 match values {
                     Values::Real(values) => {
-                        array(&mut text, name, "Float64", *components, values.iter().map(|x| self.told(quantity, *x)));
+                        array(&mut text, name, kind, *components, values.iter().map(|x| self.told(quantity, *x)));
                     }
                     Values::Whole(values) => {
-                        array(&mut text, name, "Int32", *components, values.iter().map(|x| x.to_le_bytes()));
+                        array(&mut text, name, kind, *components, values.iter().map(|x| x.to_le_bytes()));
                     }
                 }
             }
