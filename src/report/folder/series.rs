@@ -1,7 +1,9 @@
 //! The files of fields: one for an increment, or where ranks share the body one for each of them, and the series of all.
 
 use std::collections::BTreeSet;
-use std::io::{self, Write};
+use std::fmt::Display;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
 
 use super::directory::Locked;
 use super::names;
@@ -36,19 +38,19 @@ impl Series {
         &self.0
     }
 
-    /// Writes the fields at the end of increment `index`, at `time` (s). The text of a part is there no longer than it is being written.
+    /// Writes the fields at the end of increment `index`, at `time` (s). No text is ever there as a whole.
     pub(super) fn add(&mut self, place: &mut Locked, index: usize, time: f64, grid: &Grid) -> io::Result<()> {
         let pieces: Vec<(String, i32)> =
             grid.ranks().into_iter().map(|rank| (names::piece(index, rank), rank)).collect();
         let name = if pieces.is_empty() {
             let name = names::fields(index);
-            place.write(&name, |file| file.write_all(grid.to_vtu().as_bytes()))?;
+            place.write(&name, |file| write_text(file, grid))?;
             name
         } else {
-            place.write_each(&pieces, |rank, file| file.write_all(grid.part(*rank).to_vtu().as_bytes()))?;
+            place.write_each(&pieces, |rank, file| write_text(file, &grid.part(*rank)))?;
             let name = names::pieces(index);
             let text = pvtu::parallel(grid, pieces.iter().map(|(name, _)| name.as_str()));
-            place.write(&name, |file| file.write_all(text.as_bytes()))?;
+            place.write(&name, |file| write_text(file, &text))?;
             name
         };
         self.0.push((time, name));
@@ -56,8 +58,14 @@ impl Series {
     }
 
     fn write(&self, place: &mut Locked) -> io::Result<()> {
-        place.write(SERIES, |file| file.write_all(pvd::series(&self.0).as_bytes()))
+        place.write(SERIES, |file| write_text(file, &pvd::series(&self.0)))
     }
+}
+
+fn write_text(file: &mut File, text: &impl Display) -> io::Result<()> {
+    let mut file = BufWriter::new(file);
+    write!(file, "{text}")?;
+    file.flush()
 }
 
 #[cfg(test)]
