@@ -87,8 +87,12 @@ fn pieces_together_are_the_fields_of_one_process() {
             let corners = piece.connectivity.chunks_exact(8);
             let corners = corners.map(|corners| corners.iter().map(|k| points[*k as usize]).collect::<Vec<_>>());
             let cells: Vec<usize> = corners.map(|corners| cells[&corners]).collect();
-            points.iter().for_each(|point| of_point[*point] += 1);
-            cells.iter().for_each(|cell| of_cell[*cell] += 1);
+            for point in &points {
+                of_point[*point] += 1;
+            }
+            for cell in &cells {
+                of_cell[*cell] += 1;
+            }
             assert_same_arrays(&piece.point, &whole.point, &points);
             assert_same_arrays(&piece.cell, &whole.cell, &cells);
             assert!(values(&piece.cell, "rank").1.iter().all(|of| *of == rank as f64));

@@ -278,7 +278,9 @@ impl Locked {
         write: impl Fn(&T, &mut File) -> io::Result<()> + Sync,
     ) -> io::Result<()> {
         files.par_iter().try_for_each(|(name, from)| self.put(name, |file| write(from, file)))?;
-        files.iter().for_each(|(name, _)| self.note(name));
+        for (name, _) in files {
+            self.note(name);
+        }
         Ok(())
     }
 
