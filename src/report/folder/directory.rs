@@ -224,14 +224,15 @@ impl Locked {
         left.into_iter().try_for_each(|(name, _)| self.directory.remove(name))
     }
 
-    /// From now on all is written under its own name, and what `is_old` is removed: first the names in `heads`, by which readers know
-    /// that what is there is whole.
-    pub(super) fn publish(&mut self, heads: &[&str], is_old: impl Fn(&str) -> bool) -> io::Result<()> {
+    /// From now on all is written under its own name, and what `is_old` is removed: first what `is_head`, by which readers know
+    /// that what is there is whole, or which files belong together.
+    pub(super) fn publish(&mut self, is_head: impl Fn(&str) -> bool, is_old: impl Fn(&str) -> bool) -> io::Result<()> {
         if std::mem::replace(&mut self.is_published, true) {
             return Ok(());
         }
         self.sync_files()?;
-        heads.iter().try_for_each(|name| self.directory.remove(name))?;
+        let mut heads = self.directory.names()?.into_iter().filter(|(name, is_folder)| !is_folder && is_head(name));
+        heads.try_for_each(|(name, _)| self.directory.remove(&name))?;
         let staged = std::mem::take(&mut self.staged);
         for name in &staged {
             self.directory.rename(&partial(name), name)?;

@@ -3,6 +3,9 @@
 /// The file from which a run goes on.
 pub(super) const CHECKPOINT: &str = ".checkpoint";
 
+/// What fields belong together.
+pub(super) const SERIES: &str = "fields.pvd";
+
 /// The file of all fields at the end of an increment.
 pub(super) fn fields(index: usize) -> String {
     format!("fields_{index:04}.vtu")
@@ -28,6 +31,16 @@ pub(super) fn increment_of_fields(name: &str) -> Option<&str> {
     (is_number(number) && is_digits(rank)).then_some(number)
 }
 
+/// Whether a file of this name says that what is there is whole, or which files belong together.
+pub(super) fn is_head(name: &str) -> bool {
+    ["run.json", CHECKPOINT, SERIES].contains(&name) || names_pieces(name)
+}
+
+/// Whether a file of this name names those of the ranks.
+pub(super) fn names_pieces(name: &str) -> bool {
+    name.strip_suffix(".pvtu").is_some() && increment_of_fields(name).is_some()
+}
+
 fn is_digits(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit())
 }
@@ -47,8 +60,7 @@ pub(super) fn is_ours(name: &str) -> bool {
     let numbered = |prefix: &str, suffix: &str| {
         name.strip_prefix(prefix).and_then(|rest| rest.strip_suffix(suffix)).is_some_and(is_number)
     };
-    let names =
-        ["run.json", "increments.csv", "forces.csv", "events.csv", "fields.pvd", "forces.svg", "iterations.svg"];
+    let names = ["run.json", "increments.csv", "forces.csv", "events.csv", SERIES, "forces.svg", "iterations.svg"];
     names.contains(&name)
         || name.strip_prefix("contact_").and_then(line).unwrap_or(false)
         || increment_of_fields(name).is_some()
@@ -58,7 +70,14 @@ pub(super) fn is_ours(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{fields, increment_of_fields, is_ours, piece, pieces};
+    use super::{CHECKPOINT, fields, increment_of_fields, is_head, is_ours, names_pieces, piece, pieces};
+
+    #[test]
+    fn what_says_that_others_are_whole_is_known() {
+        assert!(["run.json", CHECKPOINT, "fields.pvd", "fields_0001.pvtu"].into_iter().all(is_head));
+        assert!(!["forces.csv", "fields_0001.vtu", "fields_0001_0.vtu", "mine.pvtu"].into_iter().any(is_head));
+        assert!(names_pieces(&pieces(7)) && !names_pieces(&piece(7, 0)));
+    }
 
     #[test]
     fn fields_are_known_by_their_increment() {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::directory::{self, Locked};
 use super::kept::Kept;
-use super::names::{CHECKPOINT, is_ours};
+use super::names::{CHECKPOINT, is_head, is_ours};
 use super::series::Series;
 use super::table::Table;
 use crate::checkpoint::Checkpoint;
@@ -85,7 +85,7 @@ impl ResultFolder {
             // It has reached nothing.
             return Ok(());
         }
-        self.place.publish(&["run.json", CHECKPOINT], is_ours)
+        self.place.publish(is_head, is_ours)
     }
 
     /// Leaves the place from which the run can be taken up. All that was written so far is brought to the disk before.
@@ -193,7 +193,7 @@ impl ResultFolder {
         if !self.place.is_published() && report.status == Status::Interrupted && self.report().is_ok() {
             return Ok(false);
         }
-        self.place.publish(&["run.json", CHECKPOINT], is_ours)?;
+        self.place.publish(is_head, is_ours)?;
         for (name, chart) in history_charts(report) {
             self.write(&format!("{name}.svg"), &chart.to_svg().map_err(io::Error::other)?)?;
         }

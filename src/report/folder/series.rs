@@ -6,11 +6,9 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 
 use super::directory::Locked;
-use super::names;
+use super::names::{self, SERIES};
 use crate::report::vtu::Grid;
 use crate::report::{pvd, pvtu};
-
-const SERIES: &str = "fields.pvd";
 
 /// What stands for each increment, with its time, s.
 #[derive(Debug, Default)]
@@ -25,7 +23,7 @@ impl Series {
         let names = place.directory.names()?.into_iter().map(|(name, _)| name);
         let is_late = |name: &String| names::increment_of_fields(name).is_some_and(|number| !kept.contains(number));
         let mut late: Vec<String> = names.filter(is_late).collect();
-        late.sort_by_key(|name| name.strip_suffix(".pvtu").is_none());
+        late.sort_by_key(|name| !names::names_pieces(name));
         if !late.is_empty() {
             series.write(place)?;
         }
@@ -117,6 +115,24 @@ mod tests {
         let mut series = Series::resumed(kept, &mut place).unwrap();
         series.add(&mut place, 2, 1.0, &shared).unwrap();
         assert_eq!(there(&place), sorted(&[&series_and_first, &second]));
+        drop(place);
+        std::fs::remove_dir_all(path).unwrap();
+    }
+
+    #[test]
+    fn a_part_that_cannot_be_written_is_named_nowhere() {
+        let path = std::env::temp_dir().join(format!("stickslip-series-fails-{}", std::process::id()));
+        let mut place = Locked::open(&path, |_| Ok(())).unwrap();
+        place.go_on();
+        let mut series = Series::default();
+        series.add(&mut place, 1, 0.5, &squares()).unwrap();
+        // No file takes the place of a folder.
+        std::fs::create_dir(path.join(names::piece(2, 2))).unwrap();
+        series.add(&mut place, 2, 1.0, &squares()).unwrap_err();
+        assert!(!path.join(names::pieces(2)).exists());
+        let text = std::fs::read_to_string(path.join(SERIES)).unwrap();
+        assert!(text.contains("fields_0001.pvtu") && !text.contains("fields_0002"), "{text}");
+        assert_eq!(series.files().len(), 1);
         drop(place);
         std::fs::remove_dir_all(path).unwrap();
     }
