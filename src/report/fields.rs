@@ -2,6 +2,7 @@
 
 use super::contact_line::points;
 use super::deformation::deformation;
+use super::part::RANK;
 use super::principal::{principal_stresses, von_mises};
 use super::vtu::{Field, Grid, Values};
 use crate::contact::ContactStatus;
@@ -21,7 +22,8 @@ use crate::vector::{across, dot, norm, plus, unit};
 /// Where cells are of second order `nodal_stress` (Pa, as `stress` below), the mean of the cells around a node.
 /// Of cells: `stress` (Pa, at the centre, all nine components row by row), `principal_stress` (Pa, the most tensile first),
 /// `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the order of the elements;
-/// where there are several bodies `body`, the number of each from 0; and `discretisation_error`, the share of a cell in the error of the mesh in the energy norm.
+/// where there are several bodies `body`, the number of each from 0; `discretisation_error`, the share of a cell in the error of the mesh in the energy norm;
+/// and where several processes share the body `rank`, that of the first node of a cell by the order of their nodes.
 pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     let mesh = &model.mesh;
     let (displacements, factors) = deformation(model, step);
@@ -46,6 +48,7 @@ pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     let error = ElementEstimate::new(model, &factors, &displacements, &[]).discretisation;
     let of_cells = error.map_or_else(|| vec![0.0; mesh.cells.len()], |error| error.of_cells);
     cell_fields.push(real("discretisation_error", 1, of_cells));
+    cell_fields.extend(ranks(model).map(|ranks| whole(RANK, ranks)));
     let cells = mesh
         .cells
         .iter()
@@ -61,7 +64,7 @@ fn tensors(stresses: &[[f64; 6]]) -> Vec<f64> {
 
 /// The names of all fields.
 #[cfg(test)]
-pub(super) const NAMES: [&str; 14] = [
+pub(super) const NAMES: [&str; 15] = [
     "displacement",
     "contact_pressure",
     "patch_pressure",
@@ -76,6 +79,7 @@ pub(super) const NAMES: [&str; 14] = [
     "material",
     "body",
     "discretisation_error",
+    RANK,
 ];
 
 fn contact_fields(model: &Model, step: &Step<'_>) -> Vec<Field> {
@@ -151,6 +155,14 @@ fn materials(model: &Model) -> Vec<i32> {
         }) as i32
     };
     model.mesh.cells.iter().zip(model.materials()).map(number).collect()
+}
+
+/// The rank of each cell, where several share the body. A rank's nodes come before those of the next; what has no displacements is the first one's.
+fn ranks(model: &Model) -> Option<Vec<i32>> {
+    let shared = model.problem.stiffness().shared()?;
+    let of = |cell: &Cell| cell.nodes.iter().filter_map(|node| shared.owner(*node)).min().unwrap_or(0) as i32;
+    let ranks: Vec<i32> = model.mesh.cells.iter().map(of).collect();
+    ranks.iter().any(|rank| *rank > 0).then_some(ranks)
 }
 
 fn real(name: &'static str, components: usize, values: Vec<f64>) -> Field {

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | whose a folder is, and what was left in it | `claim.rs` |
 //! | what a run writes, and when | `results.rs` |
+//! | the files of fields, one or several for an increment | `series.rs` |
 //! | a folder that is locked, and published whole | `directory.rs` |
 //! | a table that grows by whole lines | `table.rs` |
 
@@ -12,6 +13,7 @@ mod directory;
 mod kept;
 mod names;
 mod results;
+mod series;
 mod table;
 
 pub use claim::Claim;

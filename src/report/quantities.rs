@@ -39,7 +39,7 @@ const FIELDS: &Table = &[
         ],
         Stress,
     ),
-    (&["status", "material", "body", "discretisation_error"], Number),
+    (&["status", "material", "body", "discretisation_error", "rank"], Number),
 ];
 
 /// The keys of a report below which there is something with a unit of these; doc/results.md has them all.

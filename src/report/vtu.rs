@@ -3,9 +3,9 @@
 //! Arrays are base64 within the XML, uncompressed, little-endian: a 64-bit count of bytes, then the
 //! values. The format: VTK file formats, "XML file formats", type `UnstructuredGrid`, version 1.0.
 
-use std::fmt::Write;
+use std::fmt;
 
-use base64::Engine;
+use base64::display::Base64Display;
 use base64::engine::general_purpose::STANDARD;
 
 use super::quantities;
@@ -18,6 +18,16 @@ pub enum Values {
     Real(Vec<f64>),
     /// Whole numbers.
     Whole(Vec<i32>),
+}
+
+impl Values {
+    /// The type of the values, by VTK's word.
+    pub(super) fn kind(&self) -> &'static str {
+        match self {
+            Values::Real(_) => "Float64",
+            Values::Whole(_) => "Int32",
+        }
+    }
 }
 
 /// A field: so many values for each point or cell.
@@ -46,48 +56,48 @@ pub struct Grid {
     pub cell_fields: Vec<Field>,
 }
 
-impl Grid {
-    /// The grid as the text of a VTU file.
-    pub fn to_vtu(&self) -> String {
-        let mut text = String::from(
+/// The text of a VTU file, made as it is written: an array at a time.
+impl fmt::Display for Grid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(
             "<?xml version=\"1.0\"?>\n\
              <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
              <UnstructuredGrid>\n",
-        );
+        )?;
         let (points, cells) = (self.points.len(), self.cells.len());
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
-        text.push_str("<Points>\n");
-        array(&mut text, "Points", "Float64", 3, self.points.iter().flatten().map(|x| self.told(Quantity::Length, *x)));
-        text.push_str("</Points>\n<Cells>\n");
+        writeln!(f, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">")?;
+        f.write_str("<Points>\n")?;
+        array(f, "Points", "Float64", 3, self.points.iter().flatten().map(|x| self.told(Quantity::Length, *x)))?;
+        f.write_str("</Points>\n<Cells>\n")?;
         let corners = self.cells.iter().flat_map(|(corners, _)| corners);
-        array(&mut text, "connectivity", "Int64", 1, corners.map(|&k| (k as i64).to_le_bytes()));
+        array(f, "connectivity", "Int64", 1, corners.map(|&k| (k as i64).to_le_bytes()))?;
         let ends = self.cells.iter().scan(0_i64, |end, (corners, _)| {
             *end += corners.len() as i64;
             Some(end.to_le_bytes())
         });
-        array(&mut text, "offsets", "Int64", 1, ends);
-        array(&mut text, "types", "UInt8", 1, self.cells.iter().map(|&(_, kind)| [kind]));
-        text.push_str("</Cells>\n");
+        array(f, "offsets", "Int64", 1, ends)?;
+        array(f, "types", "UInt8", 1, self.cells.iter().map(|&(_, kind)| [kind]))?;
+        f.write_str("</Cells>\n")?;
         for (element, fields) in [("PointData", &self.point_fields), ("CellData", &self.cell_fields)] {
-            let _ = writeln!(text, "<{element}>");
+            writeln!(f, "<{element}>")?;
             for Field { name, components, values } in fields {
-                let quantity = quantities::field(name);
+                let (quantity, kind) = (quantities::field(name), values.kind());
                 match values {
                     Values::Real(values) => {
-                        array(&mut text, name, "Float64", *components, values.iter().map(|x| self.told(quantity, *x)));
+                        array(f, name, kind, *components, values.iter().map(|x| self.told(quantity, *x)))?;
                     }
                     Values::Whole(values) => {
-                        array(&mut text, name, "Int32", *components, values.iter().map(|x| x.to_le_bytes()));
+                        array(f, name, kind, *components, values.iter().map(|x| x.to_le_bytes()))?;
                     }
                 }
             }
-            let _ = writeln!(text, "</{element}>");
+            writeln!(f, "</{element}>")?;
         }
-        text.push_str("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
-        text
+        f.write_str("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n")
     }
+}
 
+impl Grid {
     /// The bytes of a number of SI units.
     fn told(&self, quantity: Quantity, x: f64) -> [u8; 8] {
         self.units.of_si(quantity, x).to_le_bytes()
@@ -95,19 +105,20 @@ impl Grid {
 }
 
 fn array<const N: usize>(
-    text: &mut String,
+    f: &mut fmt::Formatter<'_>,
     name: &str,
     kind: &str,
     components: usize,
     values: impl Iterator<Item = [u8; N]>,
-) {
-    let values: Vec<u8> = values.flatten().collect();
-    let mut bytes = (values.len() as u64).to_le_bytes().to_vec();
-    bytes.extend(values);
-    let _ = write!(
-        text,
-        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
-    );
-    STANDARD.encode_string(bytes, text);
-    text.push_str("</DataArray>\n");
+) -> fmt::Result {
+    // The count of bytes comes first, and is known last.
+    let mut bytes = vec![0; 8];
+    bytes.extend(values.flatten());
+    let count = bytes.len() as u64 - 8;
+    bytes[..8].copy_from_slice(&count.to_le_bytes());
+    let text = Base64Display::new(&bytes, &STANDARD);
+    writeln!(
+        f,
+        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">{text}</DataArray>"
+    )
 }

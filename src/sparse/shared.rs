@@ -13,6 +13,9 @@ pub trait SharedMatrix: Any + fmt::Debug + Send + Sync {
     /// The order.
     fn order(&self) -> usize;
 
+    /// The process that has the rows at this node of the mesh, from 0; none where there are no rows.
+    fn owner(&self, node: usize) -> Option<usize>;
+
     /// `y = A x`.
     fn mul(&self, x: &[f64], y: &mut [f64]);
 
@@ -65,6 +68,11 @@ impl SharedSymmetric {
     /// The order.
     pub fn order(&self) -> usize {
         self.matrix.order()
+    }
+
+    /// The process that has the rows at this node of the mesh, from 0; none where there are no rows.
+    pub fn owner(&self, node: usize) -> Option<usize> {
+        self.matrix.owner(node)
     }
 
     /// The same matrix, times `factor`.

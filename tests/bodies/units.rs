@@ -178,7 +178,7 @@ fn a_modulus_in_the_wrong_unit_is_warned_of() {
 
 /// Every array of a VTU file.
 fn arrays(grid: &Grid) -> Vec<Array> {
-    let Piece { points, point, cell, .. } = Piece::read(&grid.to_vtu());
+    let Piece { points, point, cell, .. } = Piece::read(&grid.to_string());
     let points = Array { name: "Points".to_string(), components: 3, values: points };
     [points].into_iter().chain(point).chain(cell).collect()
 }

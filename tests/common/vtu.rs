@@ -1,4 +1,4 @@
-//! VTU files, read by the XML of a maintained crate and the page "VTK XML file formats" alone: nothing here is the writer's.
+//! VTU files, and PVTU files that name some, read by the XML of a maintained crate and the page "VTK XML file formats" alone: nothing here is the writer's.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -15,6 +15,35 @@ pub struct Array {
     pub name: String,
     pub components: usize,
     pub values: Vec<f64>,
+}
+
+/// A grid in several files: the arrays that each of them has, without numbers, and these files.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parallel {
+    pub point: Vec<Array>,
+    pub cell: Vec<Array>,
+    pub sources: Vec<String>,
+}
+
+impl Parallel {
+    /// What a text names.
+    pub fn read(text: &str) -> Self {
+        let document = Document::parse(text).unwrap();
+        let root = document.root_element();
+        let said = ["type", "byte_order", "header_type"].map(|name| attribute(root, name));
+        assert_eq!((root.tag_name().name(), said), ("VTKFile", ["PUnstructuredGrid", "LittleEndian", "UInt64"]));
+        let grid = child(root, "PUnstructuredGrid");
+        assert_eq!(attribute(grid, "GhostLevel"), "0");
+        let arrays = |name: &str| child(grid, name).children().filter(Node::is_element).map(declared).collect();
+        let points: Vec<Array> = arrays("PPoints");
+        assert_eq!(points, [Array { name: "Points".to_string(), components: 3, values: Vec::new() }]);
+        let pieces = grid.children().filter(|child| child.has_tag_name("Piece"));
+        Parallel {
+            point: arrays("PPointData"),
+            cell: arrays("PCellData"),
+            sources: pieces.map(|piece| attribute(piece, "Source").to_string()).collect(),
+        }
+    }
 }
 
 /// The one piece of a file.
@@ -89,6 +118,17 @@ fn arrays(node: Node, count: usize) -> Vec<Array> {
         assert_eq!(array.values.len(), count * array.components, "{}", array.name);
     }
     arrays
+}
+
+/// An array that other files have.
+fn declared(node: Node) -> Array {
+    assert_eq!(node.tag_name().name(), "PDataArray");
+    assert!(["Float64", "Int32"].contains(&attribute(node, "type")));
+    Array {
+        name: attribute(node, "Name").to_string(),
+        components: attribute(node, "NumberOfComponents").parse().unwrap(),
+        values: Vec::new(),
+    }
 }
 
 /// An array within the XML: base64 of so many bytes as the first eight say, then these.

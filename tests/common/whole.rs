@@ -55,7 +55,13 @@ fn are_whole(files: &BTreeMap<String, String>) {
                 assert!(text.ends_with('\n') && text.lines().all(|line| columns(line) == header), "{name}: {text}");
             }
             Some("svg") => assert!(text.trim_end().ends_with("</svg>"), "{name} ends in the middle"),
-            Some("pvd" | "vtu") => assert!(text.trim_end().ends_with("</VTKFile>"), "{name} ends in the middle"),
+            Some("pvd" | "pvtu" | "vtu") => {
+                assert!(text.trim_end().ends_with("</VTKFile>"), "{name} ends in the middle");
+                for other in ["file=\"", "Source=\""].into_iter().flat_map(|mark| text.split(mark).skip(1)) {
+                    let other = other.split('"').next().unwrap();
+                    assert!(files.contains_key(other), "{name} names {other}");
+                }
+            }
             Some("json") => {
                 let report: Value = serde_json::from_str(text).unwrap_or_else(|error| panic!("{name}: {error}"));
                 let listed = report["increments"].as_array().unwrap().len();

@@ -13,6 +13,8 @@ mod job;
 mod multigrid;
 #[cfg(feature = "mumps")]
 mod mumps;
+#[cfg(all(feature = "petsc", feature = "cli", target_os = "linux"))]
+mod pieces;
 #[cfg(all(feature = "cli", target_os = "linux"))]
 mod ranks;
 mod scenes;

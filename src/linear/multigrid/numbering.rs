@@ -68,6 +68,12 @@ impl Numbering {
         self.numbers.get(node).filter(|number| **number != NONE).map(|number| *number as usize)
     }
 
+    /// The rank of a node, if it has displacements.
+    pub(super) fn owner(&self, node: usize) -> Option<usize> {
+        let number = self.number(node)?;
+        Some(self.bounds[1..].partition_point(|end| *end <= number))
+    }
+
     /// How many nodes of the mesh there are.
     pub(super) fn nodes(&self) -> usize {
         self.numbers.len()

@@ -207,6 +207,10 @@ impl SharedMatrix for Stiffness {
         self.displacements()
     }
 
+    fn owner(&self, node: usize) -> Option<usize> {
+        self.0.numbering.owner(node)
+    }
+
     fn mul(&self, x: &[f64], y: &mut [f64]) {
         let (x, mut all) = (self.to_be_dealt(x), self.room());
         let result = self.run(Job::Product, |world, piece| piece.product(world, &x, &mut all));

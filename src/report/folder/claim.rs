@@ -7,6 +7,7 @@ use super::directory::{Directory, Locked};
 use super::kept::Kept;
 use super::names::{CHECKPOINT, is_ours};
 use super::results::ResultFolder;
+use super::series::Series;
 use super::table::Table;
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::history::Status;
@@ -105,7 +106,7 @@ impl Claim {
             boundaries: names_of_boundaries(model),
             probes,
             lists,
-            fields: Vec::new(),
+            fields: Series::default(),
             can_be_taken_up: false,
             of: (origin, linear),
         })
@@ -134,6 +135,7 @@ impl Claim {
         let lists = [table(lists::FILES[0])?, table(lists::FILES[1])?, table(lists::FILES[2])?];
         // What it says is no longer true from here on.
         place.directory.remove("run.json")?;
+        let fields = Series::resumed(fields, &mut place)?;
         Ok(ResultFolder {
             place,
             units: model.units(),

@@ -10,6 +10,7 @@ use std::io::{self, Write};
 use std::os::fd::{AsRawFd, OwnedFd};
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
 use rustix::fs::{
     AtFlags, CWD, Dir, FileType, FlockOperation, Mode, OFlags, flock, fstat, fsync, openat, renameat, stat, statat,
     unlinkat,
@@ -223,14 +224,15 @@ impl Locked {
         left.into_iter().try_for_each(|(name, _)| self.directory.remove(name))
     }
 
-    /// From now on all is written under its own name, and what `is_old` is removed: first the names in `heads`, by which readers know
-    /// that what is there is whole.
-    pub(super) fn publish(&mut self, heads: &[&str], is_old: impl Fn(&str) -> bool) -> io::Result<()> {
+    /// From now on all is written under its own name, and what `is_old` is removed: first what `is_head`, by which readers know
+    /// that what is there is whole, or which files belong together.
+    pub(super) fn publish(&mut self, is_head: impl Fn(&str) -> bool, is_old: impl Fn(&str) -> bool) -> io::Result<()> {
         if std::mem::replace(&mut self.is_published, true) {
             return Ok(());
         }
         self.sync_files()?;
-        heads.iter().try_for_each(|name| self.directory.remove(name))?;
+        let mut heads = self.directory.names()?.into_iter().filter(|(name, is_folder)| !is_folder && is_head(name));
+        heads.try_for_each(|(name, _)| self.directory.remove(&name))?;
         let staged = std::mem::take(&mut self.staged);
         for name in &staged {
             self.directory.rename(&partial(name), name)?;
@@ -265,18 +267,41 @@ impl Locked {
 
     /// Writes a whole file.
     pub(super) fn write(&mut self, name: &str, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
-        plain(name)?;
-        if !self.unsynced.iter().any(|other| other == name) {
-            self.unsynced.push(name.to_string());
+        self.put(name, write)?;
+        self.note(name);
+        Ok(())
+    }
+
+    /// Writes whole files, each from what stands beside its name, in as many threads as there are.
+    pub(super) fn write_each<T: Sync>(
+        &mut self,
+        files: &[(String, T)],
+        write: impl Fn(&T, &mut File) -> io::Result<()> + Sync,
+    ) -> io::Result<()> {
+        files.par_iter().try_for_each(|(name, from)| self.put(name, |file| write(from, file)))?;
+        for (name, _) in files {
+            self.note(name);
         }
+        Ok(())
+    }
+
+    /// Writes a whole file, under its name if that is published.
+    fn put(&self, name: &str, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+        plain(name)?;
         if self.is_published {
             return self.directory.write(name, write);
         }
-        write(&mut self.directory.create(&partial(name))?)?;
-        if !self.staged.iter().any(|other| other == name) {
-            self.staged.push(name.to_string());
+        write(&mut self.directory.create(&partial(name))?)
+    }
+
+    /// Remembers what is still to be brought to the disk, and to its name.
+    fn note(&mut self, name: &str) {
+        let lists = [Some(&mut self.unsynced), (!self.is_published).then_some(&mut self.staged)];
+        for list in lists.into_iter().flatten() {
+            if !list.iter().any(|other| other == name) {
+                list.push(name.to_string());
+            }
         }
-        Ok(())
     }
 
     /// Brings all whole files to the disk that were written since the last time.

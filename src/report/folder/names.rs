@@ -3,9 +3,54 @@
 /// The file from which a run goes on.
 pub(super) const CHECKPOINT: &str = ".checkpoint";
 
+/// What fields belong together.
+pub(super) const SERIES: &str = "fields.pvd";
+
+/// The file of all fields at the end of an increment.
+pub(super) fn fields(index: usize) -> String {
+    format!("fields_{index:04}.vtu")
+}
+
+/// The same of one rank.
+pub(super) fn piece(index: usize, rank: i32) -> String {
+    format!("fields_{index:04}_{rank}.vtu")
+}
+
+/// The file that names those of the ranks.
+pub(super) fn pieces(index: usize) -> String {
+    format!("fields_{index:04}.pvtu")
+}
+
+/// The number of the increment in the name of any of these three.
+pub(super) fn increment_of_fields(name: &str) -> Option<&str> {
+    let rest = name.strip_prefix("fields_")?;
+    let (number, rank) = match rest.strip_suffix(".vtu") {
+        Some(rest) => rest.split_once('_').unwrap_or((rest, "0")),
+        None => (rest.strip_suffix(".pvtu")?, "0"),
+    };
+    (is_number(number) && is_digits(rank)).then_some(number)
+}
+
+/// Whether a file of this name says that what is there is whole, or which files belong together.
+pub(super) fn is_head(name: &str) -> bool {
+    ["run.json", CHECKPOINT, SERIES].contains(&name) || names_pieces(name)
+}
+
+/// Whether a file of this name names those of the ranks.
+pub(super) fn names_pieces(name: &str) -> bool {
+    name.strip_suffix(".pvtu").is_some() && increment_of_fields(name).is_some()
+}
+
+fn is_digits(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit())
+}
+
+fn is_number(text: &str) -> bool {
+    text.len() >= 4 && is_digits(text)
+}
+
 /// Whether a run writes a file of this name.
 pub(super) fn is_ours(name: &str) -> bool {
-    let is_number = |text: &str| text.len() >= 4 && text.bytes().all(|b| b.is_ascii_digit());
     let line = |name: &str| {
         let stem = name.strip_suffix(".csv").or_else(|| name.strip_suffix(".svg"))?;
         let (number, _boundary) = stem.split_once('_').unwrap_or((stem, ""));
@@ -15,18 +60,32 @@ pub(super) fn is_ours(name: &str) -> bool {
     let numbered = |prefix: &str, suffix: &str| {
         name.strip_prefix(prefix).and_then(|rest| rest.strip_suffix(suffix)).is_some_and(is_number)
     };
-    let names =
-        ["run.json", "increments.csv", "forces.csv", "events.csv", "fields.pvd", "forces.svg", "iterations.svg"];
+    let names = ["run.json", "increments.csv", "forces.csv", "events.csv", SERIES, "forces.svg", "iterations.svg"];
     names.contains(&name)
         || name.strip_prefix("contact_").and_then(line).unwrap_or(false)
-        || numbered("fields_", ".vtu")
+        || increment_of_fields(name).is_some()
         || numbered("deformed_", ".svg")
         || name.strip_prefix("probe_").and_then(|rest| rest.strip_suffix(".csv")).is_some()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::is_ours;
+    use super::{CHECKPOINT, fields, increment_of_fields, is_head, is_ours, names_pieces, piece, pieces};
+
+    #[test]
+    fn what_says_that_others_are_whole_is_known() {
+        assert!(["run.json", CHECKPOINT, "fields.pvd", "fields_0001.pvtu"].into_iter().all(is_head));
+        assert!(!["forces.csv", "fields_0001.vtu", "fields_0001_0.vtu", "mine.pvtu"].into_iter().any(is_head));
+        assert!(names_pieces(&pieces(7)) && !names_pieces(&piece(7, 0)));
+    }
+
+    #[test]
+    fn fields_are_known_by_their_increment() {
+        for name in [fields(7), piece(7, 0), piece(7, 12), pieces(7)] {
+            assert_eq!(increment_of_fields(&name), Some("0007"), "{name}");
+        }
+        assert_eq!(increment_of_fields("fields.pvd"), None);
+    }
 
     #[test]
     fn only_files_of_a_run_are_replaced() {
@@ -42,6 +101,10 @@ mod tests {
         );
         assert!(!["contact_0007-a.csv", "deformed_x.svg", "probe_a.txt"].into_iter().any(is_ours));
         assert!(is_ours("fields_0001.vtu") && is_ours("fields.pvd") && !is_ours("fields_mine.vtu"));
+        assert!(is_ours("fields_0001.pvtu") && is_ours("fields_0001_0.vtu") && is_ours("fields_12345_17.vtu"));
+        assert!(
+            !["fields_0001_.vtu", "fields_0001_a.vtu", "fields_0001_0.pvtu", "fields_01.vtu"].into_iter().any(is_ours)
+        );
         assert!(!["contact_.csv", "contact_0001.txt", "contact_mine.csv", "notes.md"].into_iter().any(is_ours));
     }
 }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::directory::{self, Locked};
 use super::kept::Kept;
-use super::names::{CHECKPOINT, is_ours};
+use super::names::{CHECKPOINT, is_head, is_ours};
+use super::series::Series;
 use super::table::Table;
 use crate::checkpoint::Checkpoint;
 use crate::events::Event;
@@ -20,7 +21,7 @@ use crate::report::probe::ProbeTable;
 use crate::report::resultant::ForceRecord;
 use crate::report::run::RunReport;
 use crate::report::vtu::Grid;
-use crate::report::{increments, lists, plot, pvd};
+use crate::report::{increments, lists, plot};
 use crate::scene::Origin;
 use crate::units::UnitSystem;
 
@@ -42,8 +43,7 @@ pub struct ResultFolder {
     pub(super) probes: Vec<(ProbeTable, Table)>,
     /// The lists of the report.
     pub(super) lists: [Table; 3],
-    /// The files of fields so far, each with its time, s.
-    pub(super) fields: Vec<(f64, String)>,
+    pub(super) fields: Series,
     /// Whether there is a place from which this run can be taken up.
     pub(super) can_be_taken_up: bool,
     /// What a run must be to go on from here, with its linear algebra by its word.
@@ -85,7 +85,7 @@ impl ResultFolder {
             // It has reached nothing.
             return Ok(());
         }
-        self.place.publish(&["run.json", CHECKPOINT], is_ours)
+        self.place.publish(is_head, is_ours)
     }
 
     /// Leaves the place from which the run can be taken up. All that was written so far is brought to the disk before.
@@ -106,7 +106,8 @@ impl ResultFolder {
         ended: Option<Status>,
     ) -> io::Result<()> {
         let (origin, linear) = self.of.clone();
-        let bytes = checkpoint.with(&Kept { origin, linear, files, fields: self.fields.clone(), ended }).to_bytes();
+        let bytes =
+            checkpoint.with(&Kept { origin, linear, files, fields: self.fields.files().to_vec(), ended }).to_bytes();
         self.place.directory.write(CHECKPOINT, |file| {
             file.write_all(&bytes)?;
             directory::ignore_unsupported(file.sync_data())
@@ -192,7 +193,7 @@ impl ResultFolder {
         if !self.place.is_published() && report.status == Status::Interrupted && self.report().is_ok() {
             return Ok(false);
         }
-        self.place.publish(&["run.json", CHECKPOINT], is_ours)?;
+        self.place.publish(is_head, is_ours)?;
         for (name, chart) in history_charts(report) {
             self.write(&format!("{name}.svg"), &chart.to_svg().map_err(io::Error::other)?)?;
         }
@@ -229,16 +230,14 @@ impl ResultFolder {
         self.write(&format!("{name}.svg"), &surface.to_svg(title).map_err(io::Error::other)?)
     }
 
-    /// Writes the fields at the end of increment `index`, at `time` (s), as `fields_NNNN.vtu`, and then the series of
-    /// all so far as `fields.pvd`, which so never names a file that is not there.
+    /// Writes the fields at the end of increment `index`, at `time` (s), as `fields_NNNN.vtu`; or where ranks share the body, the part of each as
+    /// `fields_NNNN_R.vtu`, and `fields_NNNN.pvtu`, which names these. Then the series of all so far as `fields.pvd`. So none ever names a file
+    /// that is not there.
     ///
     /// # Errors
     /// When the disk refuses.
     pub fn add_fields(&mut self, index: usize, time: f64, grid: &Grid) -> io::Result<()> {
-        let name = format!("fields_{index:04}.vtu");
-        self.write(&name, &grid.to_vtu())?;
-        self.fields.push((time, name));
-        self.write("fields.pvd", &pvd::series(&self.fields))
+        self.fields.add(&mut self.place, index, time, grid)
     }
 
     /// Writes a whole file; a reader never sees half of it.
