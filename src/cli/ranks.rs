@@ -57,7 +57,9 @@ fn helped() -> Option<ExitCode> {
     // Whatever is to end in order, rank 0 sees to it; and it can only if its helpers are there.
     interrupt::disregard();
     memory::end_in_order(false);
-    threads::start(threads::count(cli.threads));
+    let count = threads::count(cli.threads);
+    threads::start(count);
+    threads::let_the_blas_have(threads::of_this_rank(count));
     match ranks::agree(arguments()) {
         Ok(true) => {}
         Ok(false) => {

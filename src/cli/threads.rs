@@ -43,17 +43,33 @@ const LARGE: usize = 30_000;
 /// whose fronts are small. There a second thread of OpenBLAS waits in a loop most of the time.
 pub(super) fn share_with_the_blas(model: &Model, count: usize) {
     let large = model.mesh.dimension == 3 && model.problem.displacements() >= LARGE;
-    let_the_blas_have(if large { count } else { 1 });
+    let_the_blas_have(if large { of_this_rank(count) } else { 1 });
+}
+
+/// Of `count` threads of this machine those that are left to each of its processes of MPI while all of them factor. What rank 0 does alone
+/// has all of them.
+pub(super) fn of_this_rank(count: usize) -> usize {
+    (count / ranks_here()).max(1)
+}
+
+/// How many processes of MPI are on this machine: what launchers tell of it, Open MPI's mpirun, MPICH's and Slurm's, or all there are.
+fn ranks_here() -> usize {
+    let told = |name: &&str| std::env::var(name).ok()?.parse().ok().filter(|count| *count > 0);
+    let all = stickslip::linear::built_in::ranks();
+    if all == 1 {
+        return 1;
+    }
+    ["OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"].iter().find_map(told).unwrap_or(all)
 }
 
 #[cfg(feature = "blas")]
-fn let_the_blas_have(count: usize) {
+pub(super) fn let_the_blas_have(count: usize) {
     // A library that has no word for it has one thread.
     let _ = stickslip::linear::process::set_blas_threads(count);
 }
 
 #[cfg(not(feature = "blas"))]
-fn let_the_blas_have(_: usize) {}
+pub(super) fn let_the_blas_have(_: usize) {}
 
 #[cfg(test)]
 mod tests {
