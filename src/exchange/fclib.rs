@@ -84,7 +84,7 @@ pub(super) fn read_solution(bytes: &[u8]) -> Result<Solution, Fault> {
     let file = open(bytes)?;
     if !is_written(&file, "solution")? {
         let help = "name a file with a solution, such as `stickslip solve --out` writes";
-        return Err(Fault::new("group solution", "it is not there, or nothing was written into it", help));
+        return Err(Fault::new("group solution", "r and u are not both there, or nothing was written into them", help));
     }
     any_solution(&file, "solution")
 }
@@ -114,6 +114,14 @@ fn numbers(file: &File<'_>, path: &str) -> Result<Vec<f64>, Fault> {
     finite(path, need(path, file.numbers(path))?)
 }
 
+/// An error unless there is a coefficient of friction at `path` for each contact, of which each has so many of the `rows` of a matrix as there are directions.
+fn friction_fits(path: &str, dimension: usize, rows: usize, coefficients: usize) -> Result<(), Fault> {
+    if rows.is_multiple_of(dimension) && rows / dimension != coefficients {
+        return Err(length(path, rows / dimension, coefficients, "one for each contact that the matrices have"));
+    }
+    Ok(())
+}
+
 fn global(file: &File<'_>) -> Result<GlobalProblem, Fault> {
     let dimension = dimension(file, "fclib_global/spacedim")?;
     let vector = |name: &str| numbers(file, &format!("fclib_global/vectors/{name}"));
@@ -121,6 +129,7 @@ fn global(file: &File<'_>) -> Result<GlobalProblem, Fault> {
     let n = f.len();
     let m = matrix(file, "fclib_global/M", n, n)?;
     let h = matrix(file, "fclib_global/H", n, w.len())?;
+    friction_fits("fclib_global/vectors/mu", dimension, w.len(), mu.len())?;
     let constraints = if has(file, "fclib_global/vectors/b")? { vector("b")? } else { Vec::new() };
     if constraints.is_empty() {
         if !is_empty(file, "fclib_global/G")? {
@@ -153,6 +162,7 @@ fn local(file: &File<'_>) -> Result<LocalProblem, Fault> {
     let vector = |name: &str| numbers(file, &format!("fclib_local/vectors/{name}"));
     let (q, mu) = (vector("q")?, vector("mu")?);
     let delassus = matrix(file, "fclib_local/W", q.len(), q.len())?;
+    friction_fits("fclib_local/vectors/mu", dimension, q.len(), mu.len())?;
     let help = "q has one number for each direction of each contact, mu one for each contact";
     LocalProblem::new(dimension, delassus, q, mu)
         .map_err(|error| Fault::new("group fclib_local", error.to_string(), help))

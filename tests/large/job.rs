@@ -2,6 +2,7 @@
 //! minute.
 
 use std::fs::{self, File};
+use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -47,10 +48,7 @@ impl Job {
         let alone = alone();
         let out = folder.join("out");
         let mut command = Command::new("mpirun");
-        // What MPI has set in this process, where tests have solved by it, is not for a launcher.
-        for (name, _) in std::env::vars().filter(|(name, _)| ["OMPI_", "PMIX_"].iter().any(|of| name.starts_with(of))) {
-            command.env_remove(name);
-        }
+        without_ours(&mut command);
         // As root, with more processes than processors, which then make room for each other.
         for name in [
             "ALLOW_RUN_AS_ROOT",
@@ -134,6 +132,23 @@ impl Ended {
     /// An error message without its line breaks.
     pub fn told(&self) -> String {
         self.error.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// A script that lets the other ranks run with other `arguments` than rank 0.
+pub fn other_ranks_with(folder: &Folder, arguments: &str) -> String {
+    let script = folder.join("differ");
+    let text =
+        format!("#!/bin/sh\n[ \"$OMPI_COMM_WORLD_RANK\" = 0 ] && exec {PROGRAM} \"$@\"\nexec {PROGRAM} {arguments}\n");
+    fs::write(&script, text).unwrap();
+    fs::set_permissions(&script, fs::Permissions::from_mode(0o755)).unwrap();
+    script
+}
+
+/// What MPI has set in this process, where tests have solved by it, is not for others.
+pub fn without_ours(command: &mut Command) {
+    for (name, _) in std::env::vars().filter(|(name, _)| ["OMPI_", "PMIX_"].iter().any(|of| name.starts_with(of))) {
+        command.env_remove(name);
     }
 }
 

@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
+use std::process::Command;
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -11,7 +12,7 @@ use serde_json::Value;
 
 use crate::common::program::Folder;
 use crate::common::whole::assert_whole;
-use crate::job::{Ended, Job, PROGRAM, cpu, signal};
+use crate::job::{Ended, Job, PROGRAM, cpu, other_ranks_with, signal, without_ours};
 use crate::scenes::{INCREMENTS, SCENES, assert_same_forces, iterations, path, report};
 
 /// What ranks share, each with the part of the forces by which it may differ from another run, and the iterations of an increment.
@@ -101,6 +102,53 @@ fn other_commands_and_solvers_are_told_that_they_have_no_use_for_ranks() {
     let ended = Job::start(2, &["check", &cube]).end();
     assert_eq!(ended.status, Some(0), "{}", ended.error);
     assert_eq!(ended.output.matches("\nmesh").count(), 1, "{}", ended.output);
+}
+
+/// Started from a job of another program's, which is the one that the launcher's variables are about.
+#[test]
+fn a_rank_of_another_programs_job_works_for_itself() {
+    for (solver, rank) in [("umfpack", "PMI_RANK"), (SHARED[0].0, "OMPI_COMM_WORLD_RANK")] {
+        let folder = Folder::new();
+        let (out, cube) = (folder.join("out"), path("cube"));
+        let mut command = Command::new(PROGRAM);
+        without_ours(&mut command);
+        command.args(["run", &cube, "--solver", solver, "--set", "mesh.elements=[3,3,3]", "--out", &out]);
+        let output = command.env(rank, "1").output().unwrap();
+        assert!(output.status.success(), "{solver}: {output:?}");
+        assert_whole(out.as_ref());
+    }
+}
+
+#[test]
+fn a_rank_with_another_command_helps_all_the_same() {
+    let folder = Folder::new();
+    let script = other_ranks_with(&folder, "check \"$2\"");
+    let cube = path("cube");
+    let arguments = ["run", &cube, "--solver", SHARED[0].0, "--set", "mesh.elements=[3,3,3]", "--out", "OUT"];
+    let ended = Job::start_in(folder, 2, &script, &arguments).end();
+    assert_eq!(ended.status, Some(0), "{}", ended.error);
+    assert!(ended.error.contains("rank 1 was started with other arguments than rank 0"), "{}", ended.error);
+    assert_eq!(ended.report()["totals"]["ranks"].as_array().unwrap().len(), 2);
+}
+
+/// Each takes its share, and other ways than those that they can share are none.
+#[test]
+fn check_tells_what_ranks_take() {
+    let cube = path("cube");
+    let check = |count: usize| {
+        let ended = Job::start(count, &["check", &cube, "--set", "mesh.elements=[12,12,12]"]).end();
+        assert_eq!(ended.status, Some(0), "{}", ended.error);
+        ended.output
+    };
+    let (one, two) = (check(1), check(2));
+    let of = |text: &str, solver: &str| {
+        let line = text.lines().find(|line| line.trim_start().starts_with(solver)).map(str::to_string);
+        let words = line.map(|line| line.split_whitespace().map(str::to_string).collect::<Vec<_>>());
+        words.map(|words| words[words.iter().position(|word| word == "MB").unwrap() - 1].parse::<f64>().unwrap())
+    };
+    let (by_one, by_two) = (of(&one, SHARED[0].0).unwrap(), of(&two, SHARED[0].0).unwrap());
+    assert!(by_two < by_one && two.contains("by 2 processes; memory is that of the first one"), "{one}{two}");
+    assert!(of(&one, "condensed").is_some() && of(&two, "condensed").is_none(), "{two}");
 }
 
 #[test]

@@ -9,6 +9,9 @@ const LINK_INFO: usize = 0x02;
 const LINK: usize = 0x06;
 const SYMBOL_TABLE: usize = 0x11;
 
+/// The kind of an entry in a symbol table that is a soft link.
+const SOFT: usize = 2;
+
 /// Levels that a tree of names may have.
 const LEVELS: u8 = 8;
 
@@ -92,12 +95,13 @@ impl Search<'_> {
         for _ in 0..count {
             self.count(&node)?;
             let (name, object) = (node.offset()?, node.offset()?);
-            node.skip(24)?;
+            let leads_on = node.u32()? == SOFT;
+            node.skip(20)?;
             let mut here = self.names;
             here.skip(usize::try_from(name).map_err(|_| node.damaged("a name is beyond the end of the file"))?)?;
             let with_end = here.left() > self.name.len();
             if with_end && here.take(self.name.len())? == self.name && here.u8()? == 0 {
-                return Ok(Some(object));
+                return if leads_on { Err(elsewhere(&String::from_utf8_lossy(self.name))) } else { Ok(Some(object)) };
             }
         }
         Ok(None)
@@ -124,8 +128,13 @@ fn link(mut body: Bytes<'_>, name: &str) -> Result<Option<u64>, Hdf5Error> {
     }
     match kind {
         0 => body.offset().map(Some),
-        _ => Err(Hdf5Error::Unsupported { what: format!("the link {name} to another place") }),
+        _ => Err(elsewhere(name)),
     }
+}
+
+/// The error of a name that stands for another name, here or in another file.
+fn elsewhere(name: &str) -> Hdf5Error {
+    Hdf5Error::Unsupported { what: format!("the link {name} to another place") }
 }
 
 /// An error if the names of a group stand in a heap of their own, as those of large groups of new files do.
