@@ -52,7 +52,7 @@ impl LinearSolver for Tight {
         let iterated = self.solver.iterated();
         // Right-hand sides of 0 take none.
         if iterated.iterations > 0 {
-            let _ = self.tells.send((iterated.iterations, iterated.gave_way));
+            let _ = self.tells.send((iterated.iterations, iterated.instead.is_some()));
         }
         result
     }

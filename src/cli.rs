@@ -174,6 +174,10 @@ impl From<RunError> for Failure {
 impl Cli {
     /// The kernel that the BLAS had taken before the program started itself again for a better one. Only what solves needs
     /// one.
+    #[cfg_attr(
+        not(feature = "blas"),
+        allow(clippy::unnecessary_wraps, clippy::unused_self, reason = "the build with a BLAS may fail, and looks")
+    )]
     fn kernel_before(&self) -> Result<Option<String>, Failure> {
         #[cfg(feature = "blas")]
         if !matches!(

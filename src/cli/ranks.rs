@@ -63,7 +63,7 @@ fn helped() -> Option<ExitCode> {
     match ranks::agree(arguments()) {
         Ok(true) => {}
         Ok(false) => {
-            output::note(&format!("rank {rank} was started with other arguments than rank 0, whose are obeyed"))
+            output::note(&format!("rank {rank} was started with other arguments than rank 0, whose are obeyed"));
         }
         Err(error) => return failed(&error),
     }

@@ -1,11 +1,13 @@
 //! Which models have a stiffness in rows of nodes, shared by the processes of MPI, be it one: those that multigrid solves.
 
-use crate::history::{LinearAlgebra, Method, Solver};
+use crate::history::Solver;
 use crate::model::Share;
 
 /// What shares the stiffness of a model that `solver` solves, if it wants one in rows.
 #[cfg(feature = "petsc")]
 pub(super) fn share(solver: &Solver) -> Option<Share<'static>> {
+    use crate::history::{LinearAlgebra, Method};
+
     let wants_rows = solver.linear == Some(LinearAlgebra::Multigrid) && !matches!(solver.method, Method::Events { .. });
     wants_rows.then_some(&crate::linear::share)
 }
