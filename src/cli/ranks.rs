@@ -34,16 +34,22 @@ pub(super) fn help() -> Option<ExitCode> {
     code
 }
 
-/// Helps rank 0, whatever its command. What is wrong, rank 0 says.
+/// Helps rank 0, whatever its command. What is wrong, rank 0 says in full.
 fn helped() -> Option<ExitCode> {
+    let refused = |status: u8| {
+        if status != 0 {
+            output::note("a process that was started to help another one cannot do what its arguments ask for");
+        }
+        Some(ExitCode::from(status))
+    };
     let matches = program().try_get_matches();
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
-        Err(error) => return Some(ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))),
+        Err(error) => return refused(u8::try_from(error.exit_code()).unwrap_or(2)),
     };
     // It may start the program once more, here as on rank 0.
     if cli.kernel_before().is_err() {
-        return Some(ExitCode::from(2));
+        return refused(2);
     }
     let failed = |error: &LinearError| {
         output::note(&error.to_string());

@@ -76,23 +76,6 @@ fn every_layout_of_hdf5_says_the_same() {
     assert!(solve_by(Way::Whole, &packed.problem, None).unwrap().is_none());
 }
 
-/// A name that stands for another name is no damage.
-#[test]
-fn a_link_to_another_place_is_told() {
-    let path = std::env::temp_dir().join(format!("stickslip-linked-{}.hdf5", std::process::id()));
-    let mut bytes = fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("data/problems/local.hdf5")).unwrap();
-    let lists: Vec<usize> = (0..bytes.len()).filter(|at| bytes[*at..].starts_with(b"SNOD")).collect();
-    assert!(!lists.is_empty());
-    for list in lists {
-        let count = usize::from(bytes[list + 6]);
-        (0..count).for_each(|entry| bytes[list + 8 + 40 * entry + 16] = 2);
-    }
-    fs::write(&path, bytes).unwrap();
-    let told = ProblemFile::read(&path).unwrap_err().to_string();
-    fs::remove_file(&path).unwrap();
-    assert!(told.contains("the link fclib_local to another place cannot be read here"), "{told}");
-}
-
 /// The dense matrix stands column by column, the sparse prints as CSparse has them.
 #[test]
 fn siconos_texts_say_what_they_should() {

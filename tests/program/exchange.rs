@@ -13,6 +13,25 @@ fn problem(name: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("data/problems").join(name).display().to_string()
 }
 
+/// A name that stands for another name is no damage.
+#[test]
+fn a_link_to_another_place_is_told() {
+    let folder = Folder::new();
+    let linked = folder.join("linked.hdf5");
+    let mut bytes = fs::read(problem("local.hdf5")).unwrap();
+    let lists: Vec<usize> = (0..bytes.len()).filter(|at| bytes[*at..].starts_with(b"SNOD")).collect();
+    assert!(!lists.is_empty());
+    for list in lists {
+        // Each entry of a list of names has 40 bytes; the kind stands behind two addresses.
+        (0..usize::from(bytes[list + 6])).for_each(|entry| bytes[list + 8 + 40 * entry + 16] = 2);
+    }
+    fs::write(&linked, bytes).unwrap();
+    let refused = stickslip(&["solve", &linked]);
+    assert_exit(&refused, 2);
+    let told = stderr(&refused).split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+    assert!(told.contains("the link fclib_local to another place cannot be read here"), "{told}");
+}
+
 #[test]
 fn a_problem_is_solved_and_its_file_judged() {
     let folder = Folder::new();
