@@ -262,6 +262,11 @@ pub(crate) fn main() -> ExitCode {
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) => {
+            // Others of a launcher's wait for the first one to start MPI and to end it.
+            #[cfg(feature = "mpi")]
+            if ranks::lead().is_ok() {
+                stickslip::linear::ranks::end();
+            }
             if json && error.use_stderr() {
                 output::failure_as_json("bad-input", &error.render().to_string());
             }

@@ -36,20 +36,12 @@ pub(super) fn help() -> Option<ExitCode> {
 
 /// Helps rank 0, whatever its command. What is wrong, rank 0 says in full.
 fn helped() -> Option<ExitCode> {
-    let refused = |status: u8| {
-        if status != 0 {
-            output::note("a process that was started to help another one cannot do what its arguments ask for");
-        }
-        Some(ExitCode::from(status))
-    };
-    let matches = program().try_get_matches();
-    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
-        Ok(cli) => cli,
-        Err(error) => return refused(u8::try_from(error.exit_code()).unwrap_or(2)),
-    };
+    // Arguments that cannot be read rank 0 is told of, or this process once it is known that it has none.
+    let cli = program().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)).ok();
     // It may start the program once more, here as on rank 0.
-    if cli.kernel_before().is_err() {
-        return refused(2);
+    if cli.as_ref().is_some_and(|cli| cli.kernel_before().is_err()) {
+        output::note("a process that was started to help another one cannot choose the kernel of its BLAS");
+        return Some(ExitCode::from(2));
     }
     let failed = |error: &LinearError| {
         output::note(&error.to_string());
@@ -63,7 +55,7 @@ fn helped() -> Option<ExitCode> {
     // Whatever is to end in order, rank 0 sees to it; and it can only if its helpers are there.
     interrupt::disregard();
     memory::end_in_order(false);
-    let count = threads::count(cli.threads);
+    let count = threads::count(cli.as_ref().and_then(|cli| cli.threads));
     threads::start(count);
     threads::let_the_blas_have(threads::of_this_rank(count));
     match ranks::agree(arguments()) {
@@ -75,7 +67,7 @@ fn helped() -> Option<ExitCode> {
     }
     // Each assembles rows of its own, of the body that rank 0 has.
     let mut body = || {
-        let Command::Run(args) = &cli.command else { return None };
+        let Command::Run(args) = &cli.as_ref()?.command else { return None };
         match args.body() {
             Ok(body) => body.map(|body| Box::new(body) as Box<dyn NodeRows>),
             Err(error) => {

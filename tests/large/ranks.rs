@@ -116,7 +116,13 @@ fn a_rank_of_another_programs_job_works_for_itself() {
         let output = command.env(rank, "1").output().unwrap();
         assert!(output.status.success(), "{solver}: {output:?}");
         assert_whole(out.as_ref());
+        let mut version = Command::new(PROGRAM);
+        without_ours(&mut version);
+        let output = version.arg("--version").env(rank, "1").output().unwrap();
+        assert!(output.status.success() && output.stdout.starts_with(b"stickslip "), "{output:?}");
     }
+    let ended = Job::start(2, &["--version"]).end();
+    assert_eq!((ended.status, ended.output.lines().count()), (Some(0), 1), "{}", ended.output);
 }
 
 #[test]

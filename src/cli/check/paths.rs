@@ -42,7 +42,9 @@ pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Res
         lines.push(format!("             {name:<18} {:>7.2} s {:>9}{out}", cost.seconds, in_words(need.bytes())));
     }
     if ranks > 1 {
-        lines.push(format!("             by {ranks} processes; memory is that of the first one"));
+        lines.push(format!(
+            "             by {ranks} processes; memory is that of the first one, and each needs its own"
+        ));
     }
     if let (Some(why), true) = (unsuited, LinearAlgebra::Multigrid.is_built_in()) {
         lines.push(format!("             \"auto\" leaves multigrid: {why}"));
