@@ -186,5 +186,5 @@ fn faults_of_places_are_found() {
         assert_eq!(places(file, text), NONE);
     }
     assert_eq!(places("a.rs", &"\n".repeat(MOST_LINES)), NONE);
-    assert_eq!(places("a.rs", &"\n".repeat(MOST_LINES + 1)), ["a.rs: more than 400 lines"]);
+    assert_eq!(places("a.rs", &"\n".repeat(MOST_LINES + 1)), ["a.rs: more than 700 lines"]);
 }

@@ -2,7 +2,7 @@
 
 use crate::source::{Sources, code, is_program};
 
-pub const MOST_LINES: usize = 400;
+pub const MOST_LINES: usize = 700;
 
 /// What `sources` hold that has no place there; `unsafe` has its place in the folder `unsafe_in`.
 pub fn place_faults(sources: &Sources, unsafe_in: &[&str]) -> Vec<String> {
