@@ -55,13 +55,13 @@ use crate::formulation::Layout;
 use crate::history::{
     self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Observer, Solver, Status, System,
 };
-use crate::linear::{Direct, LinearError};
+use crate::linear::Direct;
 use crate::memory::Budget;
 use crate::model::Model;
 use crate::problem::State;
 use crate::reach::{self, Reach};
 use crate::report::{
-    CompanionEstimate, Estimates, Facts, Measured, RankRecord, RunReport, cpu_seconds, peak_rss_bytes,
+    CompanionEstimate, Estimates, Facts, Measured, RankRecord, RunReport, Warning, cpu_seconds, peak_rss_bytes,
 };
 use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
@@ -268,10 +268,21 @@ impl<'a> Run<'a> {
         let Watch { validity, estimates, balance, curves, increments, forces, reactions, last_reactions, .. } = watch;
         let (last, states) = (watch.last, watch.states);
         let mut all_estimates = Estimates { increments: outcome.increment_error, ..estimates.estimates(&self.model) };
+        // The history is solved. A failure of what was asked for beside it costs that result only.
+        let mut missing = Vec::new();
         if let (Some(companion), Status::Converged) = (companion.as_ref(), outcome.status) {
-            all_estimates.companion = Some(self.compared(companion, &states, audience.observer())?);
+            match self.compared(companion, &states, audience.observer()) {
+                Ok(compared) => all_estimates.companion = Some(compared),
+                Err(error) => missing.push(Warning::of_missing("the comparison with fewer increments", &error)),
+            }
         }
-        let critical_friction = last.map(|last| self.critical_friction(&last, &outcome)).transpose()?.flatten();
+        let critical_friction = match last.map(|last| self.critical_friction(&last, &outcome)).transpose() {
+            Ok(critical) => critical.flatten(),
+            Err(error) => {
+                missing.push(Warning::of_missing("the critical friction", &error));
+                None
+            }
+        };
         let measured = Measured {
             cpu_seconds: cpu_seconds(),
             wall_seconds: self.model_seconds + start.elapsed().as_secs_f64(),
@@ -290,7 +301,7 @@ impl<'a> Run<'a> {
             solver: &self.solver,
             condensed,
             working_set: self.working_set().filter(|_| condensed),
-            faster: self.faster(&linear, &done)?,
+            faster: self.faster(&linear, &done),
             linear,
             choice: &self.choice,
             unsuited: gave_way(&outcome.linear, &self.model, self.solver.method),
@@ -305,6 +316,7 @@ impl<'a> Run<'a> {
             balance,
             curves,
             critical_friction,
+            missing,
             measured,
         }))
     }
@@ -385,13 +397,14 @@ impl<'a> Run<'a> {
         critical(problem, &data, state, &scales, scaling, &mut Direct::default())
     }
 
-    /// What would have been much faster than the linear algebra that somebody named.
-    fn faster(&self, linear: &str, done: &Done) -> Result<Option<Faster>, LinearError> {
-        // Who shares a stiffness has none for others to look at.
+    /// A linear algebra that would have been much faster than the one that the scene names. `None` also where the estimate itself
+    /// fails, as for want of memory: a solved history does not depend on advice.
+    fn faster(&self, linear: &str, done: &Done) -> Option<Faster> {
+        // A stiffness that processes share has no entries here to estimate from.
         if linear != self.choice.linear.to_string() || self.model.problem.stiffness().shared().is_some() {
-            return Ok(None);
+            return None;
         }
         let means = means(&self.model, self.solver.method, self.budget);
-        self.choice.faster(&self.model.problem, &self.reach, self.solver.method, means, done)
+        self.choice.faster(&self.model.problem, &self.reach, self.solver.method, means, done).ok()?
     }
 }

@@ -240,6 +240,8 @@ pub struct Facts<'a> {
     pub curves: HistoryCurves,
     /// The critical friction at the end, where it was asked for.
     pub critical_friction: Option<CriticalFriction>,
+    /// Results that were asked for beside the history and could not be computed.
+    pub missing: Vec<Warning>,
     /// What would have been much faster.
     pub faster: Option<Faster>,
     /// Time and memory.
@@ -262,6 +264,7 @@ impl RunReport {
         warnings.extend(exact_path::curved_gaps(solver.method, model, outcome));
         warnings.extend(exact_path::jumps(&outcome.jumps));
         warnings.extend(facts.balance.unbalanced(solver.tolerance));
+        warnings.extend(facts.missing);
         let blas = Blas::loaded();
         warnings.extend(blas.as_ref().and_then(Warning::of_blas));
         warnings.extend(Warning::of_multigrid(

@@ -72,6 +72,8 @@ pub enum WarningKind {
     Jump,
     /// Forces that are so small beside the stiffness and the displacements that rounding counts.
     Unbalanced,
+    /// A result that was asked for beside the history and could not be computed. The history itself is complete.
+    NotComputed,
     /// A BLAS that is several times slower than the processor could run one. Costs time and no accuracy.
     SlowBlas,
     /// Multigrid that stood still, so that a direct solver took over. Costs time and no accuracy.
@@ -106,6 +108,7 @@ impl WarningKind {
             | WarningKind::CurvedGaps
             | WarningKind::Jump
             | WarningKind::Unbalanced
+            | WarningKind::NotComputed
             | WarningKind::MultigridGaveWay
             | WarningKind::RanksApart => true,
         }
@@ -136,6 +139,12 @@ impl Warning {
         ];
         let found = messages.into_iter().filter_map(|(kind, message)| Some(Warning { kind, message: message? }));
         expected(model).into_iter().chain(found).collect()
+    }
+
+    /// A warning that `result` could not be computed, although the history was solved.
+    pub fn of_missing(result: &str, why: &dyn std::error::Error) -> Self {
+        let message = format!("{result} could not be computed: {why}; all other results are complete");
+        Warning { kind: WarningKind::NotComputed, message }
     }
 
     /// That the BLAS is slow, if it is, and what makes it faster.

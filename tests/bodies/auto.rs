@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{Keep, block};
-use stickslip::auto::{Choice, Means};
+use stickslip::auto::{Choice, Done, Means};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
 use stickslip::model::Model;
 use stickslip::problem::State;
@@ -64,6 +64,25 @@ fn the_reason_is_told() {
     let run = Run::new(&named).unwrap();
     let choice = run.choice();
     assert_eq!((choice.linear, choice.reason()), (LinearAlgebra::condensed(), None));
+}
+
+/// A run that took long is told which linear algebra is much faster, unless the program chose. A short run is not worth the estimate.
+#[test]
+fn a_much_faster_linear_algebra_is_named() {
+    let (_, model) = scene(&["mesh.elements=[60,60]"]);
+    let faster = |choice: &Choice, seconds: f64| {
+        let done = Done { increments: 40, factorizations: 250, seconds };
+        let means = Means { available: None, multigrid: false, ranks: 1 };
+        choice.faster(&model.problem, &Reach::default(), Method::default(), means, &done).unwrap()
+    };
+    let whole = Choice::named(LinearAlgebra::default());
+    let condensed = faster(&whole, 1e3).unwrap();
+    assert_eq!(condensed.solver, LinearAlgebra::condensed());
+    assert!(condensed.here_seconds > 3.0 * condensed.seconds, "{condensed}");
+    assert!(condensed.to_string().contains("solver.linear = \"auto\" chooses the faster"), "{condensed}");
+    assert_eq!(faster(&whole, 1e-3), None);
+    assert_eq!(faster(&Choice::named(LinearAlgebra::condensed()), 1e3), None);
+    assert_eq!(faster(&choice(&["mesh.elements=[60,60]"], None), 1e3), None);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::edit;
 
-const BLOCK: &str = include_str!("../../data/scenes/block.toml");
+pub const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 
 /// A folder of its own for a test, gone when the test ends.
 pub struct Folder(pub PathBuf);

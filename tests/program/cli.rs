@@ -251,28 +251,6 @@ fn a_report_can_be_run_again() {
     }
 }
 
-/// A run that took long says what would have been much faster, unless the solver was chosen for that.
-#[test]
-fn a_slow_linear_algebra_is_told() {
-    let whole = if cfg!(feature = "umfpack") { "umfpack" } else { "faer" };
-    let (_folder, scene) = Folder::with_scene(&edit(&small(), "increments = 4", "increments = 40"));
-    let run = |solver: &str, more: &[&str]| {
-        stickslip(&[&["run", &scene, "--set", "mesh.elements=[60,60]", "--solver", solver], more].concat())
-    };
-    let slow = json(&run(whole, &["--json"]));
-    let faster = &slow["faster_solver"];
-    assert_eq!(faster["solver"], "condensed");
-    assert!(number(&faster["here_seconds"]) > 3.0 * number(&faster["seconds"]), "{faster}");
-    for solver in ["auto", "condensed"] {
-        assert!(json(&run(solver, &["--json"])).get("faster_solver").is_none(), "{solver}");
-    }
-    let text = run(whole, &[]);
-    let line = stdout(&text).lines().find(|line| line.starts_with("faster       ")).unwrap();
-    assert!(line.contains("with condensed") && line.contains("solver.linear = \"auto\""), "{line}");
-    // A short run is not worth the question.
-    assert!(report(&small(), 0).get("faster_solver").is_none());
-}
-
 #[test]
 fn without_friction_there_are_no_tangential_unknowns() {
     let report = report(&edit(&small(), "friction = 0.4", "friction = 0"), 0);

@@ -6,7 +6,7 @@
 use std::fs;
 use std::process::{Command, Output};
 
-use crate::common::program::{Folder, assert_exit, small, stderr};
+use crate::common::program::{BLOCK, Folder, assert_exit, small, stderr};
 
 /// A library in `folder` that says it is version 99.7.1, where it is asked by the function `name`.
 fn other_version(folder: &Folder, name: &str) -> String {
@@ -45,4 +45,17 @@ fn a_library_of_another_version_ends_the_run_in_words() {
             assert_exit(&run("faer"), 0);
         }
     }
+}
+
+/// The run is long enough for advice on a faster solver, which CHOLMOD estimates: without CHOLMOD there is no advice, and the run is
+/// as good.
+#[test]
+#[cfg(feature = "faer")]
+fn advice_that_fails_takes_nothing_from_a_run() {
+    let (folder, scene) = Folder::with_scene(BLOCK);
+    let other = other_version(&folder, "cholmod_l_version");
+    let long = ["--set", "mesh.elements=[40,40]", "--set", "time.increments=40"];
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    command.env("LD_PRELOAD", &other).args(["run", &scene, "--solver", "faer"]).args(long);
+    assert_exit(&command.output().unwrap(), 0);
 }

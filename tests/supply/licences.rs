@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 use std::process::Command;
 
 use serde::Deserialize;
-use serde_json::Value;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -83,19 +82,17 @@ impl Licences {
     }
 }
 
-/// The packages that this platform needs, with their licences, as their manifests tell; those of other platforms may not be here.
-pub fn of_dependencies() -> Vec<(String, Option<String>)> {
-    let tell = |program: String, arguments: &[&str]| {
-        let output = Command::new(program).args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).unwrap()
+/// The packages that these packages of the workspace need on this platform, each with the licence of its manifest.
+/// Cargo reads manifests of downloaded packages only, and asks nothing of the network with `--offline`.
+pub fn of_dependencies(options: &[&str]) -> Vec<(String, Option<String>)> {
+    let tree = ["tree", "--locked", "--prefix=none", "--no-dedupe", "--format={p}|{l}"];
+    let output =
+        Command::new(env!("CARGO")).args(tree).args(options).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let lines: BTreeSet<_> = std::str::from_utf8(&output.stdout).unwrap().lines().collect();
+    let package = |line: &&str| {
+        let (name, licence) = line.split_once('|')?;
+        Some((name.to_string(), Some(licence.to_string()).filter(|licence| !licence.is_empty())))
     };
-    let rustc = tell(std::env::var("RUSTC").unwrap_or_else(|_| "rustc".to_string()), &["-vV"]);
-    let host = rustc.lines().find_map(|line| line.strip_prefix("host: ")).unwrap();
-    let metadata = ["metadata", "--offline", "--locked", "--format-version=1", "--filter-platform", host];
-    let metadata: Value = serde_json::from_str(&tell(env!("CARGO").to_string(), &metadata)).unwrap();
-    let text = |value: &Value| value.as_str().map(str::to_string);
-    let packages = metadata["packages"].as_array().unwrap().iter();
-    let foreign = packages.filter(|package| !package["source"].is_null());
-    foreign.map(|package| (text(&package["name"]).unwrap(), text(&package["license"]))).collect()
+    lines.iter().filter_map(package).collect()
 }
