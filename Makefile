@@ -4,6 +4,7 @@
 # make python-docs its pages, run, in target/python-docs
 # make wheel  its wheel for any Linux since glibc 2.17, in target/wheels
 # make wheel-test the same, installed and run in fresh environments of the Pythons at hand
+# make pure   all tests of the program without any C library
 # make mumps  the program with MUMPS, and its tests (installs MUMPS, METIS and Open MPI)
 # make petsc  the program with multigrid, and its tests (installs PETSc and Open MPI)
 # make bench  the benchmarks (minutes)
@@ -22,7 +23,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test mumps petsc python python-docs wheel wheel-test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
+.PHONY: demo test pure packages mumps petsc python python-docs wheel wheel-test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -36,6 +37,11 @@ test: deps
 	cargo test --lib --config profile.test.package.stickslip.opt-level=0
 	$(BLAS) cargo test --workspace --exclude stickslip-python --bins --example outside --test '*'
 	cargo test --doc
+
+# The headers of SuiteSparse are hidden.
+pure: export SUITESPARSE_INCLUDE_DIR = /nonexistent
+pure:
+	cargo test --no-default-features --features faer,cli
 
 MUMPS_PACKAGES = libmumps-ptscotch-dev libmetis-dev openmpi-bin libopenmpi-dev
 
@@ -57,6 +63,11 @@ petsc: deps
 	$(BLAS) cargo test --features petsc --lib --config profile.test.package.stickslip.opt-level=0 -- multigrid petsc forcing
 	$(BLAS) cargo test --features petsc --test large
 	cargo clippy --features petsc --all-targets --quiet -- -D warnings
+
+# The packages of every build and every check, for `.ci/run`.
+packages: deps
+	@dpkg -s $(MUMPS_PACKAGES) $(PETSC_PACKAGES) valgrind >/dev/null 2>&1 || { $(SUDO) apt-get update -q && \
+		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $(MUMPS_PACKAGES) $(PETSC_PACKAGES) valgrind; }
 
 PYTHON = target/python/bin/python
 PYTHON_WHEELS ?= python3.10 python3.11 python3.12 python3.13

@@ -7,6 +7,7 @@ mod extremes;
 mod figures;
 mod jobs;
 mod tables;
+mod warnings;
 
 use std::fs;
 use std::io::{self, Write};
@@ -38,6 +39,8 @@ enum Study {
     Extremes(extremes::ExtremesArgs),
     /// Compare the estimates of a run with what is true
     Estimates(estimates::EstimatesArgs),
+    /// Compare the warnings of random scenes with what is true
+    Warnings(warnings::WarningsArgs),
 }
 
 /// What a study ends with.
@@ -60,6 +63,7 @@ pub(crate) fn main() -> ExitCode {
         Study::Elements(args) => elements::elements(args),
         Study::Extremes(args) => extremes::extremes(args),
         Study::Estimates(args) => estimates::estimates(args),
+        Study::Warnings(args) => warnings::warnings(args),
     };
     match answer.and_then(|answer| print(&answer.lines).map(|()| answer.sound)) {
         Ok(true) => ExitCode::SUCCESS,

@@ -6,3 +6,4 @@ pub mod estimates;
 pub mod extremes;
 pub mod figures;
 pub mod tables;
+pub mod warnings;
