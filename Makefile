@@ -5,6 +5,7 @@
 # make wheel  its wheel for any Linux since glibc 2.17, in target/wheels
 # make wheel-test the same, installed and run in fresh environments of the Pythons at hand
 # make pure   all tests of the program without any C library
+# make campaign the tests that take minutes each (half an hour)
 # make mumps  the program with MUMPS, and its tests (installs MUMPS, METIS and Open MPI)
 # make petsc  the program with multigrid, and its tests (installs PETSc and Open MPI)
 # make bench  the benchmarks (minutes)
@@ -23,7 +24,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test pure packages mumps petsc python python-docs wheel wheel-test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
+.PHONY: demo test pure campaign packages mumps petsc python python-docs wheel wheel-test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -42,6 +43,9 @@ test: deps
 pure: export SUITESPARSE_INCLUDE_DIR = /nonexistent
 pure:
 	cargo test --no-default-features --features faer,cli
+
+campaign: deps
+	$(BLAS) cargo test --release --workspace --exclude stickslip-python --bins --test '*' -- --ignored
 
 MUMPS_PACKAGES = libmumps-ptscotch-dev libmetis-dev openmpi-bin libopenmpi-dev
 

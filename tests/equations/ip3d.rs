@@ -1,6 +1,8 @@
 //! The interior point method with the exact cone, for friction in two tangential directions.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use std::ops::Range;
+
 use crate::common;
 use crate::common::random::{self, Random};
 use stickslip::formulation::{Cone, Conventions, InteriorPoint, NewtonSystem};
@@ -77,11 +79,10 @@ impl std::fmt::Display for Count {
 }
 
 /// Loads that turn, friction from little to much.
-#[test]
-fn random_histories() {
+fn random_histories(seeds: Range<u64>) {
     for mu in [0.1, 0.4, 0.8, 2.0] {
         let mut count = Count::default();
-        for seed in 0..40 {
+        for seed in seeds.clone() {
             let mut random = Random(seed * 7919 + 3);
             let contacts = 1 + (30.0 * random.next()) as usize;
             let (problem, loading) = random::problem(&mut random, contacts, mu, 0.0);
@@ -90,6 +91,17 @@ fn random_histories() {
         println!("mu {mu}: {count}");
         assert!(count.mean() <= 15.0, "mu {mu}: {count}");
     }
+}
+
+#[test]
+fn ten_random_histories() {
+    random_histories(0..10);
+}
+
+#[test]
+#[ignore = "four times as many as the test before"]
+fn forty_random_histories() {
+    random_histories(0..40);
 }
 
 /// Stiffness over three decades.

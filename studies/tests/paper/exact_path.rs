@@ -21,14 +21,13 @@ fn difference(a: &HistoryOutcome, b: &HistoryOutcome) -> f64 {
     of(&a.state.p_n, &b.state.p_n).max(of(&a.state.p_t, &b.state.p_t)) / largest(&b.state.p_n)
 }
 
-/// In all 96 cells every law holds to 1e-12 at every event, the number of increments changes nothing, and of the increments of the
-/// default BN more are nearer to the path.
-#[test]
-fn every_law_at_every_event_of_every_cell() {
+/// In all cells up to so many contact nodes every law holds to 1e-12 at every event, the number of increments changes nothing, and of
+/// the increments of the default BN more are nearer to the path. Returns the number of cells.
+fn every_law_at_every_event(most_nodes: usize) -> usize {
     let mut cells = 0;
     for table in [PaperTable::Punch, PaperTable::Block] {
         let mut scenes = BTreeMap::<(usize, u64), Vec<Case>>::new();
-        for case in table.cases() {
+        for case in table.cases().into_iter().filter(|case| case.contact_nodes <= most_nodes) {
             scenes.entry((case.contact_nodes, case.mu.to_bits())).or_default().push(case);
         }
         for cases in scenes.values() {
@@ -52,5 +51,16 @@ fn every_law_at_every_event_of_every_cell() {
             assert!(many <= few.max(1e-10), "{what}: {few:e}, {many:e}");
         }
     }
-    assert_eq!(cells, 96);
+    cells
+}
+
+#[test]
+fn coarse_cells() {
+    assert_eq!(every_law_at_every_event(20), 45);
+}
+
+#[test]
+#[ignore = "a minute"]
+fn all_cells() {
+    assert_eq!(every_law_at_every_event(usize::MAX), 96);
 }
