@@ -24,7 +24,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test pure campaign packages mumps petsc python python-docs wheel wheel-test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
+.PHONY: demo test pure campaign packages mumps petsc python python-module python-docs wheel wheel-test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -77,24 +77,36 @@ PYTHON = target/python/bin/python
 PYTHON_WHEELS ?= python3.10 python3.11 python3.12 python3.13
 # In the profile and with the features of what is compiled for the program without C libraries: all but the module itself is there then.
 PYTHON_BUILD ?= --profile dev --features cli
+# What the environment was made of; when python/requirements.txt changes, the environment is made again.
+PYTHON_TOOLS = target/python/requirements.txt
+# The system's libraries that the wheel of gmsh is linked to.
+GMSH_PACKAGES = libgl1 libglu1-mesa libgomp1 libxcursor1 libxft2 libxinerama1
+INSTALL = $(SUDO) apt-get update -q && $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends
 
 # Needs a network once. No part of `make test`: its features of the library are others.
-$(PYTHON):
-	@python3 -c 'import ensurepip' 2>/dev/null || { $(SUDO) apt-get update -q && \
-		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends python3-venv; }
+$(PYTHON_TOOLS): python/requirements.txt
+	@python3 -c 'import ensurepip' 2>/dev/null || { $(INSTALL) python3-venv; }
+	rm -rf target/python
 	python3 -m venv target/python
-	$(PYTHON) -m pip install -q --retries 1 -r python/requirements.txt || { rm -rf target/python; exit 1; }
+	$(PYTHON) -m pip install -q --retries 1 -r python/requirements.txt
+	@$(PYTHON) -c 'import gmsh' 2>/dev/null || { $(INSTALL) $(GMSH_PACKAGES) && $(PYTHON) -c 'import gmsh'; }
+	cp python/requirements.txt $@
 
-# Where its tools cannot be installed, as without a network, the module is passed over.
+python-module: $(PYTHON_TOOLS)
+	cd python && . ../target/python/bin/activate && maturin develop $(PYTHON_BUILD) --quiet
+
+# Where its tools cannot be installed, as without a network, the module is passed over. Where they are, no test is skipped for want of a package.
 python:
-	@$(MAKE) --no-print-directory $(PYTHON) || { echo "the Python module is passed over: its tools cannot be installed"; exit 0; }; \
-	cd python && . ../target/python/bin/activate && maturin develop $(PYTHON_BUILD) --quiet && \
-		mypy --no-error-summary && python -m pytest -q
+	@$(MAKE) --no-print-directory $(PYTHON_TOOLS) || { echo "the Python module is passed over: its tools cannot be installed"; exit 0; }; \
+	$(MAKE) --no-print-directory python-module && cd python && . ../target/python/bin/activate && \
+		mypy --no-error-summary && STICKSLIP_ALL_PACKAGES=1 python -m pytest -q -rs
 
-python-docs: python
-	cd python/docs && ../../$(PYTHON) -m nbconvert --execute --to html --output-dir $(CURDIR)/target/python-docs *.ipynb
+# Two at a time, each with one thread.
+python-docs: python-module
+	cd python/docs && . ../../target/python/bin/activate && export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 RAYON_NUM_THREADS=1 && \
+		printf '%s\n' *.ipynb | xargs -n 4 -P 2 python -m nbconvert --log-level ERROR --execute --to html --output-dir $(CURDIR)/target/python-docs
 
-wheel: $(PYTHON)
+wheel: $(PYTHON_TOOLS)
 	$(PYTHON) -m pip install -q ziglang==0.17.1
 	python/licences.sh
 	cd python && . ../target/python/bin/activate && \

@@ -1,9 +1,8 @@
 #!/bin/sh
-# The licence texts that go into the wheel: ours, and those of every crate that is linked.
+# The licence texts of every crate that is linked, for a wheel that is passed on; ours go into every wheel.
 set -eu
 cd "$(dirname "$0")"
 mkdir -p licenses
-cp ../LICENSE-MIT ../LICENSE-APACHE licenses/
 cargo metadata --format-version 1 --filter-platform x86_64-unknown-linux-gnu --no-default-features --manifest-path Cargo.toml |
 	python3 -c '
 import json, pathlib, sys
