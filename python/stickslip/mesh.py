@@ -30,17 +30,21 @@ SIDES: dict[str, tuple[tuple[int, ...], ...]] = {
 }
 
 _DIMENSION = {name: 2 if name in ("triangle", "quad", "triangle6") else 3 for name in SIDES}
+_CORNERS = {name: 1 + max(max(side) for side in sides) for name, sides in SIDES.items()}
 _FACETS = {2: ("line", "line3"), 3: ("triangle", "quad", "triangle6")}
 _GMSH = {
     1: "line", 2: "triangle", 3: "quad", 4: "tetra", 5: "hexahedron", 6: "wedge", 8: "line3", 9: "triangle6", 11: "tetra10",
 }
+_VTK = {5: "triangle", 9: "quad", 10: "tetra", 12: "hexahedron", 13: "wedge", 22: "triangle6", 24: "tetra10"}
+#: Points and lines of VTK, which are no part of a body.
+_VTK_LINES = {0, 1, 2, 3, 4, 21, 35, 68}
 
 
 class Given(TypedDict):
     """A mesh of arrays.
 
-    points: m, (n, 3). cells: (kind, nodes (k, corners), group of each (k,)). groups: names of the materials.
-    boundaries: (name, facets by their nodes).
+    points: m, (n, 3). cells: (kind, nodes (k, corners), group of each (k,)). groups: names of the materials; cells of no
+    group are of the group with the empty name, which has the material of the scene itself. boundaries: (name, facets by their nodes).
     """
 
     points: Array
@@ -62,6 +66,65 @@ def outer_facets(cells: Iterable[tuple[str, Array]]) -> list[list[int]]:
     return [facets[key] for key, count in seen.items() if count == 1]
 
 
+def _refuse(unknown: Mapping[str, int]) -> None:
+    """Cells of kinds that are not known are refused, since the body would be solved without them."""
+    if unknown:
+        found = ", ".join(f"{count} of the kind {kind}" for kind, count in unknown.items())
+        raise ValueError(f"cells: {found}, expected the kinds {', '.join(SIDES)}: mesh the body with these, or remove the others from the mesh")
+
+
+def _integers(name: str, values: ArrayLike) -> Array:
+    try:
+        array = np.asarray(values)
+        whole = array.astype(np.int64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name}: whole numbers expected, {error}") from None
+    if array.size and (array.dtype == bool or (whole != array).any()):
+        raise ValueError(f"{name}: whole numbers expected, {array.dtype} found")
+    return whole
+
+
+def _members(name: str, chosen: ArrayLike, count: int) -> Array:
+    """The numbers of the cells of a group in one block of `count` cells, given as numbers or as a mask."""
+    mask = np.asarray(chosen)
+    if mask.dtype == bool:
+        if mask.shape != (count,):
+            raise ValueError(f"{name}: a mask of the shape {mask.shape}, expected {(count,)}")
+        return np.flatnonzero(mask)
+    numbers = _integers(name, chosen).ravel()
+    if numbers.size and (numbers.min() < 0 or numbers.max() >= count):
+        raise ValueError(f"{name}: cell {numbers.min() if numbers.min() < 0 else numbers.max()} is not among the {count} of its block")
+    return numbers
+
+
+def _tagged(blocks: list[tuple[str, Array]], groups: Mapping[str, Sequence[ArrayLike]]) -> tuple[list[tuple[str, Array, Array]], list[str]]:
+    """The blocks with the group of each cell, and the names of the groups; cells of no group are of one without a name."""
+    if not groups:
+        return [(kind, nodes, np.zeros(len(nodes), dtype=np.int64)) for kind, nodes in blocks], []
+    names = list(groups)
+    tagged = [(kind, nodes, np.full(len(nodes), -1, dtype=np.int64)) for kind, nodes in blocks]
+    for number, name in enumerate(names):
+        by_block = list(groups[name])
+        if len(by_block) != len(blocks):
+            raise ValueError(f"groups[{name!r}] has the cells of {len(by_block)} blocks, expected {len(blocks)}: one entry for each block of cells")
+        for k, ((_, nodes, of_cell), chosen) in enumerate(zip(tagged, by_block)):
+            members = _members(f"groups[{name!r}][{k}]", chosen, len(nodes))
+            twice = members[of_cell[members] >= 0]
+            if len(twice):
+                other = names[of_cell[twice[0]]]
+                raise ValueError(
+                    f"groups: {len(twice)} cells are in both {other!r} and {name!r}; keep one group, the material, for each cell, "
+                    "and remove the other from the mesh"
+                )
+            of_cell[members] = number
+    if any((of_cell < 0).any() for _, _, of_cell in tagged):
+        if "" not in names:
+            names.append("")
+        for _, _, of_cell in tagged:
+            of_cell[of_cell < 0] = names.index("")
+    return tagged, names
+
+
 def from_arrays(
     points: ArrayLike, cells: Iterable[tuple[str, ArrayLike]], boundaries: Mapping[str, Where], *, scale: float = 1.0,
     groups: Mapping[str, Sequence[ArrayLike]] | None = None,
@@ -73,7 +136,8 @@ def from_arrays(
         cells: (kind, nodes (k, corners)) of the kinds in `SIDES`, in the order of VTK.
         boundaries: by name; see the head of this module.
         scale: the length of the unit of `points`, m.
-        groups: by name, for each block of cells the numbers of those in the material group.
+        groups: by name, for each block of cells the numbers of those in the material group, or a mask. Cells of no group have the
+            material of the scene itself, as have groups that the scene does not name.
     """
     try:
         xyz = np.asarray(points, dtype=float)
@@ -82,12 +146,14 @@ def from_arrays(
     if xyz.ndim != 2 or xyz.shape[1] not in (2, 3):
         raise ValueError(f"points has the shape {xyz.shape}, expected (n, 2) or (n, 3)")
     xyz = np.column_stack([xyz, np.zeros((len(xyz), 3 - xyz.shape[1]))]) * scale
-    blocks = [(kind, np.asarray(nodes, dtype=np.int64)) for kind, nodes in cells]
+    blocks = [(kind, _integers(f"cells: {kind}", nodes)) for kind, nodes in cells]
+    _refuse({kind: len(nodes) for kind, nodes in blocks if kind not in SIDES})
     for kind, nodes in blocks:
-        if kind not in SIDES:
-            raise ValueError(f"cells of the kind {kind!r}, expected one of {', '.join(SIDES)}")
-        if nodes.ndim != 2 or (nodes.size and (nodes.min() < 0 or nodes.max() >= len(xyz))):
+        if nodes.size and (nodes.ndim != 2 or nodes.shape[1] != _CORNERS[kind]):
+            raise ValueError(f"cells: {kind} has nodes of the shape {nodes.shape}, expected (k, {_CORNERS[kind]})")
+        if nodes.size and (nodes.min() < 0 or nodes.max() >= len(xyz)):
             raise ValueError(f"cells: {kind} has nodes that are not among the {len(xyz)} points")
+    blocks = [(kind, nodes.reshape(-1, _CORNERS[kind])) for kind, nodes in blocks]
     if not blocks or not any(len(nodes) for _, nodes in blocks):
         raise ValueError("cells: there is none")
     dimension = max(_DIMENSION[kind] for kind, _ in blocks)
@@ -95,11 +161,7 @@ def from_arrays(
         raise ValueError("cells: some are of the plane, others of space; leave the facets out")
     if dimension == 2 and np.ptp(xyz[:, 2]) == 0:
         xyz[:, 2] = 0.0
-    names = list(groups or {})
-    tagged = [(kind, nodes, np.zeros(len(nodes), dtype=np.int64)) for kind, nodes in blocks]
-    for number, name in enumerate(names):
-        for (_, _, of_cell), chosen in zip(tagged, (groups or {})[name]):
-            of_cell[np.asarray(chosen, dtype=np.int64)] = number
+    tagged, names = _tagged(blocks, groups or {})
     outer: list[list[int]] | None = None
     chosen_facets = []
     for name, where in boundaries.items():
@@ -135,9 +197,16 @@ def _used(mesh: Given) -> Given:
 
 def from_meshio(mesh: Any, boundaries: Mapping[str, Where] | None = None, *, scale: float = 1.0) -> Given:
     """Of a `meshio.Mesh`: physical groups, cell sets, and `boundaries` beside them."""
-    dimension = max((_DIMENSION.get(block.type, 0) for block in mesh.cells), default=0)
-    body = [k for k, block in enumerate(mesh.cells) if _DIMENSION.get(block.type) == dimension]
-    skin = [k for k, block in enumerate(mesh.cells) if dimension and block.type in _FACETS[dimension]]
+    filled = [(k, block) for k, block in enumerate(mesh.cells) if len(block.data)]
+    dimension = max((block.dim for _, block in filled), default=0)
+    body = [k for k, block in filled if block.dim == dimension]
+    skin = [k for k, block in filled if block.dim == dimension - 1]
+    unknown: Counter[str] = Counter()
+    for kinds, blocks in ((SIDES, body), (_FACETS.get(dimension, ()), skin)):
+        for k in blocks:
+            if mesh.cells[k].type not in kinds:
+                unknown[mesh.cells[k].type] += len(mesh.cells[k].data)
+    _refuse(unknown)
     tags = mesh.cell_data.get("gmsh:physical")
     groups: dict[str, list[Any]] = {}
     named: dict[str, Where] = {}
@@ -151,9 +220,11 @@ def from_meshio(mesh: Any, boundaries: Mapping[str, Where] | None = None, *, sca
             groups[name] = inside
 
     if tags is not None:
-        for name, (tag, of) in mesh.field_data.items():
-            blocks = body if of == dimension else skin if of == dimension - 1 else []
-            take(name, lambda k: np.flatnonzero(tags[k] == tag) if k in blocks else np.zeros(0, dtype=np.int64))
+        names = {(int(of), int(tag)): name for name, (tag, of) in mesh.field_data.items()}
+        for of, blocks in ((dimension, body), (dimension - 1, skin)):
+            # A group without a name is called by its number, as in a file of Gmsh.
+            for tag in sorted({int(tag) for k in blocks for tag in tags[k]} - {0}):
+                take(names.get((of, tag), str(tag)), lambda k: np.flatnonzero(tags[k] == tag) if k in blocks else np.zeros(0, dtype=np.int64))
     for name, by_block in getattr(mesh, "cell_sets", {}).items():
         if name not in named and name not in groups and not name.startswith("gmsh:"):
             take(name, lambda k: np.asarray([] if by_block[k] is None else by_block[k], dtype=np.int64))
@@ -162,19 +233,25 @@ def from_meshio(mesh: Any, boundaries: Mapping[str, Where] | None = None, *, sca
 
 
 def from_gmsh(model: Any, boundaries: Mapping[str, Where] | None = None, *, scale: float = 1.0) -> Given:
-    """Of `gmsh.model` (or `gmsh`) as it is meshed now: physical groups are boundaries and materials."""
+    """Of `gmsh.model` (or `gmsh`) as it is meshed now: physical groups are boundaries and materials.
+
+    Cells of no physical group have the material of the scene itself, if they share nodes with cells of one. Where there are groups of
+    materials, a part of the mesh without any is refused: it may be left over from the construction, and a file of Gmsh would not have it.
+    """
     model = getattr(model, "model", model)
     tags, coordinates, _ = model.mesh.getNodes()
     number = {int(tag): k for k, tag in enumerate(tags)}
     dimension = max(dim for dim, _ in model.getEntities())
+    unknown: Counter[str] = Counter()
 
     def blocks(dim: int, entity: int) -> list[tuple[str, Array]]:
         found = []
-        for kind, _, nodes in zip(*model.mesh.getElements(dim, entity)):
+        for kind, elements, nodes in zip(*model.mesh.getElements(dim, entity)):
+            name, _, _, count = model.mesh.getElementProperties(kind)[:4]
             if kind not in _GMSH:
-                raise ValueError(f"mesh: elements of gmsh's type {kind}, expected those of first order, or simplices of second")
-            count = int(model.mesh.getElementProperties(kind)[3])
-            table = np.array([number[int(n)] for n in nodes], dtype=np.int64).reshape(-1, count)
+                unknown[name] += len(elements)
+                continue
+            table = np.array([number[int(n)] for n in nodes], dtype=np.int64).reshape(-1, int(count))
             if _GMSH[kind] == "tetra10":
                 table[:, [8, 9]] = table[:, [9, 8]]
             found.append((_GMSH[kind], table))
@@ -186,25 +263,56 @@ def from_gmsh(model: Any, boundaries: Mapping[str, Where] | None = None, *, scal
         new = blocks(dim, entity)
         cells += new
         owner += [entity] * len(new)
-    groups: dict[str, list[Any]] = {}
+    materials: dict[str, set[int]] = {}
     named: dict[str, Where] = {}
     for dim, tag in model.getPhysicalGroups():
         name = model.getPhysicalName(dim, tag) or str(tag)
         entities = {int(entity) for entity in model.getEntitiesForPhysicalGroup(dim, tag)}
         if dim == dimension:
-            groups[name] = [np.arange(len(nodes) if of in entities else 0) for (_, nodes), of in zip(cells, owner)]
+            materials[name] = entities
         elif dim == dimension - 1:
-            named[name] = [facet for entity in entities for _, nodes in blocks(dim, entity) for facet in nodes.tolist()]
+            named[name] = [facet for entity in sorted(entities) for _, nodes in blocks(dim, entity) for facet in nodes.tolist()]
+    _refuse(unknown)
+    groups = {
+        name: [np.arange(len(nodes) if of in entities else 0) for (_, nodes), of in zip(cells, owner)]
+        for name, entities in materials.items()
+    }
+    if groups:
+        _refuse_loose([(nodes, any(of in entities for entities in materials.values())) for (_, nodes), of in zip(cells, owner)])
     points = np.asarray(coordinates, dtype=float).reshape(-1, 3)
     return from_arrays(points, cells, {**named, **(boundaries or {})}, scale=scale, groups=groups)
 
 
+def _refuse_loose(blocks: list[tuple[Array, bool]]) -> None:
+    """Parts of which no cell is in a group, where other parts are."""
+    grouped = np.unique(np.concatenate([nodes.ravel() for nodes, known in blocks if known] or [np.zeros(0, dtype=np.int64)]))
+    others = [nodes for nodes, known in blocks if not known]
+    while others:
+        near = [nodes for nodes in others if np.isin(nodes, grouped).any()]
+        if not near:
+            raise ValueError(
+                f"groups: {sum(map(len, others))} cells of no physical group are apart from those of a group. Put them into a physical "
+                "group if they are of the body, or remove their entities if they are left over"
+            )
+        grouped = np.unique(np.concatenate([grouped, *[nodes.ravel() for nodes in near]]))
+        others = [nodes for nodes in others if not np.isin(nodes, grouped).any()]
+
+
 def from_pyvista(grid: Any, boundaries: Mapping[str, Where], *, scale: float = 1.0) -> Given:
     """Of a `pyvista.UnstructuredGrid`, which has no names for its boundaries: choose them by `boundaries`."""
-    kinds = {5: "triangle", 9: "quad", 10: "tetra", 12: "hexahedron", 13: "wedge", 22: "triangle6", 24: "tetra10"}
-    cells = [(kinds[int(kind)], nodes) for kind, nodes in grid.cells_dict.items() if int(kind) in kinds]
+    if not hasattr(grid, "celltypes"):
+        raise ValueError(f"mesh: a pyvista.UnstructuredGrid expected, {type(grid).__name__} found; its cast_to_unstructured_grid() makes one")
+    kinds = Counter(np.asarray(grid.celltypes).tolist())
+    _refuse({_vtk_name(kind): count for kind, count in kinds.items() if kind not in _VTK and kind not in _VTK_LINES})
+    cells = [(_VTK[int(kind)], nodes) for kind, nodes in grid.cells_dict.items() if int(kind) in _VTK]
     dimension = max((_DIMENSION[kind] for kind, _ in cells), default=0)
     return from_arrays(grid.points, [c for c in cells if _DIMENSION[c[0]] == dimension], boundaries, scale=scale)
+
+
+def _vtk_name(kind: int) -> str:
+    from pyvista import CellType
+
+    return str(CellType(kind).name)
 
 
 def given(mesh: Any) -> Given:

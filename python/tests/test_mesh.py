@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from scenes import block
+from scenes import block, needs
 from stickslip import mesh
 
 SIDES = {
@@ -38,7 +38,7 @@ def test_arrays_are_the_block_again() -> None:
 
 
 def test_meshio_with_physical_groups_and_back(tmp_path: Path) -> None:
-    meshio = pytest.importorskip("meshio")
+    meshio = needs("meshio")
     points, quads = grid(10)
     facets = mesh.outer_facets([("quad", quads)])
     lines = {name: np.array([f for f in facets if where(points)[f].all()]) for name, where in SIDES.items()}
@@ -57,7 +57,7 @@ def test_meshio_with_physical_groups_and_back(tmp_path: Path) -> None:
 
 
 def test_gmsh_objects() -> None:
-    gmsh = pytest.importorskip("gmsh")
+    gmsh = needs("gmsh")
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
@@ -76,7 +76,7 @@ def test_gmsh_objects() -> None:
 
 
 def test_pyvista_there_and_back() -> None:
-    pyvista = pytest.importorskip("pyvista")
+    pyvista = needs("pyvista")
     points, quads = grid(10)
     theirs = pyvista.UnstructuredGrid({pyvista.CellType.QUAD: quads}, np.column_stack([points, np.zeros(len(points))]))
     result = ss.run(without_mesh(), mesh=mesh.from_pyvista(theirs, SIDES))
@@ -99,12 +99,12 @@ def test_bad_meshes_are_value_errors(name: str, make: object) -> None:
 
 
 def test_tables_and_pictures() -> None:
-    pytest.importorskip("matplotlib").use("Agg")
+    needs("matplotlib").use("Agg")
     result = ss.run(block())
     assert "converged" in result.plot().get_title()
     assert result.plot_convergence().get_yscale() == "log" and result.plot_history().lines
-    table = pytest.importorskip("pandas") and result.to_pandas()
+    table = needs("pandas") and result.to_pandas()
     assert table["equilibrium"].max() == pytest.approx(result.errors[:, 0].max())
-    data = pytest.importorskip("xarray") and result.to_xarray()
+    data = needs("xarray") and result.to_xarray()
     assert data["p_t"].shape == (10, 10, 1) and float(data["x"].max()) == 1.0
     assert "#1a7f37" in result._repr_html_()
