@@ -1,12 +1,38 @@
 //! The files that people name: scenes, meshes, tables.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// The contents of files by their paths, as a scene names them.
+pub type Contents = HashMap<PathBuf, Vec<u8>>;
+
+thread_local! {
+    /// What this thread reads in place of files.
+    static IN_MEMORY: RefCell<Contents> = RefCell::default();
+}
+
+/// Does `work`, which reads the files of `contents` from there, whatever is on the disk by now; for results that are loaded again.
+pub fn with_contents<T>(contents: Contents, work: impl FnOnce() -> T) -> T {
+    /// Puts back what was there before, also after a panic.
+    struct Before(Contents);
+    impl Drop for Before {
+        fn drop(&mut self) {
+            IN_MEMORY.set(std::mem::take(&mut self.0));
+        }
+    }
+    let _before = Before(IN_MEMORY.replace(contents));
+    work()
+}
 
 /// The bytes of the file at `path`, without the mark that some editors put before UTF-8. A pipe may have nobody who writes, and gives what
 /// it has only once, while a file is read again for its fingerprint; a device may have no end.
 pub(crate) fn bytes(path: &Path) -> io::Result<Vec<u8>> {
+    if let Some(bytes) = IN_MEMORY.with_borrow(|contents| contents.get(path).cloned()) {
+        return Ok(bytes);
+    }
     // Asked before it is opened, because opening what is none may wait, or do something.
     let kind = std::fs::metadata(path)?.file_type();
     if kind.is_dir() {
@@ -50,4 +76,27 @@ fn is_pipe(path: &Path) -> io::Result<bool> {
 #[cfg(not(unix))]
 fn is_pipe(_: &Path) -> io::Result<bool> {
     Ok(false)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn files_in_memory_are_read_in_place_of_those_on_the_disk_while_the_work_lasts() {
+        let (own, other) = (Path::new("Cargo.toml"), Path::new("rustfmt.toml"));
+        let on_disk = [bytes(own).unwrap(), bytes(other).unwrap()];
+        let contents = |text: &str| Contents::from([(own.to_path_buf(), text.as_bytes().to_vec())]);
+        with_contents(contents("outer"), || {
+            assert_eq!(bytes(own).unwrap(), b"outer");
+            assert_eq!(bytes(other).unwrap(), on_disk[1]);
+            let panicked =
+                std::panic::catch_unwind(|| with_contents(contents("inner"), || panic!("{}", text(own).unwrap())));
+            assert_eq!(panicked.unwrap_err().downcast_ref::<String>().unwrap(), "inner");
+            assert_eq!(text(own).unwrap(), "outer");
+        });
+        assert_eq!(bytes(own).unwrap(), on_disk[0]);
+    }
 }

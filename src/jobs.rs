@@ -23,9 +23,7 @@ pub fn run<T: Sync, R: Send, E: Send>(
     let next = AtomicUsize::new(0);
     let done: Mutex<Vec<Option<Result<R, E>>>> = Mutex::new(tasks.iter().map(|_| None).collect());
     let job = || {
-        // A pool of this thread alone. Without one, work would be shared with the others.
-        let _pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
-        keep_openmp_in_this_thread();
+        keep_in_this_thread();
         loop {
             let place = next.fetch_add(1, Ordering::Relaxed);
             let Some(task) = tasks.get(place) else { break };
@@ -45,6 +43,13 @@ pub fn run<T: Sync, R: Send, E: Send>(
     });
     let results = done.into_inner().unwrap_or_else(PoisonError::into_inner);
     results.into_iter().flatten().collect()
+}
+
+/// Keeps in the calling thread, for as long as this thread lives, the work that is otherwise shared among threads.
+pub fn keep_in_this_thread() {
+    // A pool of this thread alone. An error says that the thread is in a pool already.
+    let _pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+    keep_openmp_in_this_thread();
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {

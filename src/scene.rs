@@ -36,6 +36,7 @@ mod syntax;
 
 use std::path::{Path, PathBuf};
 
+pub use crate::input::{Contents, with_contents};
 pub use error::{Located, SceneError};
 pub use origin::Origin;
 pub use overrides::{Override, OverrideSyntax};
@@ -155,6 +156,18 @@ impl Scene {
     /// The files that it names: meshes, tables of gaps.
     pub fn files(&self) -> Vec<PathBuf> {
         files::files(self.text()).iter().map(|file| self.source.beside(file)).collect()
+    }
+
+    /// The files that it names with their contents, without the mark that some editors put before UTF-8; see [`with_contents`].
+    ///
+    /// # Errors
+    /// The file that cannot be read, and why.
+    pub fn contents(&self) -> Result<Contents, SceneError> {
+        let read = |path: PathBuf| match crate::input::bytes(&path) {
+            Ok(bytes) => Ok((path, bytes)),
+            Err(error) => Err(SceneError::Io { path: path.display().to_string(), error }),
+        };
+        self.files().into_iter().map(read).collect()
     }
 
     /// The error of the value at `key`, for what only a later stage can see.
