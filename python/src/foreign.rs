@@ -2,9 +2,10 @@
 
 use std::sync::{Arc, Mutex};
 
-use numpy::PyArray1;
-use pyo3::exceptions::{PyArithmeticError, PyValueError};
+use numpy::{PyArray1, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyArithmeticError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 use stickslip::linear::{FactorInfo, LinearError, LinearSolver};
 use stickslip::sparse::Pattern;
 
@@ -61,6 +62,37 @@ impl Foreign {
     }
 }
 
+/// Copies what `solve` of a Python object has handed back: an array of float64 with the shape of `x`, or a list of numbers.
+fn handed_back(found: &Bound<'_, PyAny>, x: &mut [f64]) -> PyResult<()> {
+    let wanted = format!("an array of float64 with the shape ({},) expected", x.len());
+    let array = match found.cast::<PyUntypedArray>() {
+        Ok(array) => array.clone(),
+        Err(_) if found.is_instance_of::<PyList>() => {
+            let array = found.py().import("numpy")?.call_method1("asarray", (found,))?;
+            array.cast_into::<PyUntypedArray>()?
+        }
+        Err(_) => {
+            let kind = found.get_type().name()?;
+            return Err(PyTypeError::new_err(format!("linear.solve: {wanted}, {kind} found")));
+        }
+    };
+    let shape = array.shape().to_vec();
+    if let [found] = shape[..]
+        && found != x.len()
+    {
+        return Err(PyValueError::new_err(format!("linear.solve: length {} expected, {found} found", x.len())));
+    }
+    if shape != [x.len()] {
+        return Err(PyValueError::new_err(format!("linear.solve: {wanted}, the shape {shape:?} found")));
+    }
+    let Ok(values) = array.extract::<Vector<'_>>() else {
+        let kind = array.dtype();
+        return Err(PyTypeError::new_err(format!("linear.solve: {wanted}, {kind} found")));
+    };
+    x.iter_mut().zip(values.as_array()).for_each(|(x, value)| *x = *value);
+    Ok(())
+}
+
 impl LinearSolver for Foreign {
     fn name(&self) -> &'static str {
         "python"
@@ -85,14 +117,7 @@ impl LinearSolver for Foreign {
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         self.call("solve", |object| {
             let found = object.call_method1("solve", (PyArray1::from_slice(object.py(), b),))?;
-            let found: Vector<'_> = found.extract()?;
-            let found = found.as_slice()?;
-            if found.len() != x.len() {
-                let (expected, found) = (x.len(), found.len());
-                return Err(PyValueError::new_err(format!("linear.solve: length {expected} expected, {found} found")));
-            }
-            x.copy_from_slice(found);
-            Ok(())
+            handed_back(&found, x)
         })
     }
 }

@@ -1,10 +1,11 @@
 //! Histories from tables: a row for each increment.
 
+use std::collections::BTreeMap;
 use std::iter::once;
 
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
-use stickslip::loading::{Bend, LoadCase, Loading, Motion};
+use stickslip::loading::{Bend, FrictionHistory, LoadCase, Loading, Motion};
 use stickslip::problem::{ContactProblem, ProblemError};
 
 use crate::arrays::{Rows, expect_length, rows};
@@ -23,6 +24,8 @@ pub(crate) struct Tables<'py> {
     gap: Rows<'py>,
     /// How far the obstacle has moved past each node along each tangent (increments × n_c), m.
     drift: [Option<Rows<'py>>; 2],
+    /// Friction coefficients where they change (increments × n_c).
+    mu: Option<Rows<'py>>,
 }
 
 /// The time 0 and the others.
@@ -39,9 +42,9 @@ impl Tables<'_> {
         let (increments, contacts) = (self.times.len(), problem.contacts());
         expect_length("factors", increments, self.factors.shape()[0])?;
         expect_length("factors[0]", self.forces.shape()[0], self.factors.shape()[1])?;
-        for (name, table) in
-            [("gap", Some(&self.gap)), ("drift", self.drift[0].as_ref()), ("drift", self.drift[1].as_ref())]
-        {
+        let drift = self.drift.each_ref().map(Option::as_ref);
+        let tables = [("gap", Some(&self.gap)), ("drift", drift[0]), ("drift", drift[1]), ("mu", self.mu.as_ref())];
+        for (name, table) in tables {
             if let Some(table) = table {
                 expect_length(name, contacts, table.shape()[1])?;
             }
@@ -75,6 +78,25 @@ impl Tables<'_> {
             let beyond = gaps.iter().map(|row| row.iter().zip(&first).map(|(gap, first)| gap - first).collect());
             bends.push(Bend::new(nodes, from_zero(&self.times), beyond.collect())?);
         }
-        Loading::new(cases, first)?.with_motions(motions, bends)
+        Loading::new(cases, first)?.with_motions(motions, bends)?.with_friction(self.friction()?)
+    }
+
+    /// Coefficients that change, as histories of factors: one for all nodes whose coefficients go up and down together.
+    fn friction(&self) -> Result<Option<FrictionHistory>, ProblemError> {
+        let Some(mu) = &self.mu else { return Ok(None) };
+        let (rows, nodes) = (rows(mu), mu.shape()[1]);
+        let first = rows.first().cloned().unwrap_or_default();
+        let mut cases: BTreeMap<Vec<u64>, Vec<f64>> = BTreeMap::new();
+        for (node, &at_first) in first.iter().enumerate() {
+            // A node without friction has none at all times, as Python has made sure.
+            let factor =
+                |row: &Vec<f64>| if at_first > 0.0 { (row[node] / at_first).to_bits() } else { 1.0_f64.to_bits() };
+            let coefficients = cases.entry(rows.iter().map(factor).collect()).or_insert_with(|| vec![0.0; nodes]);
+            coefficients[node] = at_first;
+        }
+        let case = |(factors, mu): (Vec<u64>, Vec<f64>)| {
+            (mu, self.times.iter().zip(factors).map(|(time, factor)| [*time, f64::from_bits(factor)]).collect())
+        };
+        FrictionHistory::new(nodes, cases.into_iter().map(case).collect()).map(Some)
     }
 }

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::auto::{Choice, Means};
 use stickslip::contact::{KktErrors, KktScales, statuses};
+use stickslip::exchange::{self, Info, Way};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Solver, System};
 use stickslip::loading::Loading;
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
@@ -19,7 +20,7 @@ use crate::error::of_problem;
 use crate::foreign::Raised;
 use crate::loading::Tables;
 use crate::recorder::{Keep, Recorder, codes};
-use crate::solve::{Algebra, method, watched};
+use crate::solve::{Algebra, detached, method, watched};
 
 /// A body against rigid obstacles: K, `C_n`, `C_t`, `C_o`, mu, l and the free motions.
 #[pyclass(frozen, module = "stickslip._core")]
@@ -39,6 +40,32 @@ struct Answer<'py> {
     p_t: Vector<'py>,
     p_o: Vector<'py>,
 }
+
+impl Answer<'_> {
+    fn state(&self) -> PyResult<State> {
+        let own = |values: &Vector<'_>| values.as_slice().map(<[f64]>::to_vec);
+        Ok(State {
+            u: own(&self.u)?,
+            u_rest: own(&self.u_rest)?,
+            p_t: own(&self.p_t)?,
+            p_o: own(&self.p_o)?,
+            p_n: own(&self.p_n)?,
+        })
+    }
+
+    fn increment(&self) -> PyResult<Increment<'_>> {
+        Ok(Increment {
+            force: self.force.as_slice()?,
+            gap: self.gap.as_slice()?,
+            mu: self.mu.as_slice()?,
+            w_t_last: self.w_last[0].as_slice()?,
+            w_o_last: self.w_last[1].as_slice()?,
+        })
+    }
+}
+
+/// Displacements, normal and tangential forces, iterations.
+type Found = (Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>, usize);
 
 /// Errors by law, statuses of the nodes, scales of force and length.
 type Judged = (Vec<f64>, Vec<u8>, (f64, f64));
@@ -104,6 +131,7 @@ pub(crate) fn exported<'py>(
     let result = PyDict::new(py);
     let json = |error: serde_json::Error| PyValueError::new_err(error.to_string());
     result.set_item("status", outcome.status.to_string())?;
+    result.set_item("free_motion", &outcome.free_motion)?;
     result.set_item("records", serde_json::to_string(&recorder.records).map_err(json)?)?;
     result.set_item("analyses", outcome.linear.analyses)?;
     result.set_item("factorizations", outcome.linear.factorizations)?;
@@ -135,7 +163,7 @@ impl Problem {
             weight: weight.map(|weight| weight.as_slice().map(<[f64]>::to_vec)).transpose()?,
             free_motions: free_motions.as_ref().map(rows),
         };
-        py.detach(|| ContactProblem::new(parts)).map(|problem| Problem(Arc::new(problem))).map_err(of_problem)
+        detached(py, || ContactProblem::new(parts)).map(|problem| Problem(Arc::new(problem))).map_err(of_problem)
     }
 
     #[getter]
@@ -161,7 +189,7 @@ impl Problem {
     /// `r_i = 1 / (largest eigenvalue of the compliance of node i)`, N/m.
     #[getter]
     fn contact_stiffness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_vec(py, self.0.contact_stiffness())
+        PyArray1::from_vec(py, detached(py, || self.0.contact_stiffness()))
     }
 
     fn free_motions(&self) -> Vec<Vec<f64>> {
@@ -185,23 +213,9 @@ impl Problem {
 
     /// The error measure of an answer to one increment: by law, the statuses, the scales.
     fn errors<'py>(&self, py: Python<'py>, answer: Answer<'py>, scales: (f64, f64)) -> PyResult<Judged> {
-        let own = |values: &Vector<'_>| values.as_slice().map(<[f64]>::to_vec);
-        let state = State {
-            u: own(&answer.u)?,
-            u_rest: own(&answer.u_rest)?,
-            p_t: own(&answer.p_t)?,
-            p_o: own(&answer.p_o)?,
-            p_n: own(&answer.p_n)?,
-        };
-        let increment = Increment {
-            force: answer.force.as_slice()?,
-            gap: answer.gap.as_slice()?,
-            mu: answer.mu.as_slice()?,
-            w_t_last: answer.w_last[0].as_slice()?,
-            w_o_last: answer.w_last[1].as_slice()?,
-        };
+        let (state, increment) = (answer.state()?, answer.increment()?);
         let earlier = KktScales { force: scales.0, length: scales.1 };
-        let judged = py.detach(|| {
+        let judged = detached(py, || {
             let scales = KktScales::after(&earlier, &self.0, &increment, &state);
             let errors = KktErrors::measure(&self.0, &increment, &state, &scales)?;
             let statuses = statuses(&self.0, &increment, &state, &scales)?;
@@ -209,6 +223,27 @@ impl Problem {
         });
         let (errors, statuses, scales) = judged.map_err(of_problem)?;
         Ok((errors, statuses, (scales.force, scales.length)))
+    }
+
+    /// One increment in space of `dimension`, from the forces of `answer`, by the cascade for local problems, which takes dependent
+    /// contacts: displacements, `p_n`, `p_t`, `p_o`, iterations. Whether it is a solution is for the judge to say.
+    fn cascade<'py>(&self, py: Python<'py>, dimension: usize, answer: Answer<'py>) -> PyResult<Found> {
+        let (before, increment) = (answer.state()?, answer.increment()?);
+        let found = detached(py, || {
+            let file = exchange::export(&self.0, dimension, &increment, &before, &before, Info::default());
+            let file = file.map_err(|fault| fault.to_string())?;
+            let solved = exchange::solve_by(Way::Contacts, &file.problem, file.guesses.first());
+            solved.map_err(|error| error.to_string())
+        });
+        let found = found.map_err(PyValueError::new_err)?;
+        let found = found.ok_or_else(|| PyValueError::new_err("no problem for the cascade"))?;
+        let iterations = found.iterations();
+        let along = |k: usize, sign: f64| -> Vec<f64> {
+            let all = found.solution.r.chunks(dimension);
+            all.map(|r| r.get(k).map_or(0.0, |r| sign * r)).collect()
+        };
+        let (p_n, p_t, p_o) = (along(0, 1.0), along(1, -1.0), along(2, -1.0));
+        Ok((found.solution.v, p_n, p_t, p_o, iterations))
     }
 
     /// Solves a history.

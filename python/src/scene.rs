@@ -5,19 +5,19 @@ use std::sync::Arc;
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use stickslip::history::Solver;
 use stickslip::mesh::{Boundary, Cell, CellKind, Mesh};
 use stickslip::model::Model;
 use stickslip::run::{Run, discretise};
-use stickslip::scene::{Override, OverrideSyntax, Scene};
+use stickslip::scene::{Contents, Override, OverrideSyntax, Scene, with_contents};
 
 use crate::arrays::{Vector, rows, table};
 use crate::error::{of_problem, of_run, of_scene};
 use crate::foreign::Raised;
 use crate::problem::Problem;
 use crate::recorder::{Keep, Recorder};
-use crate::solve::{Algebra, watched};
+use crate::solve::{Algebra, detached, watched};
 
 /// The kinds of cells by the names of meshio.
 const KINDS: [(&str, CellKind); 7] = [
@@ -69,30 +69,35 @@ impl GivenMesh<'_> {
 pub(crate) struct SceneModel {
     scene: Scene,
     model: Model,
+    /// The files that the scene names, as they were when it was discretised.
+    files: Contents,
 }
 
 #[pymethods]
 impl SceneModel {
     #[new]
-    #[pyo3(signature = (name, text, overrides, mesh))]
+    #[pyo3(signature = (name, text, overrides, mesh, files))]
     fn new(
         py: Python<'_>,
         name: &str,
         text: &str,
         overrides: Vec<String>,
         mesh: Option<GivenMesh<'_>>,
+        files: Contents,
     ) -> PyResult<Self> {
         let overrides = overrides.iter().map(|text| text.parse()).collect::<Result<Vec<Override>, _>>();
         let overrides = overrides.map_err(|error: OverrideSyntax| PyValueError::new_err(error.to_string()))?;
         let mesh = mesh.map(GivenMesh::mesh).transpose()?;
-        py.detach(|| {
+        let read = || {
             let mut scene = Scene::parse(name, text, &overrides).map_err(of_scene)?;
             if let Some(mesh) = mesh {
                 scene.description.mesh = mesh.into();
             }
             let model = discretise(&scene).map_err(of_run)?;
-            Ok(SceneModel { scene, model })
-        })
+            let files = scene.contents().map_err(of_scene)?;
+            Ok(SceneModel { scene, model, files })
+        };
+        detached(py, || with_contents(files, read))
     }
 
     #[getter]
@@ -103,6 +108,11 @@ impl SceneModel {
     #[getter]
     fn text(&self) -> &str {
         self.scene.text()
+    }
+
+    /// The files that the scene names with their contents, as they were when it was discretised.
+    fn files<'py>(&self, py: Python<'py>) -> Vec<(&std::path::Path, Bound<'py, PyBytes>)> {
+        self.files.iter().map(|(path, bytes)| (path.as_path(), PyBytes::new(py, bytes))).collect()
     }
 
     #[getter]
@@ -156,14 +166,16 @@ impl SceneModel {
 
     /// The displacements (m) of all nodes at time `t` (s) that the unknowns `u` are.
     fn displacements<'py>(&self, py: Python<'py>, t: f64, u: Vector<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let all = self.model.displacements(t, u.as_slice()?).map_err(of_problem)?;
+        let u = u.as_slice()?;
+        let all = detached(py, || self.model.displacements(t, u)).map_err(of_problem)?;
         table(py, all.len(), all.as_flattened().to_vec())
     }
 
     /// The stress (Pa; xx, yy, zz, xy, yz, zx) in the middle of each cell.
     fn stresses<'py>(&self, py: Python<'py>, t: f64, u: Vector<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let all = self.model.displacements(t, u.as_slice()?).map_err(of_problem)?;
-        let stresses = self.model.centre_stresses(t, &all).map_err(of_problem)?;
+        let u = u.as_slice()?;
+        let stresses = detached(py, || self.model.centre_stresses(t, &self.model.displacements(t, u)?));
+        let stresses = stresses.map_err(of_problem)?;
         table(py, stresses.len(), stresses.as_flattened().to_vec())
     }
 
@@ -199,7 +211,7 @@ impl SceneModel {
         max_iterations: Option<usize>,
         tolerance: Option<f64>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let SceneModel { scene, model } = self;
+        let SceneModel { scene, model, .. } = self;
         let raised = Raised::default();
         let (linear, own) = Algebra::new(linear, &raised)?.split(scene.solver.linear);
         let solver = Solver {

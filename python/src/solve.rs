@@ -1,12 +1,16 @@
 //! A run from Python: its method and linear algebra, its signals, its exceptions.
 
+use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process;
+use std::sync::OnceLock;
 
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 use stickslip::formulation::NewtonSystem;
 use stickslip::history::{LinearAlgebra, Method, Start, System};
+use stickslip::jobs::keep_in_this_thread;
 use stickslip::run::RunError;
 
 use crate::error::of_run;
@@ -68,13 +72,32 @@ pub(crate) fn method(name: &str, setting: &str, r_factor: f64) -> PyResult<Metho
     }
 }
 
+/// The process that the threads of this module belong to: the first that has computed.
+static HOME: OnceLock<u32> = OnceLock::new();
+
+thread_local! {
+    /// Whether the calling thread has been told to work alone.
+    static ALONE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Does `work` without the lock of the interpreter. A forked child has none of its parent's threads and would wait for them for ever,
+/// so each thread of a child works alone.
+pub(crate) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
+    py.detach(|| {
+        if *HOME.get_or_init(process::id) != process::id() && !ALONE.replace(true) {
+            keep_in_this_thread();
+        }
+        work()
+    })
+}
+
 /// Runs without the lock of the interpreter. Whatever Python has raised meanwhile comes out, and a panic as an exception.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
     mut recorder: Recorder,
     run: impl FnOnce(&mut Recorder) -> Result<T, RunError> + Send,
 ) -> PyResult<(T, Recorder)> {
-    let (outcome, recorder) = py.detach(move || {
+    let (outcome, recorder) = detached(py, move || {
         let outcome = catch_unwind(AssertUnwindSafe(|| run(&mut recorder)));
         (outcome, recorder)
     });

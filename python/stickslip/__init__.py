@@ -11,7 +11,7 @@ SI units throughout; in two dimensions forces are per m of depth.
 from . import builder, mesh, siconos
 from ._cite import cite
 from ._core import UMFPACK, VERSION as __version__, keep_freed_memory
-from ._errors import NotConverged, NotConvergedWarning, SceneError, StickslipError
+from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, SceneError, StickslipError
 from ._judge import Comparison, Errors, Posed, Verdict, compare, errors, judge
 from ._problem import ContactProblem, LinearSolver
 from ._result import LAWS, OPEN, SLIP, STICK, Result
@@ -21,7 +21,7 @@ from .builder import Scene
 
 __all__ = [
     "LAWS", "OPEN", "SLIP", "STICK", "UMFPACK",
-    "Comparison", "ContactProblem", "Errors", "LinearSolver", "Model", "NotConverged", "NotConvergedWarning", "Posed",
+    "AccuracyWarning", "Comparison", "ContactProblem", "Errors", "LinearSolver", "Model", "NotConverged", "NotConvergedWarning", "Posed",
     "Result", "Scene", "SceneError", "Stepper", "StickslipError", "Verdict",
     "__version__", "builder", "cite", "compare", "errors", "judge", "keep_freed_memory", "mesh", "run", "siconos",
 ]

@@ -1,3 +1,4 @@
+import os
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -34,6 +35,9 @@ class Problem:
     def errors(
         self, answer: dict[str, Any], scales: tuple[float, float]
     ) -> tuple[list[float], bytes, tuple[float, float]]: ...
+    def cascade(
+        self, dimension: int, answer: dict[str, Any]
+    ) -> tuple[list[float], list[float], list[float], list[float], int]: ...
     def run(
         self, tables: dict[str, Any], options: dict[str, Any], linear: object, keep: bool | list[int],
         callback: Callable[..., object] | None,
@@ -48,11 +52,14 @@ class Stepper:
     ) -> dict[str, Any]: ...
 
 class SceneModel:
-    def __init__(self, name: str, text: str, overrides: list[str], mesh: dict[str, Any] | None) -> None: ...
+    def __init__(
+        self, name: str, text: str, overrides: list[str], mesh: dict[str, Any] | None, files: dict[str, bytes]
+    ) -> None: ...
     @property
     def title(self) -> str: ...
     @property
     def text(self) -> str: ...
+    def files(self) -> list[tuple[os.PathLike[str], bytes]]: ...
     @property
     def dimension(self) -> int: ...
     @property

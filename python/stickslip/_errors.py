@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ._result import Result
+
+#: What the program says, and what this module says in its place.
+_WORDS = (
+    (r"`stickslip init \w+` shows (the form of every value|a complete scene)", "help(stickslip.builder) shows a complete scene"),
+    (r"[;,] `stickslip check` tells [^;.]*", ""),
+    (r"; `stickslip run --companion` tells it better, by a second run", ""),
+    (r", or let `stickslip run --companion` tell it by a second run", ""),
+)
+
+
+def in_python(text: str) -> str:
+    """Advice of the program without its commands, which a user of this module may not have."""
+    for said, here in _WORDS:
+        text = re.sub(said, here, text)
+    return text
 
 
 class StickslipError(Exception):
@@ -17,7 +33,7 @@ class SceneError(StickslipError, ValueError):
 
     Attributes:
         message: what is wrong.
-        file, line: where, in the text that was read.
+        file, line: where, in the text that was read; None for a dictionary or a `Scene`.
         key: the path of what is wrong, such as ``contact[0].friction``.
         help: what mends it.
     """
@@ -33,6 +49,15 @@ class SceneError(StickslipError, ValueError):
     def __reduce__(self) -> Any:
         return type(self), (self.message, self.file, self.line, self.key, self.help)
 
+    def in_python(self, has_text: bool) -> SceneError:
+        """The error in words of this module; without a place where no text was read but a dictionary or a `Scene`."""
+        file, line = (self.file, self.line) if has_text else (None, None)
+        help = in_python(self.help)
+        if not has_text:
+            help = re.sub(r"write `\[\[\w+\]\]`", "give a list of dictionaries", help)
+            help = re.sub(r"write `\[\w+\]`", "give a dictionary", help)
+        return SceneError(in_python(self.message), file, line, self.key, help)
+
 
 class NotConverged(StickslipError, RuntimeError):
     """Raised by `Result.check`; the incomplete result is `.result`."""
@@ -47,3 +72,7 @@ class NotConverged(StickslipError, RuntimeError):
 
 class NotConvergedWarning(UserWarning):
     """A result that violates a law by more than its tolerance."""
+
+
+class AccuracyWarning(UserWarning):
+    """What may make the answer of a scene wrong although every law holds; `Result.warnings` has all of them."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import time
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import plot as _plot
+from ._errors import NotConvergedWarning
 from ._problem import ContactProblem, numbers, vector
 from ._result import LAWS, Result
 from ._scene import Model
@@ -207,13 +209,19 @@ def judge(
         slip, drift = problem.slip(answer[0]), moved
         rows.append([getattr(judged, law) for law in LAWS])
         forces.append((answer[1], answer[2]))
+    p_n = np.array([p_n for p_n, _ in forces]).reshape(-1, n_c)
+    p_t = np.array([p_t for _, p_t in forces]).reshape(-1, n_c, d)
+    return _verdict(name, rows, seconds, p_n, p_t, remark, tolerance)
+
+
+def _verdict(
+    name: str, rows: list[list[float]], seconds: float, p_n: Array, p_t: Array, remark: str, tolerance: float
+) -> Verdict:
     table = np.array(rows)
     at = np.unravel_index(int(np.argmax(np.where(np.isnan(table), np.inf, table))), table.shape)
     error = float(table[at])
-    return Verdict(
-        name, error, LAWS[at[1]] if not remark else "no answer", int(at[0]) + 1, seconds, bool(error <= tolerance), table,
-        np.array([p_n for p_n, _ in forces]).reshape(-1, n_c), np.array([p_t for _, p_t in forces]).reshape(-1, n_c, d), remark,
-    )
+    law = LAWS[at[1]] if np.isfinite(error) or not remark else "no answer"
+    return Verdict(name, error, law, int(at[0]) + 1, seconds, bool(error <= tolerance), table, p_n, p_t, remark)
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,13 +265,39 @@ class Comparison:
         return _plot.comparison(self, ax)
 
 
-def _own(model: Model | ContactProblem, method: str, history: Mapping[str, ArrayLike] | None) -> Callable[[], Result]:
-    data = _history(model, history)
-    problem = model.problem if isinstance(model, Model) else model
-    if isinstance(model, Model) and history is None and method == "stickslip":
-        return lambda: model.run()
-    words = "bn" if method == "stickslip" else method
-    return lambda: problem.solve(data["force"], gap=data["gap"], drift=data["drift"] if problem.tangents else None, method=words)
+#: The words that `compare` takes.
+_OWN = ("bn", "ip", "events", "stickslip")
+
+
+def _own(of: Model | ContactProblem, word: str, history: Mapping[str, ArrayLike] | None, data: Mapping[str, Array]) -> Result:
+    """A history by this module."""
+    if isinstance(of, Model):
+        if history is None and word == "stickslip":
+            return of.run(_stacklevel=5)
+        of = of.problem
+    return of.solve(
+        data["force"], gap=data["gap"], drift=data["drift"] if of.tangents else None, mu=data["mu"],
+        method="bn" if word == "stickslip" else word,
+    )
+
+
+def _judged(problem: ContactProblem, result: Result, data: Mapping[str, Array]) -> tuple[list[list[float]], str]:
+    """Errors by law of a result of this module, by the history that was posed, and why there are no more."""
+    rows: list[list[float]] = []
+    scales = (0.0, 0.0)
+    increments = list(zip(data["force"], data["gap"][1:], data["mu"]))
+    for k, (force, gap, mu) in enumerate(increments[: len(result.t)]):
+        judged = errors(
+            problem, force, (result.u[k], result.u_rest[k]), result.p_n[k], result.p_t[k], gap=gap,
+            w_t_last=result.w_t_last[k], mu=mu, scales=scales,
+        )
+        scales = judged.scales
+        rows.append([getattr(judged, law) for law in LAWS])
+    if result.converged and len(rows) == len(increments):
+        return rows, ""
+    if len(rows) < len(increments):
+        rows.append([np.inf] * 6)
+    return rows, result._verdict()
 
 
 def compare(
@@ -274,23 +308,32 @@ def compare(
 
     Args:
         of, history, tolerance: as those of `judge`.
-        solvers: by name; a callable as `judge` takes it, or a word: "bn" and "ip" are stickslip's on the matrices,
-            "stickslip" the run of the model as its scene says.
+        solvers: by name; a callable as `judge` takes it, or a word: "bn", "ip" and "events" are stickslip's on the matrices,
+            "stickslip" the run of the model as its scene says. All answers are judged by the same history.
     """
     if not solvers:
         raise ValueError("solvers is empty: there is nothing to compare")
+    data = _history(of, history)
+    problem = of.problem if isinstance(of, Model) else of
     verdicts = []
     for name, solver in solvers.items():
         if not isinstance(solver, str):
             verdicts.append(judge(of, solver, history=history, name=name, tolerance=tolerance))
             continue
-        run = _own(of, solver, history)
+        if solver not in _OWN:
+            raise ValueError(f"solvers[{name!r}] is {solver!r}, expected one of {', '.join(_OWN)} or a function of an increment")
         start = time.process_time()
-        result = run()
-        seconds = time.process_time() - start
-        at = np.unravel_index(int(np.argmax(result.errors)), result.errors.shape)
-        verdicts.append(Verdict(
-            name, result.error, LAWS[at[1]], int(at[0]) + 1, seconds, bool(result.error <= tolerance), result.errors,
-            result.p_n, result.p_t,
-        ))
+        p_n, p_t = np.zeros((0, problem.n_c)), np.zeros((0, problem.n_c, problem.tangents))
+        try:
+            with warnings.catch_warnings():
+                # The verdict says it.
+                warnings.simplefilter("ignore", NotConvergedWarning)
+                result = _own(of, solver, history, data)
+            seconds = time.process_time() - start
+            rows, remark = _judged(problem, result, data)
+            p_n, p_t = result.p_n, result.p_t
+        except (ArithmeticError, RuntimeError, ValueError) as raised:
+            seconds = time.process_time() - start
+            rows, remark = [[np.inf] * 6], f"{type(raised).__name__}: {raised}"
+        verdicts.append(_verdict(name, rows, seconds, p_n, p_t, remark, tolerance))
     return Comparison(verdicts, tolerance)

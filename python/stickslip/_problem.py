@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers as numbers_abc
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -9,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
+from . import _core, _dependent
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -102,6 +103,39 @@ def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int
         raise ValueError(f"keep_u: {error}") from None
 
 
+def _symmetric(K: Any, check: bool) -> Any:
+    """K, whose lower triangle is read; refused where that would be another matrix."""
+    above, below = ((part.data != 0).any() for part in (sp.triu(K, 1), sp.tril(K, -1)))
+    triangle = above != below
+    if triangle and not check:
+        return K.T.tocsc() if above else K
+    if check:
+        off, size = abs(K - K.T), abs(K)
+    else:
+        # By products with a vector, which cost a small part of a difference of matrices.
+        x = np.random.default_rng(0).uniform(1.0, 2.0, K.shape[0])
+        off, size = abs(K @ x - K.T @ x), abs(K) @ x
+    share = off.max() / size.max() if above or below else 0.0
+    if share <= 1e-10:
+        return K
+    cure = "pass check=False, which takes a triangle" if triangle else "where that is rounding, give (K + K.T) / 2"
+    what = "has entries on one side of its diagonal only" if triangle else f"differs from its transpose by {share:.1e} of its largest entry"
+    raise ValueError(f"K is not symmetric: it {what}; {cure}")
+
+
+def _options(method: str, setting: str, r_factor: float, tolerance: float | None, max_iterations: int) -> dict[str, Any]:
+    """The options of a solve, of the types that the core takes."""
+    options: dict[str, Any] = {"method": method, "setting": setting, "r_factor": r_factor, "tolerance": tolerance, "max_iterations": max_iterations}
+    kinds: dict[str, tuple[Any, str]] = {
+        "method": (str, "a word"), "setting": (str, "a word"), "r_factor": (numbers_abc.Real, "a number"),
+        "tolerance": ((numbers_abc.Real, type(None)), "a number or None"), "max_iterations": (numbers_abc.Integral, "a whole number"),
+    }
+    for name, (kind, words) in kinds.items():
+        if not isinstance(options[name], kind):
+            raise TypeError(f"{name} is {options[name]!r}, expected {words}")
+    return options
+
+
 class ContactProblem:
     """One body against rigid obstacles, as matrices.
 
@@ -114,7 +148,8 @@ class ContactProblem:
         mu: friction coefficients, a number or (n_c,).
         weight: lengths or areas of the contact nodes, m or m², (n_c,): for stresses and the setting "paper".
         free_motions: a basis of the null space of K, (k, n_u): the rigid motions that nothing holds. None: found from K.
-        check: whether K is looked at for symmetry.
+        check: whether K is compared with its transpose, entry by entry. With False, it is compared by a product with a vector, and may
+            also be a triangle of a symmetric matrix, lower or upper.
     """
 
     def __init__(
@@ -125,8 +160,7 @@ class ContactProblem:
         n = K.shape[0]
         if K.shape != (n, n):
             raise ValueError(f"K has the shape {K.shape}, which is not square")
-        if check and K.nnz and abs(K - K.T).max() > 1e-10 * abs(K).max():
-            raise ValueError("K is not symmetric")
+        K = _symmetric(K, check)
         C_n = _matrix("C_n", C_n, sp.csr_array)
         n_c = C_n.shape[0]
         # A list of matrices, and no matrix that is written as a list of its rows.
@@ -144,11 +178,14 @@ class ContactProblem:
             free = np.zeros((0, n)) if free.size == 0 else np.ascontiguousarray(free)
             if free.ndim != 2 or free.shape[1] != n:
                 raise ValueError(f"free_motions has the shape {free.shape}, expected (k, {n})")
+        coefficients = vector("mu", mu, n_c)
+        if not tangents and coefficients.any():
+            raise ValueError("C_t is missing, but mu is above 0: give C_t, or mu = 0 for contact without friction")
         weights = None if weight is None else vector("weight", weight, n_c)
         lower = _matrix("K", sp.tril(K, format="csc"), sp.csc_array)
         self.tangents = len(tangents)
         self._core = _core.Problem(
-            n, _compressed(lower), [_compressed(C) for C in maps], vector("mu", mu, n_c), weights, free
+            n, _compressed(lower), [_compressed(C) for C in maps], coefficients, weights, free
         )
 
     @classmethod
@@ -211,7 +248,7 @@ class ContactProblem:
 
     def solve(
         self, force: ArrayLike, factors: ArrayLike | None = None, *, gap: ArrayLike = 0.0, drift: ArrayLike | None = None,
-        times: ArrayLike | None = None, method: str = "bn", setting: str = "default",
+        mu: ArrayLike | None = None, times: ArrayLike | None = None, method: str = "bn", setting: str = "default",
         linear: str | LinearSolver | None = "auto", tolerance: float | None = None, max_iterations: int = 200,
         r_factor: float = 1.0, keep_u: str | bool | Sequence[int] = "all", callback: Callback | None = None,
     ) -> Result:
@@ -223,8 +260,10 @@ class ContactProblem:
             factors: of the loads at the ends of the increments, (m,) or (m, loads).
             gap: m; a number, (n_c,), or (m + 1, n_c), the first row before the first increment.
             drift: how far the obstacle has moved past each node at the ends, m, (m, n_c) or (m, n_c, d).
+            mu: friction coefficients at the ends where they change, (m, n_c) or what numpy makes of it; those of the problem without it.
             times: ends of the increments, s, (m,), increasing from above 0; equal parts of 1 s without them.
-            method, setting: "bn" or "ip", "default" or "paper"; "events" follows the exact path in the plane.
+            method, setting: "bn" or "ip", "default" or "paper"; "events" follows the exact path in the plane. Where contact rows depend
+                on each other, so that forces are not unique, each increment goes through the cascade for local problems instead.
             linear: "auto", "faer", "condensed", "umfpack" where it is built in, or a `LinearSolver`.
             tolerance: the largest error of any law, relative; 1e-10 without it.
             max_iterations: of an increment.
@@ -257,14 +296,35 @@ class ContactProblem:
                 drifts[d] = np.ascontiguousarray(array[:, :, d])
         tables = {
             "times": ends.tolist(), "forces": np.ascontiguousarray(loads), "factors": np.ascontiguousarray(table),
-            "gap": np.ascontiguousarray(gaps), "drift": drifts,
+            "gap": np.ascontiguousarray(gaps), "drift": drifts, "mu": self._friction(mu, m),
         }
-        options = {
-            "method": method, "setting": setting, "r_factor": r_factor, "tolerance": tolerance,
-            "max_iterations": max_iterations,
-        }
-        raw = self._core.run(tables, options, linear, keep(keep_u, m), callback)
-        return Result._of(raw, self.tangents, stacklevel=3)
+        if method == "events" and tables["mu"] is not None:
+            raise ValueError("mu: friction that changes is solved by the methods bn and ip; events follows the path of friction that stays")
+        options = _options(method, setting, r_factor, tolerance, max_iterations)
+        kept = keep(keep_u, m)
+        raw = self._core.run(tables, options, linear, kept, callback)
+        reason = ""
+        if raw["status"] == "singular":
+            reason = _dependent.reason(self, raw["free_motion"])
+            if reason and raw["free_motion"] is None and not len(raw["p_n"]) and method != "events" and not len(self.free_motions):
+                raw = _dependent.solve(self, tables, 1e-10 if tolerance is None else tolerance, kept, callback)
+                reason = "" if raw["status"] == "converged" else reason
+        return Result._of(raw, self.tangents, reason=reason, stacklevel=3)
+
+    def _friction(self, mu: ArrayLike | None, increments: int) -> Array | None:
+        """Friction coefficients for each increment where they are others than the problem's."""
+        if mu is None:
+            return None
+        rows = numbers("mu", mu, (increments, self.n_c))
+        if (rows < 0).any():
+            raise ValueError("mu is negative")
+        wrong = np.flatnonzero(((rows > 0) != (self.mu > 0)).any(axis=0))
+        if len(wrong):
+            raise ValueError(
+                f"mu: contact node {wrong[0]} has friction in some increments or in the problem, and none in others. A node has friction "
+                "at all times or never: give a small coefficient in place of 0"
+            )
+        return np.ascontiguousarray(rows) if (rows != self.mu).any() else None
 
     def solve_increment(
         self, force: ArrayLike, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, **options: Any
@@ -298,11 +358,7 @@ class ContactProblem:
         """
         from ._stepper import Stepper
 
-        options = {
-            "method": method, "setting": setting, "r_factor": r_factor, "tolerance": tolerance,
-            "max_iterations": max_iterations,
-        }
-        return Stepper(self, gap, options, linear)
+        return Stepper(self, gap, _options(method, setting, r_factor, tolerance, max_iterations), linear)
 
     def condensed(self) -> tuple[Array, Array]:
         """The compliance W of the contact displacements, m/N, and C = [C_n; C_t...] in the order of the nodes.
@@ -320,21 +376,21 @@ class ContactProblem:
 
     def residual(
         self, u: ArrayLike, p_n: ArrayLike, p_t: ArrayLike | None = None, *, force: ArrayLike, gap: ArrayLike = 0.0,
-        w_t_last: ArrayLike | None = None, r: ArrayLike | None = None,
+        w_t_last: ArrayLike | None = None, r: ArrayLike | None = None, mu: ArrayLike | None = None,
     ) -> Array:
         """H(z) of the natural map, (n_u + n_c (1 + d),): zero exactly at a solution; see `stickslip.newton`."""
         from .newton import Natural
 
-        return Natural(self, force, gap=gap, w_t_last=w_t_last, r=r).residual(u, p_n, p_t)
+        return Natural(self, force, gap=gap, w_t_last=w_t_last, r=r, mu=mu).residual(u, p_n, p_t)
 
     def jacobian(
         self, u: ArrayLike, p_n: ArrayLike, p_t: ArrayLike | None = None, *, force: ArrayLike, gap: ArrayLike = 0.0,
-        w_t_last: ArrayLike | None = None, r: ArrayLike | None = None,
+        w_t_last: ArrayLike | None = None, r: ArrayLike | None = None, mu: ArrayLike | None = None,
     ) -> Any:
         """A generalised Jacobian of `residual`, csc_array: the linear piece that holds at z."""
         from .newton import Natural
 
-        return Natural(self, force, gap=gap, w_t_last=w_t_last, r=r).jacobian(u, p_n, p_t)
+        return Natural(self, force, gap=gap, w_t_last=w_t_last, r=r, mu=mu).jacobian(u, p_n, p_t)
 
     @classmethod
     def from_siconos(cls, M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> Posed:
@@ -344,12 +400,12 @@ class ContactProblem:
         return siconos.from_siconos(M, H, q, b, mu)
 
     def to_siconos(
-        self, force: ArrayLike, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None
+        self, force: ArrayLike, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, mu: ArrayLike | None = None
     ) -> GlobalFriction:
         """One increment as the global problem of Siconos; see `stickslip.siconos`."""
         from . import siconos
 
-        return siconos.to_siconos(self, force, gap, w_t_last)
+        return siconos.to_siconos(self, force, gap, w_t_last, mu)
 
 
 def _restore(K: Any, C_n: Any, C_t: Any, mu: Any, weight: Any, free_motions: Any) -> ContactProblem:

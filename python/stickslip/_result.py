@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import plot as _plot
-from ._errors import NotConverged, NotConvergedWarning
+from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, in_python
 
 if TYPE_CHECKING:
     from ._scene import Model
@@ -23,6 +23,9 @@ OPEN, STICK, SLIP = 0, 1, 2
 
 #: The laws of the error measure, in the order of the columns of `Result.errors`.
 LAWS = ("equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation")
+
+#: The kinds of warnings that cost time or memory and no accuracy.
+_COSTS = ("slow-blas", "multigrid-gave-way", "ranks-apart")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,8 +74,10 @@ class Result:
     model: Model | None = field(default=None)
 
     @classmethod
-    def _of(cls, raw: dict[str, Any], tangents: int, model: Model | None = None, *, stacklevel: int = 3) -> Result:
-        records: list[dict[str, Any]] = json.loads(raw["records"])
+    def _of(
+        cls, raw: dict[str, Any], tangents: int, model: Model | None = None, *, reason: str = "", stacklevel: int = 3
+    ) -> Result:
+        records: list[dict[str, Any]] = json.loads(raw["records"]) if isinstance(raw["records"], str) else raw["records"]
         report: dict[str, Any] = json.loads(raw.get("report", "{}"))
 
         def pair(first: Array, second: Array) -> Array:
@@ -86,20 +91,32 @@ class Result:
         for (name, _), column in zip(kinds, table.T):
             iterations[name] = column
         result = cls(
-            status=raw["status"], reason=report.get("reason", ""), t=np.array([r["time"] for r in records]),
+            status=raw["status"], reason=in_python(report.get("reason", reason)), t=np.array([r["time"] for r in records]),
             p_n=raw["p_n"], p_t=pair(raw["p_t"], raw["p_o"]), contact=raw["contact"], gap=raw["gap"], mu=raw["mu"],
             w_t_last=pair(raw["w_t_last"], raw["w_o_last"]), errors=np.array(errors).reshape(len(records), 6),
             kept=tuple(k - 1 for k in raw["kept"]), u=raw["u"], u_rest=raw["u_rest"], force=raw["force"],
             records=records, iterations=iterations, report=report, model=model,
         )
-        if not result.converged:
-            warnings.warn(result._verdict(), NotConvergedWarning, stacklevel=stacklevel)
+        result._warn(stacklevel + 1)
         return result
+
+    def _warn(self, stacklevel: int) -> None:
+        """Tells Python's warnings of what was found."""
+        if not self.converged:
+            warnings.warn(self._verdict(), NotConvergedWarning, stacklevel=stacklevel)
+        for warning in self.warnings:
+            if warning["kind"] not in _COSTS:
+                warnings.warn(f"{warning['kind']}: {warning['message']}", AccuracyWarning, stacklevel=stacklevel)
 
     @property
     def converged(self) -> bool:
         """Whether every law holds within the tolerance in every increment."""
         return self.status == "converged"
+
+    @property
+    def warnings(self) -> list[dict[str, str]]:
+        """What may make the answer wrong although every law holds, each with its kind and message; empty for a problem of matrices."""
+        return [{**warning, "message": in_python(warning["message"])} for warning in self.report.get("warnings", [])]
 
     @property
     def error(self) -> float:
@@ -125,10 +142,11 @@ class Result:
     def __repr__(self) -> str:
         total = sum(r["iterations"] for r in self.records)
         head = f"<Result {self._verdict()}; {len(self.t)} increments, {total} iterations, error {self.error:.1e}"
-        if not len(self.t):
-            return head + ">"
-        counts = {name: int((self.contact[-1] == code).sum()) for name, code in _CODES.items()}
-        return f"{head}; at the end " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ">"
+        if len(self.t):
+            counts = {name: int((self.contact[-1] == code).sum()) for name, code in _CODES.items()}
+            head += "; at the end " + ", ".join(f"{n} {name}" for name, n in counts.items())
+        kinds = ", ".join(warning["kind"] for warning in self.warnings)
+        return head + (f"; warnings: {kinds}>" if kinds else ">")
 
     def _repr_html_(self) -> str:
         colour = "#1a7f37" if self.converged else "#cf222e"
@@ -138,10 +156,14 @@ class Result:
         )
         title = html.escape(self.model.title) if self.model is not None else "contact problem"
         verdict = html.escape(self._verdict())
+        found = "".join(
+            f"<li><b>{html.escape(warning['kind'])}</b>: {html.escape(warning['message'])}</li>" for warning in self.warnings
+        )
         return (
             f"<div><b>{title}</b>: <b style='color:{colour}'>{verdict}</b>, {len(self.t)} increments, "
             f"{sum(r['iterations'] for r in self.records)} iterations"
-            f"<table><tr><th>law</th><th>largest error</th></tr>{rows}</table></div>"
+            f"<table><tr><th>law</th><th>largest error</th></tr>{rows}</table>"
+            + (f"<p>Warnings:</p><ul>{found}</ul>" if found else "") + "</div>"
         )
 
     # With a mesh.
@@ -228,24 +250,28 @@ class Result:
     # Files.
 
     def save(self, path: Any) -> None:
-        """Writes all of it to an npz file, the scene's text included."""
+        """Writes all of it to an npz file: arrays, the scene, its mesh and the other files that it names."""
         arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _NOT_ARRAYS}
         words: dict[str, Any] = {"status": self.status, "reason": self.reason, "records": self.records, "report": self.report}
         words["kept"] = list(self.kept)
-        words["model"] = self.model._words() if self.model is not None else None
+        words["model"] = None
+        if self.model is not None:
+            words["model"], of_model = self.model._saved()
+            arrays |= of_model
         arrays["iterations"] = np.asarray(self.iterations)
         np.savez_compressed(path, words=np.array(json.dumps(words)), **arrays)
 
     @classmethod
     def load(cls, path: Any) -> Result:
-        """What `save` has written; the model is made again of the scene's text."""
+        """What `save` has written; the model is made again of the scene, its mesh and its files as they were then."""
         from ._scene import Model
 
         with np.load(path, allow_pickle=False) as file:
             words = json.loads(str(file["words"]))
             arrays = {name: file[name] for name in file.files if name != "words"}
         arrays["iterations"] = arrays["iterations"].view(np.recarray)
-        model = Model(words["model"]["text"], name=words["model"]["name"]) if words["model"] else None
+        of_model = {name: arrays.pop(name) for name in list(arrays) if name.startswith("model.")}
+        model = Model._loaded(words["model"], of_model) if words["model"] else None
         return cls(
             status=words["status"], reason=words["reason"], records=words["records"], report=words["report"],
             kept=tuple(words["kept"]), model=model, **arrays,

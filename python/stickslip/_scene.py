@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from . import mesh as _mesh
+from ._errors import SceneError
 from ._problem import Callback, ContactProblem, LinearSolver, keep, vector
 from ._result import Result
 from .builder import Scene
@@ -101,18 +102,21 @@ class Model:
 
     def __init__(self, scene: SceneLike, overrides: Mapping[str, Any] | None = None, *, mesh: Any = None, name: str = "") -> None:
         read, text = _read(scene)
+        self._has_text = not isinstance(scene, (Mapping, Scene))
         given = None if mesh is None else _mesh.given(mesh)
         if given is not None and not re.search(r"(?m)^\s*\[mesh\]", text):
             space = any(_mesh._DIMENSION.get(kind) == 3 for kind, _, _ in given["cells"])
             ones = "[1, 1, 1]" if space else "[1, 1]"
             text += f'\n[mesh]\nkind = "block"\nsize = {ones}\nelements = {ones}\n'
-        self._arguments = (name or read, text, {k: toml_value(v) for k, v in (overrides or {}).items()}, given)
-        self._make()
+        self._make(name or read, text, {k: toml_value(v) for k, v in (overrides or {}).items()}, given, {})
 
-    def _make(self) -> None:
-        name, text, overrides, given = self._arguments
+    def _make(self, name: str, text: str, overrides: dict[str, str], given: _mesh.Given | None, files: dict[str, bytes]) -> None:
+        self._arguments = (name, text, overrides, given)
         words = [f"{key}={value}" for key, value in overrides.items()]
-        self._core = core = _core.SceneModel(name, text, words, given)  # type: ignore[arg-type]
+        try:
+            self._core = core = _core.SceneModel(name, text, words, given, files)  # type: ignore[arg-type]
+        except SceneError as error:
+            raise error.in_python(self._has_text) from None
         self.title, self.dimension = core.title, core.dimension
         self.times = np.array(core.times)
         self.problem = ContactProblem._of(core.problem(), self.dimension - 1)
@@ -124,13 +128,36 @@ class Model:
         self.boundaries = {name: np.array(nodes, dtype=np.int64) for name, nodes in core.boundaries()}
         self.cells = _blocks(core.cells())
 
-    def __reduce__(self) -> Any:
-        return _restore, self._arguments
+    def _files(self) -> dict[str, bytes]:
+        """The files that the scene names, meshes for one, as they were when the model was made."""
+        return {os.fspath(path): content for path, content in self._core.files()}
 
-    def _words(self) -> dict[str, str]:
-        if self._arguments[3] is not None:
-            raise ValueError("a result on a mesh in memory cannot be saved with its model: pickle it")
-        return {"name": self._arguments[0], "text": self._core.text}
+    def __reduce__(self) -> Any:
+        return _restore, (*self._arguments, self._files())
+
+    def _saved(self) -> tuple[dict[str, Any], dict[str, Array]]:
+        """All that makes it again, in words and in arrays."""
+        files = self._files()
+        words: dict[str, Any] = {"name": self._arguments[0], "text": self._core.text, "files": list(files)}
+        arrays: dict[str, Array] = {f"model.file{k}": np.frombuffer(content, np.uint8) for k, content in enumerate(files.values())}
+        given = self._arguments[3]
+        if given is not None:
+            arrays["model.points"] = given["points"]
+            for k, (_, nodes, group) in enumerate(given["cells"]):
+                arrays |= {f"model.cells{k}": nodes, f"model.group{k}": group}
+            kinds = [kind for kind, _, _ in given["cells"]]
+            words["mesh"] = {"kinds": kinds, "groups": given["groups"], "boundaries": given["boundaries"]}
+        return words, arrays
+
+    @classmethod
+    def _loaded(cls, words: dict[str, Any], arrays: dict[str, Array]) -> Model:
+        given: _mesh.Given | None = None
+        if words.get("mesh"):
+            cells = [(kind, arrays[f"model.cells{k}"], arrays[f"model.group{k}"]) for k, kind in enumerate(words["mesh"]["kinds"])]
+            boundaries = [(name, facets) for name, facets in words["mesh"]["boundaries"]]
+            given = {"points": arrays["model.points"], "cells": cells, "groups": words["mesh"]["groups"], "boundaries": boundaries}
+        files = {path: arrays[f"model.file{k}"].tobytes() for k, path in enumerate(words.get("files", []))}
+        return _restore(words["name"], words["text"], {}, given, files)
 
     def __repr__(self) -> str:
         return f"<Model {self.title!r}: {len(self.points)} nodes, {len(self.times)} increments, {self.problem!r}>"
@@ -210,10 +237,10 @@ def _blocks(cells: list[tuple[str, list[int], int]]) -> list[tuple[str, Array]]:
     return [(kind, np.array(nodes, dtype=np.int64)) for kind, nodes in blocks]
 
 
-def _restore(name: str, text: str, overrides: dict[str, str], given: Any) -> Model:
+def _restore(name: str, text: str, overrides: dict[str, str], given: _mesh.Given | None, files: dict[str, bytes]) -> Model:
     model = Model.__new__(Model)
-    model._arguments = (name, text, overrides, given)
-    model._make()
+    model._has_text = True
+    model._make(name, text, overrides, given, files)
     return model
 
 

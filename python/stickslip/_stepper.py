@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
+from . import _core, _dependent
 from ._problem import Callback, ContactProblem, LinearSolver, vector
 from ._result import Result
 
@@ -34,6 +34,7 @@ class Stepper:
         self._force: Array = np.zeros(problem.n_u)
         self._gap: Array = vector("gap", gap, problem.n_c)
         self._drift: Array = np.zeros((problem.n_c, problem.tangents))
+        self._mu: Array = problem.mu
         #: Symbolic analyses and numerical factorisations so far.
         self.work = {"analyses": 0, "factorizations": 0}
 
@@ -44,7 +45,7 @@ class Stepper:
 
     def step(
         self, force: ArrayLike, *, time: float | None = None, gap: ArrayLike | None = None, drift: ArrayLike | None = None,
-        keep_u: bool = True, callback: Callback | None = None,
+        mu: ArrayLike | None = None, keep_u: bool = True, callback: Callback | None = None,
     ) -> Result:
         """Goes on by an increment; between its ends loads, gaps and obstacles change evenly.
 
@@ -53,6 +54,7 @@ class Stepper:
             time: its end, s, above `time`; a second later without it.
             gap: gaps at its end, m, a number or (n_c,); as they were without it.
             drift: how far the obstacle has moved past each node, m, (n_c,) or (n_c, d), counted from the beginning; as it was without it.
+            mu: friction coefficients at its end where they change, a number or (n_c,); as they were without it.
             keep_u: whether the result has u.
             callback: as that of `ContactProblem.solve`.
 
@@ -67,6 +69,7 @@ class Stepper:
         new_force = vector("force", force, self.problem.n_u)
         new_gap = self._gap if gap is None else vector("gap", gap, n_c)
         new_drift = self._drift if drift is None else vector("drift", np.ravel(drift), n_c * d).reshape(n_c, d)
+        rows = self._mu if mu is None else vector("mu", mu, n_c)
         moves = bool(new_drift.any() or self._drift.any())
         first = 0 if begun == 0.0 else 1
         tables = {
@@ -77,12 +80,16 @@ class Stepper:
             "drift": [
                 np.stack([self._drift[:, k], new_drift[:, k]][1 - first :]) if moves and k < d else None for k in range(2)
             ],
+            "mu": self.problem._friction(np.stack([self._mu, rows][1 - first :]), 1 + first),
         }
         raw = self._core.step(tables, keep_u, callback)
         self.work = {name: raw[name] for name in self.work}
         if self._core.time > begun:
-            self._force, self._gap, self._drift = new_force, new_gap, new_drift
-        return Result._of(raw, d, stacklevel=3)
+            self._force, self._gap, self._drift, self._mu = new_force, new_gap, new_drift, rows
+        reason = _dependent.reason(self.problem, raw["free_motion"]) if raw["status"] == "singular" else ""
+        if reason and raw["free_motion"] is None:
+            reason += "; `ContactProblem.solve` and `solve_increment` take such contacts"
+        return Result._of(raw, d, reason=reason, stacklevel=3)
 
     def __repr__(self) -> str:
         return f"<Stepper at t = {self.time:g} s of {self.problem!r}>"

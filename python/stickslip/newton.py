@@ -32,11 +32,12 @@ class Natural:
         gap: m, a number or (n_c,).
         w_t_last: tangential displacements before the increment, m, (n_c,) or (n_c, d).
         r: N/m, a number or (n_c,); the stiffness of each contact node without it.
+        mu: friction coefficients of this increment where they change, a number or (n_c,).
     """
 
     def __init__(
         self, problem: ContactProblem, force: ArrayLike, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None,
-        r: ArrayLike | None = None,
+        r: ArrayLike | None = None, mu: ArrayLike | None = None,
     ) -> None:
         from ._problem import vector
 
@@ -47,6 +48,7 @@ class Natural:
         self.r = problem._core.contact_stiffness if r is None else vector("r", r, n_c)
         if (self.r <= 0).any():
             raise ValueError("r must be above 0")
+        self.mu = problem.mu if mu is None else vector("mu", mu, n_c)
         self.K, self.C_n, self.C_t = problem.K, problem.C_n, problem.C_t
 
     def _trial(self, u: ArrayLike, p_n: ArrayLike, p_t: ArrayLike | None) -> tuple[Array, Array, Array, Array, Array]:
@@ -65,7 +67,7 @@ class Natural:
         balance = self.K @ u + self.C_n.T @ p_n - self.force
         for d, C in enumerate(self.C_t):
             balance = balance + C.T @ p_t[:, d]
-        radius, size = self.problem.mu * np.maximum(pi, 0.0), np.linalg.norm(tau, axis=1)
+        radius, size = self.mu * np.maximum(pi, 0.0), np.linalg.norm(tau, axis=1)
         shrink = np.where(size > radius, radius / np.where(size > 0, size, 1.0), 1.0)
         return np.concatenate([balance, p_n - np.maximum(pi, 0.0), (p_t - shrink[:, None] * tau).T.ravel()])
 
@@ -75,7 +77,7 @@ class Natural:
         n_c, d = tau.shape
         closed = (pi > 0).astype(float)
         size = np.linalg.norm(tau, axis=1)
-        radius = self.problem.mu * np.maximum(pi, 0.0)
+        radius = self.mu * np.maximum(pi, 0.0)
         slides = size > radius
         safe = np.where(size > 0, size, 1.0)
         along, ratio = tau / safe[:, None], np.where(slides, radius / safe, 1.0)
@@ -83,7 +85,7 @@ class Natural:
         def diagonal(values: Array) -> Any:
             return sp.csr_array(sp.diags(values))
 
-        turns = self.problem.mu * closed * slides
+        turns = self.mu * closed * slides
         rows: list[list[Any]] = [[self.K, self.C_n.T, *[C.T for C in self.C_t]]]
         rows.append([-diagonal(closed * self.r) @ self.C_n, diagonal(1.0 - closed), *[None] * d])
         for a in range(d):

@@ -39,12 +39,12 @@ class GlobalFriction(NamedTuple):
 
 
 def to_siconos(
-    problem: ContactProblem, force: ArrayLike, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None
+    problem: ContactProblem, force: ArrayLike, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, mu: ArrayLike | None = None
 ) -> GlobalFriction:
     """One increment of `problem` as Siconos has it.
 
     Args:
-        force: N, (n_u,). gap: m, a number or (n_c,). w_t_last: m, (n_c,) or (n_c, d).
+        force: N, (n_u,). gap: m, a number or (n_c,). w_t_last: m, (n_c,) or (n_c, d). mu: of this increment where it changes, (n_c,).
     """
     n_c, d = problem.n_c, problem.tangents
     if d == 0:
@@ -53,7 +53,8 @@ def to_siconos(
     order = np.arange((1 + d) * n_c).reshape(1 + d, n_c).T.ravel()
     H = sp.csr_array(sp.vstack([-problem.C_n, *problem.C_t], format="csr"))[order].T.tocsc()
     b = np.column_stack([vector("gap", gap, n_c), -w]).ravel()
-    return GlobalFriction(1 + d, problem.K, H, vector("force", force, problem.n_u), b, problem.mu)
+    coefficients = problem.mu if mu is None else vector("mu", mu, n_c)
+    return GlobalFriction(1 + d, problem.K, H, vector("force", force, problem.n_u), b, coefficients)
 
 
 def from_siconos(M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> Posed:

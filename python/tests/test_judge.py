@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 
 import stickslip as ss
-from scenes import SCENES, block
+from scenes import SCENES, block, needs
 from stickslip import siconos
 
 
@@ -59,8 +59,76 @@ def test_compare_marks_what_is_wrong() -> None:
     assert [verdict.holds for verdict in table.verdicts] == [True, True, True, False, False]
     assert table["silent"].remark == "increment 1: RuntimeError: no luck"
     assert str(table).count("WRONG") == 2 and table._repr_html_().count("#cf222e") == 2
-    pytest.importorskip("pandas")
+    needs("pandas")
     assert list(table.to_pandas().index) == ["stickslip", "ip", "honest", "turned", "silent"]
+
+
+def lubricated() -> ss.Model:
+    """The block, whose friction falls while it is pushed."""
+    scene = block(n=8, increments=16).to_dict()
+    scene["contact"][0]["friction_history"] = [[0, 1], [1, 1], [2, 0.25]]
+    scene["load"][1]["traction"] = [10e6, 0.0]
+    return ss.Model(scene)
+
+
+def test_compare_solves_and_judges_with_the_friction_of_the_history() -> None:
+    model = lubricated()
+    table = ss.compare(model, {"scene": "stickslip", "bn": "bn", "ip": "ip", "events": "events"})
+    assert [verdict.holds for verdict in table.verdicts] == [True, True, True, False]
+    assert "mu" in table["events"].remark and table["events"].law == "no answer"
+    for name in ("bn", "ip"):
+        np.testing.assert_allclose(table[name].p_t[-1], table["scene"].p_t[-1], atol=1e-7 * table["scene"].p_n.max())
+    # What was solved with another friction than the one that was asked for is seen.
+    history = {key: model.history[key] for key in ("force", "gap", "drift")}
+    asked = {**history, "mu": 0.5 * model.history["mu"]}
+    result = model.run()
+    wrong = ss.compare(model, {"as the scene is": lambda posed: _answer(result, posed.index - 1)}, history=asked)
+    assert not wrong.verdicts[0].holds and wrong.verdicts[0].law == "cone"
+    right = ss.compare(model, {"bn": "bn", "scene": "stickslip"}, history=asked)
+    assert right["bn"].holds and right["scene"].holds
+
+
+def _answer(result: ss.Result, k: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return result.u[k], result.p_n[k], result.p_t[k]
+
+
+@pytest.mark.parametrize("method", ["bn", "ip"])
+def test_friction_that_changes_on_given_matrices(method: str) -> None:
+    model = lubricated()
+    result, h, p = model.run(), model.history, model.problem
+    options = {"gap": h["gap"], "mu": h["mu"]}
+    again = p.solve(h["force"], method=method, **options).check()
+    np.testing.assert_allclose(again.p_t, result.p_t, rtol=0, atol=1e-8 * result.p_n.max())
+    np.testing.assert_allclose(again.mu, h["mu"], rtol=1e-14)
+    stepper, w = p.stepper(gap=h["gap"][0], method=method), np.zeros((p.n_c, 1))
+    for k, force in enumerate(h["force"]):
+        step = stepper.step(force, mu=h["mu"][k]).check()
+        np.testing.assert_allclose(step.p_t[0], result.p_t[k], rtol=0, atol=1e-8 * result.p_n.max())
+        one = p.solve_increment(force, gap=h["gap"][k + 1], w_t_last=w, mu=h["mu"][k], method=method).check()
+        np.testing.assert_allclose(one.p_t[0], result.p_t[k], rtol=0, atol=1e-8 * result.p_n.max())
+        state, w = (one.u[0], one.p_n[0], one.p_t[0]), p.slip(one.u[0])
+        data = {"force": force, "gap": h["gap"][k + 1], "w_t_last": one.w_t_last[0], "mu": h["mu"][k]}
+        assert abs(p.residual(*state, **data)).max() < 1e-7 * result.p_n.max()
+    assert (siconos.to_siconos(p, h["force"][-1], mu=h["mu"][-1]).mu == h["mu"][-1]).all()
+
+
+def test_friction_is_there_at_all_times_or_never() -> None:
+    p = lubricated().problem
+    for mu in (0.0, [0.0] + [0.4] * (p.n_c - 1)):
+        with pytest.raises(ValueError, match="mu: contact node 0"):
+            p.solve(np.zeros(p.n_u), mu=mu)
+    with pytest.raises(ValueError, match="mu is negative"):
+        p.solve(np.zeros(p.n_u), mu=-1.0)
+    with pytest.raises(ValueError, match="mu has the shape"):
+        p.solve(np.zeros(p.n_u), mu=[0.1, 0.2, 0.3])
+
+
+def test_compare_says_of_a_word_why_there_is_no_answer() -> None:
+    model = ss.Model(block(n=4, increments=4))
+    table = ss.compare(model.problem, {"bn": "bn"}, history={"force": 1e300 * model.history["force"]})
+    assert not table["bn"].holds and table["bn"].remark
+    with pytest.raises(ValueError, match="newton"):
+        ss.compare(model, {"mine": "newton"})
 
 
 @pytest.mark.parametrize("scene, overrides", [(block(), {}), (SCENES / "cube.toml", {"mesh.elements": [3, 3, 3]})])
@@ -89,7 +157,7 @@ def test_signs_of_siconos_there_and_back(scene: object, overrides: dict[str, obj
 
 
 def test_matrices_of_another_assembly_are_the_same_body() -> None:
-    skfem = pytest.importorskip("skfem")
+    skfem = needs("skfem")
     from skfem.models.elasticity import lame_parameters, linear_elasticity
 
     n = 8

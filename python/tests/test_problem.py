@@ -78,6 +78,100 @@ def test_linear_algebra_and_methods_agree(linear: object, method: str) -> None:
         assert linear.factorizations > 0
 
 
+@pytest.mark.parametrize("what, raised, message", [
+    (list, None, ""), (lambda x: np.repeat(x, 2)[::2], None, ""),
+    (lambda x: x.astype("f4"), TypeError, "float32 found"), (lambda x: x[:, None], ValueError, "shape"),
+    (lambda x: None, TypeError, "NoneType found"), (lambda x: x[:-1], ValueError, "length"), (lambda x: 1.0, TypeError, "float found"),
+    (lambda x: list(x[:-1]), ValueError, "length"), (lambda x: x + 0j, TypeError, "complex128 found"), (lambda x: "x", TypeError, "str found"),
+])
+def test_what_a_foreign_solver_may_hand_back(what: object, raised: type[Exception] | None, message: str) -> None:
+    class Own(Scipy):
+        def solve(self, b):  # type: ignore[no-untyped-def]
+            return what(self.lu.solve(b))  # type: ignore[operator]
+
+    if raised is None:
+        assert one_node().solve([1.0, 1.0], linear=Own()).converged
+    else:
+        with pytest.raises(raised, match=rf"linear\.solve: .*{message}"):
+            one_node().solve([1.0, 1.0], linear=Own())
+
+
+@pytest.mark.parametrize("options", [{"tolerance": "1e-9"}, {"max_iterations": 1.5}, {"method": 3}, {"r_factor": "1"}])
+def test_options_of_another_type_are_named(options: dict[str, object]) -> None:
+    with pytest.raises(TypeError, match=next(iter(options))):
+        one_node().solve([1.0, 1.0], **options)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=next(iter(options))):
+        one_node().stepper(**options)  # type: ignore[arg-type]
+
+
+def test_a_triangle_of_K_is_taken_and_another_matrix_refused() -> None:
+    p = ss.Model(block(n=4, increments=4)).problem
+    force = np.linspace(-1.0, 1.0, p.n_u)
+
+    def total(K: object, **options: bool) -> float:
+        return float(ss.ContactProblem(K, p.C_n, p.C_t, 0.4, **options).solve(force, gap=-1e-5).check().p_n.sum())  # type: ignore[arg-type]
+
+    expected = total(p.K)
+    for K in (p.K, sp.tril(p.K), sp.triu(p.K), p.K.toarray(), np.triu(p.K.toarray())):
+        assert total(K, check=False) == pytest.approx(expected, rel=1e-12)
+    for K in (p.K + 0.1 * sp.triu(p.K, 1), p.K + 1e-7 * sp.triu(p.K, 1), -sp.tril(p.K, -1) + sp.triu(p.K)):
+        for check in (True, False):
+            with pytest.raises(ValueError, match=r"differs from its transpose by .* \(K \+ K\.T\) / 2"):
+                total(K, check=check)
+    for K in (sp.tril(p.K), sp.triu(p.K)):
+        with pytest.raises(ValueError, match="one side of its diagonal only; pass check=False"):
+            total(K)
+    rounded = p.K + 1e-7 * sp.triu(p.K, 1)
+    assert total((rounded + rounded.T) / 2) == pytest.approx(expected, rel=1e-4)
+
+
+def test_friction_without_tangents_is_refused() -> None:
+    with pytest.raises(ValueError, match="C_t is missing"):
+        ss.ContactProblem(np.eye(2), [[1.0, 0.0]], None, 0.4)
+    assert ss.ContactProblem(np.eye(2), [[1.0, 0.0]]).solve([1.0, 1.0]).converged
+
+
+def box(d: int) -> ss.ContactProblem:
+    """A rigid box on springs, with more corners than it takes to hold it."""
+    if d == 1:
+        x = np.array([-1.0, -0.3, 0.4, 1.0])
+        return ss.ContactProblem(np.eye(3), np.stack([0 * x, 0 * x - 1, -x], axis=1), np.stack([0 * x + 1, 0 * x, 0 * x + 1], axis=1), 0.3)
+    corners = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1]], dtype=float)
+
+    def rows(direction: list[float]) -> np.ndarray:
+        return np.array([np.r_[direction, np.cross(x, direction)] for x in corners])
+
+    return ss.ContactProblem(np.eye(6), rows([0, 0, -1]), (rows([1, 0, 0]), rows([0, 1, 0])) if d else None, 0.3 if d else 0.0)
+
+
+@pytest.mark.parametrize("linear", ["auto", "faer", "condensed"])
+@pytest.mark.parametrize("method", ["bn", "ip"])
+@pytest.mark.parametrize("d", [0, 1, 2])
+def test_contacts_that_depend_on_each_other_are_solved(d: int, method: str, linear: str) -> None:
+    p = box(d)
+    force = np.array([0.5, -10.0, 0.3]) if d == 1 else np.array([0.5, 0, -10, 0, 0, 0.2])
+    factors = [0.5, 1.0, 0.2]
+    result = p.solve(force, factors, method=method, linear=linear, keep_u="last").check()
+    assert result.kept == (2,) and result.p_n.shape == (3, 4) and result.error < 1e-10
+    assert result.p_n[-1].sum() == pytest.approx(0.2 * 10 - abs(result.u[-1, 1 if d == 1 else 2]), rel=1e-9)
+    for k in range(3):
+        w = result.w_t_last[k]
+        one = p.solve_increment(force * factors[k], w_t_last=w if d else None, method=method, linear=linear).check()
+        judged = ss.errors(p, force * factors[k], one.u[0], one.p_n[0], one.p_t[0], w_t_last=w)
+        assert judged.worst[1] < 1e-10
+    assert ss.compare(p, {"own": method}, history={"force": np.outer(factors, force)})["own"].holds
+
+
+def test_dependent_contacts_are_named_where_they_are_not_solved() -> None:
+    p = ss.ContactProblem(np.eye(6), np.eye(6)[[0, 1, 0]], np.eye(6)[[3, 4, 3]], 0.3)
+    assert p.solve(np.ones(6)).converged
+    with pytest.warns(ss.NotConvergedWarning, match=r"contact nodes 0, 2 depend on each other.*solve_increment"):
+        assert p.stepper().step(np.ones(6)).status == "singular"
+    free = ss.ContactProblem(np.diag([1.0, 1.0, 0.0]), np.eye(3)[[0]], np.eye(3)[[1]], 0.3)
+    with pytest.warns(ss.NotConvergedWarning, match="free_motions"):
+        assert free.solve(np.ones(3)).reason
+
+
 def test_what_a_foreign_solver_raises_comes_out() -> None:
     class Broken(Scipy):
         def solve(self, b):  # type: ignore[no-untyped-def]

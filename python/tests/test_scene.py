@@ -5,18 +5,21 @@ from __future__ import annotations
 import json
 import os
 import pickle
+import re
 import shutil
 import signal
 import subprocess
+import sys
 import threading
 import time
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stickslip as ss
-from scenes import SCENES, block
+from scenes import SCENES, block, needs
 
 #: Reduced, so that each takes a second at most.
 REDUCED: dict[str, dict[str, object]] = {
@@ -172,6 +175,86 @@ def test_errors_are_exceptions_with_a_place() -> None:
         ss.run(3)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("change, message, help", [
+    (lambda s: s["time"].pop("end"), "end", r"help\(stickslip.builder\)"),
+    (lambda s: s.update(material=[s["material"]]), "material", "give a dictionary"),
+    (lambda s: s.update(contact=s["contact"][0]), "contact", "give a list of dictionaries"),
+    (lambda s: s["contact"][0].update(friction="much"), r"contact\[0\]\.friction", ""),
+    (lambda s: s["mesh"].update(size=[1.0, -1.0]), "mesh.size", ""),
+])
+def test_errors_of_a_dictionary_lead_with_its_key(change: object, message: str, help: str) -> None:
+    scene = block().to_dict()
+    change(scene)  # type: ignore[operator]
+    with pytest.raises(ss.SceneError, match=message) as caught:
+        ss.run(scene)
+    words = str(caught.value)
+    assert caught.value.line is None and "scene:" not in words and "stickslip init" not in words and "[[" not in words
+    assert re.search(help, caught.value.help)
+
+
+def test_warnings_of_the_run_are_warnings_of_python() -> None:
+    with pytest.warns(ss.AccuracyWarning, match="increments-work: ") as warned:
+        result = ss.run(SCENES / "confined.toml")
+    assert {w.filename for w in warned} == {__file__} and len(warned) == len(result.warnings)
+    kinds = [warning["kind"] for warning in result.warnings]
+    assert kinds == [warning["kind"] for warning in result.report["warnings"]]
+    assert all(kind in repr(result) and kind in result._repr_html_() for kind in kinds)
+    with pytest.warns(ss.AccuracyWarning) as warned:
+        ss.Model(SCENES / "confined.toml").run()
+    assert {w.filename for w in warned} == {__file__}
+    # Without anything to say nothing is said, and of a saved result it was said before.
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fine = ss.run(SCENES / "frictionless.toml", REDUCED["frictionless"])
+        assert not fine.warnings and "warning" not in repr(fine) and "arning" not in fine._repr_html_()
+        pickle.loads(pickle.dumps(result))
+    said = " ".join(warning["message"] for warning in [*result.warnings, *ss.run(SCENES / "tip.toml", REDUCED["tip"]).warnings])
+    assert said and "stickslip " not in said
+
+
+FORK = """
+import multiprocessing, sys
+import stickslip as ss
+def one(friction):
+    return float(ss.run(sys.argv[1], {"contact.friction": friction, "mesh.elements": [10, 10], "time.increments": 2}).p_n[-1].sum())
+def stepped(force):
+    return float(stepper.step(force).p_n.sum())
+if __name__ == "__main__":
+    import warnings
+    warnings.simplefilter("ignore")
+    expected = [one(0.2), one(0.3)]
+    model = ss.Model(sys.argv[1], {"mesh.elements": [10, 10], "time.increments": 2})
+    stepper = model.problem.stepper(gap=model.history["gap"][0])
+    fork = multiprocessing.get_context("fork")
+    with fork.Pool(2) as pool:
+        assert pool.map_async(one, [0.2, 0.3]).get(timeout=60) == expected
+    with fork.Pool(1) as pool:
+        found = pool.map_async(stepped, [model.history["force"][0]]).get(timeout=60)
+    assert found == [stepped(model.history["force"][0])]
+    # Threads of a child, and the child of a child.
+    def child(queue):
+        from concurrent.futures import ThreadPoolExecutor
+        with ThreadPoolExecutor(2) as threads:
+            queue.put(list(threads.map(one, [0.2, 0.3])))
+        grandchild = fork.Process(target=lambda: queue.put([one(0.2), one(0.3)]))
+        grandchild.start()
+        grandchild.join(60)
+    queue = fork.Queue()
+    process = fork.Process(target=child, args=(queue,))
+    process.start()
+    assert [queue.get(timeout=60), queue.get(timeout=60)] == [expected, expected]
+    process.join(60)
+    print("done")
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="fork")
+def test_processes_that_were_forked_compute_as_their_parent() -> None:
+    command = [sys.executable, "-c", FORK, str(SCENES / "block.toml")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert done.stdout.strip() == "done", done.stderr
+
+
 def test_no_convergence_is_a_warning_and_check_raises() -> None:
     with pytest.warns(ss.NotConvergedWarning, match="max-iterations") as warned:
         result = ss.run(block(max_iterations=1, setting="paper"))
@@ -221,7 +304,7 @@ def test_control_c_ends_a_run_within_a_fifth_of_a_second() -> None:
 
 
 def test_progress_is_a_bar(capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("tqdm")
+    needs("tqdm")
     ss.Model(block()).run(progress=True)
     assert "10/10" in capsys.readouterr().err
 
@@ -234,3 +317,44 @@ def test_results_are_saved_and_loaded(tmp_path: Path) -> None:
     assert (again.displacement() == result.displacement()).all()
     assert (pickle.loads(pickle.dumps(result)).p_n == result.p_n).all()
     assert "Christensen" in ss.cite(again)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_results_do_not_depend_on_the_files_of_their_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for file in ("roller.toml", "roller.msh"):
+        shutil.copy(SCENES.parent / "init" / file, tmp_path / file)
+    (tmp_path / "floor.csv").write_text("x,gap\n-1,0\n1,1e-5\n")
+    monkeypatch.chdir(tmp_path)
+    scene = block(n=6, increments=2).to_dict()
+    scene["contact"][0]["obstacle"] = {"kind": "table", "file": "floor.csv"}
+    results = [ss.run("roller.toml", {"time.increments": 2}), ss.run(scene)]
+    expected = [result.stress() for result in results]
+    gaps = [result.model.history["gap"] for result in results if result.model]
+    for k, result in enumerate(results):
+        result.save(f"{k}.npz")
+    frozen = [pickle.dumps(result) for result in results]
+    # Other files of the same names, then none, seen from another folder.
+    (tmp_path / "roller.msh").write_text("no mesh")
+    (tmp_path / "floor.csv").write_text("x,gap\n-1,0\n1,5\n")
+    for change in (lambda: None, lambda: [(tmp_path / name).unlink() for name in ("roller.msh", "floor.csv")], lambda: monkeypatch.chdir("/")):
+        change()
+        for k in range(2):
+            for again in (ss.Result.load(tmp_path / f"{k}.npz"), pickle.loads(frozen[k])):
+                assert (again.stress() == expected[k]).all() and (again.model.history["gap"] == gaps[k]).all()
+            # Once more, of what was loaded.
+            again = ss.Result.load(tmp_path / f"{k}.npz")
+            again.save(tmp_path / "twice.npz")
+            assert (ss.Result.load(tmp_path / "twice.npz").stress() == expected[k]).all()
+
+
+def test_results_on_meshes_in_memory_are_saved(tmp_path: Path) -> None:
+    points = np.array([[0, 0], [0.5, 0], [1, 0], [0, 1], [0.5, 1], [1, 1]], dtype=float)
+    sides = {"left": lambda x: x[:, 0] == 0, "right": lambda x: x[:, 0] == 1, "bottom": lambda x: x[:, 1] == 0, "top": lambda x: x[:, 1] == 1}
+    cells = [("quad", [[0, 1, 4, 3]]), ("triangle", [[1, 2, 5], [1, 5, 4]])]
+    scene = block().to_dict()
+    del scene["mesh"]
+    scene["material"]["group"] = [{"name": "soft", "young": 1e9, "poisson": 0.3}]
+    result = ss.run(scene, mesh=ss.mesh.from_arrays(points, cells, sides, groups={"soft": [[], [0, 1]]}))
+    result.save(tmp_path / "run.npz")
+    for again in (ss.Result.load(tmp_path / "run.npz"), pickle.loads(pickle.dumps(result))):
+        assert (again.stress() == result.stress()).all() and again.model.boundaries.keys() == result.model.boundaries.keys()
