@@ -42,8 +42,10 @@ class SceneError(StickslipError, ValueError):
         self, message: str, file: str | None = None, line: int | None = None, key: str | None = None, help: str = ""
     ) -> None:
         place = f"{file}:{line}: " if file is not None else ""
-        name = f"{key}: " if key and key not in message else ""
-        super().__init__(f"{place}{name}{message}" + (f"\n  help: {help}" if help else ""))
+        # The key is named once, in front.
+        words = re.sub(r", in `[^`]*`$", "", message) if key else message
+        name = f"{key}: " if key and not words.startswith(key) else ""
+        super().__init__(f"{place}{name}{words}" + (f"\n  help: {help}" if help else ""))
         self.message, self.file, self.line, self.key, self.help = message, file, line, key, help
 
     def __reduce__(self) -> Any:
@@ -52,11 +54,12 @@ class SceneError(StickslipError, ValueError):
     def in_python(self, has_text: bool) -> SceneError:
         """The error in words of this module; without a place where no text was read but a dictionary or a `Scene`."""
         file, line = (self.file, self.line) if has_text else (None, None)
-        help = in_python(self.help)
+        message, help = in_python(self.message), in_python(self.help)
         if not has_text:
+            message = re.sub(r"\[\[(\w+)\]\]", r"\1", message)
             help = re.sub(r"write `\[\[\w+\]\]`", "give a list of dictionaries", help)
             help = re.sub(r"write `\[\w+\]`", "give a dictionary", help)
-        return SceneError(in_python(self.message), file, line, self.key, help)
+        return SceneError(message, file, line, self.key, help)
 
 
 class NotConverged(StickslipError, RuntimeError):

@@ -189,7 +189,7 @@ def test_errors_of_a_dictionary_lead_with_its_key(change: object, message: str, 
         ss.run(scene)
     words = str(caught.value)
     assert caught.value.line is None and "scene:" not in words and "stickslip init" not in words and "[[" not in words
-    assert re.search(help, caught.value.help)
+    assert re.search(help, caught.value.help) and words.startswith(caught.value.key or "missing")
 
 
 def test_warnings_of_the_run_are_warnings_of_python() -> None:

@@ -269,7 +269,8 @@ impl Material {
         for (k, MaterialGroup { name, .. }) in self.groups.iter().enumerate() {
             if !mesh.groups.iter().any(|known| known == name || body(known).as_ref() == Some(name)) {
                 let message = format!("the mesh has no material group `{name}`");
-                let help = format!("the mesh has the groups {}", mesh.groups.join(", "));
+                let named: Vec<_> = mesh.groups.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
+                let help = format!("the mesh has the groups {}", named.join(", "));
                 return Err(Fault::new(format!("material.group[{k}].name"), message, help));
             }
         }
