@@ -134,7 +134,7 @@ def body(gmsh: Any, dimension: int, order: int, quads: bool, named: tuple[bool, 
     for name, (dim, tag), wanted in zip(("steel", "rubber"), pair, named):
         if wanted:
             gmsh.model.addPhysicalGroup(dim, [tag], name=name)
-    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.6)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 1.0)
     gmsh.option.setNumber("Mesh.RecombineAll", int(quads))
     gmsh.model.mesh.generate(dimension)
     gmsh.model.mesh.setOrder(order)
