@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: Rows beyond which dependence is not looked for: the matrix of their products is full.
-_ROWS = 5000
+_ROWS = 2000
 
 
 def dependent_nodes(problem: ContactProblem) -> list[int]:
