@@ -98,6 +98,7 @@ python-module: $(PYTHON_TOOLS)
 # A test that lacks a package fails here, and is skipped elsewhere.
 python: python-module
 	cd python && . ../target/python/bin/activate && mypy --no-error-summary && STICKSLIP_ALL_PACKAGES=1 python -m pytest -q -rs
+	cargo test --quiet --no-default-features --features faer,cli --test supply -- --ignored
 
 # Two at a time, each with one thread.
 python-docs: python-module
