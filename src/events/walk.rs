@@ -114,7 +114,7 @@ impl<'a> Walk<'a> {
                 }
                 let [w_n, w_t, w_o] = self.problem.contact_motion(&u);
                 let w_t = self.along([&w_t, &w_o], 1.0);
-                self.at = Contact { u, w_n, w_t, ..Contact::zero(self.statuses.len()) };
+                self.at = Contact { w_n, w_t, u, ..Contact::zero(self.statuses.len()) };
                 nodes
             }
         };

@@ -6,7 +6,7 @@
 //!
 //! - a node that was open touches after the share `τ = gap / (w_n' - g')` of it and has slid `δ = τ w_T'` by then; one that slips
 //!   and goes on so does stick half way through, `δ = ½ w_T'`; one that touches, and slips in the increment by less than `τ w_T'`, did all of that
-//!   before it touched, and sticks `δ = τ w_T' - Δw_T` farther on;
+//!   before it touched and sticks `δ = τ w_T' - Δw_T` farther on: its friction is off by `r |δ|`, and by twice itself at most;
 //! - that is an error `e = (e_u, e_p)` of the solution, `K e_u + Cᵀ e_p = 0` along the cases at its end: `w_T(e)` is `δ` more
 //!   than before at nodes that begin to stick and stays at those that stick, and slip loses it;
 //! - the work is `Σ μ ½ (p_n0 + p_n1) |Δw_T|` with both forces and the slip corrected by `e`, and with `|δ|` of those that
@@ -34,8 +34,8 @@ const CORNER: f64 = 0.9;
 /// Slip that is a smaller share of what nodes do is rounding, and so is a smaller share of an increment.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// A node that slides in an increment, though it sticks, is looked at where its friction may be off by a larger share of the largest friction of all
-/// nodes so far: it costs a factorisation, and a smaller error is no warning.
+/// A node that slides in an increment, though it sticks, counts where its friction may be off by a larger share of the largest friction of all nodes
+/// so far: a smaller error is no warning.
 const NOTABLE: f64 = 0.05;
 
 /// What the increments of a history do to its work of friction and to its tangential forces, estimated.
@@ -255,11 +255,13 @@ impl IncrementErrors {
         let cases: Vec<(bool, TangentialCase)> =
             (0..self.nodes.len()).map(|i| (formulation.is_closed(i, z), formulation.friction_case(i, z))).collect();
         let mut sticks = false;
+        // The friction of nodes that stick though the increment has them slide is not carried on: it would take other factors.
+        let mut alone = 0.0_f64;
         let notable = NOTABLE * self.largest[1].max(friction_of_all(formulation, weight, z));
         let farthest = self.nodes.iter().map(|node| node.distance).fold(0.0, f64::max);
-        let begin = |i: usize| match layout.has_friction(i) {
-            true => Begin::of(&self.nodes[i], cases[i].1, formulation.slip(i, z), rate.map(|rate| rate[i])),
-            false => Begin::default(),
+        let begin = |i: usize| {
+            let rate = rate.filter(|_| layout.has_friction(i)).map(|rate| rate[i]);
+            Begin::of(&self.nodes[i], cases[i].1, formulation.slip(i, z), rate)
         };
         let mut begins: Vec<Begin> = (0..self.nodes.len()).map(begin).collect();
         let first = begins.iter().filter_map(|begin| begin.touches).fold(f64::INFINITY, f64::min);
@@ -271,7 +273,8 @@ impl IncrementErrors {
                 let most = by_spring.min(2.0 * friction_at(formulation, weight, i, z));
                 // The rate is that of the node that touches first; others may have been held up by it.
                 begin.sticks = begin.touches == Some(first) && most > notable;
-                begin.delta = if begin.sticks { begin.delta.map(|delta| most / by_spring * delta) } else { [0.0; 2] };
+                begin.delta = [0.0; 2];
+                alone = alone.max(if begin.sticks { most } else { 0.0 });
             }
             sticks |= if self.is_straight { begin.sticks } else { node.begins_to_stick(cases[i].1, farthest, turned) };
             if turned && !node.is_open() {
@@ -281,11 +284,7 @@ impl IncrementErrors {
         }
         self.sticking_begins += usize::from(sticks);
         self.stretch.1 |= sticks;
-        let stick = |(begin, (closed, case)): (&Begin, &(bool, TangentialCase))| {
-            (*closed, if begin.sticks { TangentialCase::Stick } else { *case })
-        };
-        let exact: Vec<(bool, TangentialCase)> = begins.iter().zip(&cases).map(stick).collect();
-        let error = self.transport(&exact, &begins, formulation, bn, linear)?;
+        let error = self.transport(&cases, &begins, formulation, bn, linear)?;
 
         for (i, begin) in begins.iter().enumerate() {
             let (gap, mu, _) = formulation.at_node(i);
@@ -308,6 +307,7 @@ impl IncrementErrors {
         }
         let sizes = [error.as_deref(), Some(z)].map(|z| z.map_or(0.0, |z| friction_of_all(formulation, weight, z)));
         self.largest = [0, 1].map(|k| self.largest[k].max(sizes[k]));
+        self.largest[0] = self.largest[0].max(alone);
         self.force.copy_from_slice(formulation.force());
         self.gap = (0..layout.contacts()).map(|i| formulation.at_node(i).0).collect();
         Ok(())
