@@ -30,6 +30,7 @@
 mod check;
 mod field;
 mod formulas;
+mod kinks;
 mod load;
 mod opposite;
 mod probe;
@@ -38,6 +39,7 @@ mod support;
 mod units;
 
 pub use field::Field;
+pub use kinks::Kinks;
 pub use load::{Action, Load, Where};
 pub use opposite::{FirstGap, Opposite, Slave};
 pub use probe::{Probe, ProbePlace};
@@ -69,7 +71,8 @@ pub struct Description {
     pub springs: Vec<Bed>,
     /// What loads it; loads add up.
     pub loads: Vec<Load>,
-    /// The ends of the increments, s, increasing; the history begins at 0.
+    /// The ends of the increments, s, increasing; the history begins at 0. A model has further ends where histories have
+    /// kinks, see [`Description::ends_at_kinks`].
     pub times: Vec<f64>,
     /// The units in which results are told. All numbers here are SI; see [`Description::given_in`].
     pub units: Units,

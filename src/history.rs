@@ -70,6 +70,7 @@ use std::time::Instant;
 
 pub use error::Error;
 pub use increment_error::{IncrementError, IncrementErrors};
+pub(crate) use jump::{Edge, Means};
 pub use memory::Memory;
 pub use method::{Method, Start};
 pub use observer::{Observer, Step};

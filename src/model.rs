@@ -157,6 +157,9 @@ impl Model {
 
     fn assembled(description: &Description, share: Option<Share<'_>>) -> Result<Self, ModelError> {
         let discrete = Discrete::new(description)?;
+        let times = description.ends_at_kinks(&description.times);
+        let laid_out = Description { times, ..description.clone() };
+        let description = &laid_out;
         let sharing = share.and_then(|share| Some((share, Body::on(&discrete)?)));
         let Discrete { mesh, holdings, dofs, element, materials, pairs, volumes, beds } = discrete;
         let law = |e: usize| materials[e];
@@ -236,7 +239,7 @@ impl Model {
             problem.with_tangents_alone(tangents, map(&alone, |contact| &contact.tangents[1]))?
         };
         Ok(Model {
-            description: description.clone(),
+            description: laid_out,
             mesh,
             materials,
             volumes,

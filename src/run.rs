@@ -29,6 +29,7 @@ mod error;
 #[cfg(feature = "petsc")]
 mod grid;
 mod increments;
+mod leaps;
 mod need;
 mod recording;
 mod sharing;
@@ -50,10 +51,10 @@ pub use suited::{Unsuited, unsuited};
 
 use crate::auto::{Choice, Done, Faster, factorizations};
 use crate::checkpoint::Checkpoint;
-use crate::contact::ContactStatus;
+use crate::contact::{ContactStatus, KktScales};
 use crate::formulation::Layout;
 use crate::history::{
-    self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Observer, Solver, Status, System,
+    self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Means, Observer, Solver, Status, System,
 };
 use crate::linear::Direct;
 use crate::memory::Budget;
@@ -61,11 +62,12 @@ use crate::model::Model;
 use crate::problem::State;
 use crate::reach::{self, Reach};
 use crate::report::{
-    CompanionEstimate, Estimates, Facts, Measured, RankRecord, RunReport, Warning, cpu_seconds, peak_rss_bytes,
+    CompanionEstimate, Estimates, Facts, Leap, Measured, RankRecord, RunReport, Warning, cpu_seconds, peak_rss_bytes,
 };
 use crate::scene::Scene;
 use crate::uniqueness::{self, CriticalFriction};
 use companion::{Companion, Quiet};
+use leaps::Leaps;
 use suited::{gave_way, means};
 pub use watch::Ledger;
 use watch::{Audience, Watch};
@@ -259,14 +261,15 @@ impl<'a> Run<'a> {
         let (linear, condensed) = (system.name(), system.condenses());
         let companion = self.companion();
         let numbers = companion.as_ref().map_or(&[][..], |companion| &companion.ends[0]);
-        let mut watch = Watch::new(&self.model, self.uniqueness, numbers, &mut audience);
+        let leaps = Leaps::new(&self.model, self.solver.method);
+        let mut watch = Watch::new(&self.model, self.uniqueness, numbers, leaps, &mut audience);
         if let Some(checkpoint) = &self.from {
             watch.go_on_from(checkpoint).map_err(history::Error::from)?;
         }
         let settings = HistorySettings { keeps_records: false, from: self.from.clone(), ..self.settings()? };
         let outcome = self.history_with(system, &self.times, &settings, &mut watch)?;
         let Watch { validity, estimates, balance, curves, increments, forces, reactions, last_reactions, .. } = watch;
-        let (last, states) = (watch.last, watch.states);
+        let (last, states, leaps) = (watch.last, watch.states, watch.leaps);
         let mut all_estimates = Estimates { increments: outcome.increment_error, ..estimates.estimates(&self.model) };
         // The history is solved. A failure of what was asked for beside it costs that result only.
         let mut missing = Vec::new();
@@ -276,6 +279,13 @@ impl<'a> Run<'a> {
                 Err(error) => missing.push(Warning::of_missing("the comparison with fewer increments", &error)),
             }
         }
+        let leap = match self.leap(&leaps, &settings, outcome.scales, audience.observer()) {
+            Ok(leap) => leap,
+            Err(error) => {
+                missing.push(Warning::of_missing("whether contact forces jump", &error));
+                None
+            }
+        };
         let critical_friction = match last.map(|last| self.critical_friction(&last, &outcome)).transpose() {
             Ok(critical) => critical.flatten(),
             Err(error) => {
@@ -313,6 +323,7 @@ impl<'a> Run<'a> {
             forces,
             reactions,
             last_reactions,
+            leap,
             balance,
             curves,
             critical_friction,
@@ -369,6 +380,28 @@ impl<'a> Run<'a> {
         let status = self.history_with(self.system(), &companion.times, &settings, &mut quiet)?.status;
         let both = [states, &quiet.states[..]];
         Ok(CompanionEstimate::new(&self.model, companion.times.len(), status, both, companion.share))
+    }
+
+    /// Where contact forces jump, if they do.
+    fn leap(
+        &self,
+        leaps: &Leaps,
+        settings: &HistorySettings,
+        scales: KktScales,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Leap>, RunError> {
+        if !leaps.are_suspected() {
+            return Ok(None);
+        }
+        let leap = match self.system() {
+            System::Whole(mut linear) => {
+                leaps.first(&self.model, settings, scales, &mut Means::Whole(&mut linear), observer)
+            }
+            System::Condensed(condensation) => {
+                leaps.first(&self.model, settings, scales, &mut Means::Condensed(&condensation), observer)
+            }
+        };
+        Ok(leap?)
     }
 
     fn history_with(

@@ -44,7 +44,7 @@ pub use overrides::{Override, OverrideSyntax};
 use crate::description::{Description, Probe};
 use crate::fault::Fault;
 use crate::history::Solver;
-use crate::timeline::equal_increments;
+use crate::timeline::{equal_increments, with_further_ends};
 use error::Source;
 
 /// The JSON Schema (draft 2020-12) of a scene, for editors that complete and check TOML. What depends on several keys at
@@ -71,12 +71,14 @@ pub struct Scene {
 }
 
 /// The time of the history, which starts at 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Time {
     /// The end, s.
     pub end: f64,
     /// The number of equal increments.
     pub increments: usize,
+    /// Where increments end besides, s: kinks of histories at which none of the equal ones ends.
+    pub kinks: Vec<f64>,
 }
 
 /// What to write.
@@ -184,6 +186,6 @@ impl Scene {
 impl Time {
     /// The ends of all increments, s.
     pub fn all(&self) -> Vec<f64> {
-        equal_increments(self.end, self.increments)
+        with_further_ends(&equal_increments(self.end, self.increments), self.kinks.iter().copied())
     }
 }

@@ -26,7 +26,7 @@ use crate::sparse::Csr;
 use cone::{Cone, norm};
 use free::Free;
 pub(crate) use free::Load;
-pub(crate) use landing::{Landing, landing};
+pub(crate) use landing::{Landing, NEARBY, is_carried_without_strain, landing};
 
 /// What violates the conditions (a) and (b) of Theorem 3.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,10 +69,23 @@ impl Conditions {
 /// # Errors
 /// When `force` has not one finite entry for each displacement.
 pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<Option<Vec<f64>>, ProblemError> {
+    rigid_equilibrium_with(problem, problem.mu(), force)
+}
+
+/// [`rigid_equilibrium`] with other coefficients of friction than those of the problem (n_c), as where these change in time.
+///
+/// # Errors
+/// When `force` has not one finite entry for each displacement, or `mu` not one for each contact node.
+pub fn rigid_equilibrium_with(
+    problem: &ContactProblem,
+    mu: &[f64],
+    force: &[f64],
+) -> Result<Option<Vec<f64>>, ProblemError> {
+    expect_length("mu", problem.contacts(), mu.len(), "one for each contact node")?;
     expect_length("force", problem.displacements(), force.len(), "one for each displacement")?;
     expect_finite("force", force)?;
     let sizes: Vec<f64> = force.iter().map(|f| f.abs()).collect();
-    Ok(driven_motion(problem, problem.mu(), &Load { force, sizes: &sizes }))
+    Ok(driven_motion(problem, mu, &Load { force, sizes: &sizes }))
 }
 
 /// [`rigid_equilibrium`] of a load that fits, with the friction coefficients `mu`.

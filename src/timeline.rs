@@ -5,6 +5,10 @@ use crate::fault::{Fault, not_huge};
 /// Relative to the steepest rate: far above its rounding, far below what matters.
 const ROUNDING: f64 = 1e-9;
 
+/// A history that leaves the straight line between two ends of increments by a smaller share of its largest value has no kink there: far
+/// above the last of the digits in which histories are written, far below what changes an answer.
+const STRAIGHT: f64 = 1e-6;
+
 /// Checks the points of a history at `key`; `value` says what stands behind the time in each.
 ///
 /// # Errors
@@ -65,21 +69,78 @@ pub fn kinks<const N: usize>(history: &[[f64; N]]) -> Vec<f64> {
     (0..history.len()).filter(|&k| bends(k)).map(|k| history[k][0]).collect()
 }
 
+/// The times inside increments with these `ends` (s) at which `history` bends: with these as further ends, it is straight between any two
+/// of them.
+pub fn kinks_between<const N: usize>(ends: &[f64], history: &[[f64; N]]) -> Vec<f64> {
+    let points = within(ends.last().copied().unwrap_or(0.0), history);
+    let largest = points.iter().flat_map(|point| &point[1..]).fold(0.0_f64, |m, value| m.max(value.abs()));
+    let mut found = Vec::new();
+    for inside in points.chunk_by(|a, b| increment_at(ends, a[0]) == increment_at(ends, b[0])) {
+        let Some([begin, end]) = increment_at(ends, inside[0][0]) else { continue };
+        let mut chords = vec![(at(&points, begin), at(&points, end), inside)];
+        while let Some((from, to, between)) = chords.pop() {
+            let farthest = (0..between.len())
+                .map(|k| (k, off_the_chord(&from, &to, &between[k])))
+                .max_by(|a, b| a.1.total_cmp(&b.1));
+            if let Some((k, _)) = farthest.filter(|(_, off)| *off > STRAIGHT * largest) {
+                found.push(between[k][0]);
+                chords.push((from, between[k], &between[..k]));
+                chords.push((between[k], to, &between[k + 1..]));
+            }
+        }
+    }
+    found.sort_by(f64::total_cmp);
+    found
+}
+
+/// `ends` (s) of increments with further `times` (s) among them, but for those that would make an increment as short as rounding.
+pub fn with_further_ends(ends: &[f64], times: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut further: Vec<f64> = times.into_iter().filter(|&t| increment_at(ends, t).is_some()).collect();
+    further.sort_by(f64::total_cmp);
+    further.dedup_by(|next, kept| {
+        increment_at(ends, *kept).is_some_and(|[begin, end]| *next - *kept <= rounding(begin, end))
+    });
+    let mut all = [ends, &further].concat();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// The beginning and the end (s) of the increment that has the time `t` inside, if one has.
+fn increment_at(ends: &[f64], t: f64) -> Option<[f64; 2]> {
+    let k = ends.partition_point(|end| *end < t);
+    let (begin, end) = (k.checked_sub(1).map_or(0.0, |k| ends[k]), *ends.get(k)?);
+    let rounding = rounding(begin, end);
+    (t - begin > rounding && end - t > rounding).then_some([begin, end])
+}
+
+/// What rounding may make of a time within an increment, s.
+fn rounding(begin: f64, end: f64) -> f64 {
+    ROUNDING * (end - begin) + 4.0 * f64::EPSILON * end
+}
+
+/// How far the values of `point` are from the straight line between two others, at most.
+fn off_the_chord<const N: usize>(from: &[f64; N], to: &[f64; N], point: &[f64; N]) -> f64 {
+    let share = (point[0] - from[0]) / (to[0] - from[0]);
+    (1..N).map(|c| (point[c] - (from[c] + share * (to[c] - from[c]))).abs()).fold(0.0, f64::max)
+}
+
+/// The point at time `t` (s) of a history.
+fn at<const N: usize>(points: &[[f64; N]], t: f64) -> [f64; N] {
+    let after = points.partition_point(|point| point[0] <= t);
+    let mut point = points[after.saturating_sub(1)];
+    if let (1.., Some(next)) = (after, points.get(after)) {
+        let share = (t - point[0]) / (next[0] - point[0]);
+        point = std::array::from_fn(|k| point[k] + share * (next[k] - point[k]));
+    }
+    point[0] = t;
+    point
+}
+
 /// The part of `points` from 0 to `end` (s). What is never reached must not count as the largest of anything.
 pub fn within<const N: usize>(end: f64, points: &[[f64; N]]) -> Vec<[f64; N]> {
     let mut times: Vec<f64> = points.iter().map(|point| point[0].clamp(0.0, end)).collect();
     times.dedup();
-    let at = |t: f64| {
-        let after = points.partition_point(|point| point[0] <= t);
-        let mut point = points[after.saturating_sub(1)];
-        if let (1.., Some(next)) = (after, points.get(after)) {
-            let share = (t - point[0]) / (next[0] - point[0]);
-            point = std::array::from_fn(|k| point[k] + share * (next[k] - point[k]));
-        }
-        point[0] = t;
-        point
-    };
-    times.into_iter().map(at).collect()
+    times.into_iter().map(|t| at(points, t)).collect()
 }
 
 #[cfg(test)]
@@ -104,6 +165,36 @@ mod tests {
         assert_eq!(kinks(&[[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 0.0]]), [0.0, 2.0, 3.0]);
         assert_eq!(kinks(&[[0.3, 1.0], [0.9, 1.0]]), [0.0; 0]);
         assert_eq!(kinks(&[[0.0, 0.0, 0.0], [1.0, 0.0, 1.0], [3.0, 0.0, 3.0]]), [0.0, 3.0]);
+    }
+
+    #[test]
+    fn kinks_between_ends_of_increments() {
+        let there_and_back = [[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]];
+        assert_eq!(kinks_between(&equal_increments(2.0, 7), &there_and_back), [1.0]);
+        assert_eq!(kinks_between(&equal_increments(2.0, 8), &there_and_back), [0.0; 0]);
+        // Where nothing changes there is no kink, but there is one where a history begins or ends.
+        let seven = equal_increments(2.0, 7);
+        assert_eq!(kinks_between(&seven, &[[0.0, 0.0], [0.3, 0.3], [2.0, 2.0]]), [0.0; 0]);
+        assert_eq!(kinks_between(&seven, &[[0.3, 1.0], [0.9, 1.0]]), [0.0; 0]);
+        assert_eq!(kinks_between(&seven, &[[0.3, 0.0], [0.9, 1.0]]), [0.3, 0.9]);
+        assert_eq!(kinks_between(&seven, &[[0.4, 7.0]]), [0.0; 0]);
+        // Any component counts; times after the end do not.
+        let path = [[0.0, 0.0, 0.0], [1.0, 0.0, 1.0], [3.0, 0.0, 0.0]];
+        assert_eq!(kinks_between(&equal_increments(2.0, 3), &path), [1.0]);
+        // 0.1 s is 3 increments but for rounding.
+        assert_eq!(kinks_between(&equal_increments(0.3, 9), &[[0.0, 0.0], [0.1, 1.0]]), [0.0; 0]);
+        // A ramp in four digits is one straight line, a push of a thousandth is not.
+        let ramp: Vec<[f64; 2]> =
+            (0..=9).map(|k| [f64::from(k) / 9.0, (f64::from(k) / 9.0 * 1e7).round() / 1e7]).collect();
+        assert_eq!(kinks_between(&[1.0], &ramp), [0.0; 0]);
+        let push = [[0.0, 1.0], [0.4, 1.0], [0.5, 1.001], [0.6, 1.0]];
+        assert_eq!(kinks_between(&[0.5, 1.0], &push), [0.4, 0.6]);
+    }
+
+    #[test]
+    fn further_ends_are_no_increments_of_rounding() {
+        assert_eq!(with_further_ends(&[1.0, 2.0], [0.5, 1.0 + 1e-12, 1.5, 0.5 + 1e-12, 3.0]), [0.5, 1.0, 1.5, 2.0]);
+        assert_eq!(with_further_ends(&[1.0, 2.0], []), [1.0, 2.0]);
     }
 
     #[test]

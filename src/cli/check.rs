@@ -21,7 +21,7 @@ use stickslip::problem::ProblemError;
 use stickslip::report::{PairRecord, Warning, bytes_on_disk};
 use stickslip::run::{RunError, discretise};
 use stickslip::scene::Scene;
-use stickslip::solvability::{Conditions, rigid_equilibrium};
+use stickslip::solvability::{Conditions, rigid_equilibrium_with};
 use stickslip::units::{Quantity, UnitSystem};
 
 use super::{Failure, SceneArgs};
@@ -52,8 +52,8 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         scene.time.end / scene.time.increments as f64,
         scene.time.end
     );
-    for kink in histories::stepped_over(&scene, &model.units()) {
-        say!("stepped over {kink}: no increment ends there; choose time.increments so that one does");
+    for kinks in histories::between(&scene, &model.units()) {
+        say!("             further ends: {kinks}");
     }
     say!(
         "solver       {}, setting {}, {}; at most {} iterations; error of every law at most {:.0e}",
@@ -332,7 +332,8 @@ fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
     }
     for time in scene.time.all() {
         let force = model.loading.force_at(time, &model.problem)?;
-        let driven = rigid_equilibrium(&model.problem, &force)?;
+        let mu = model.loading.friction().map(|friction| friction.at(time));
+        let driven = rigid_equilibrium_with(&model.problem, mu.as_deref().unwrap_or(model.problem.mu()), &force)?;
         if let Some(motion) = driven.and_then(|weights| named(model, &weights)) {
             say!(
                 "NO BALANCE   first at t = {time} s: the loads drive {}, which no contact force within its \

@@ -25,7 +25,7 @@ use stickslip::report::{
     Resultant, RunReport, Unknowns, Warning,
 };
 use stickslip::run::{Need, Run};
-use stickslip::scene::{Origin, Scene};
+use stickslip::scene::{Origin, Scene, Time};
 use stickslip::units::Quantity;
 
 use super::progress::Progress;
@@ -258,6 +258,11 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
         say!("solver       auto: {reason}");
     }
     let total: usize = blocks.iter().map(|(count, _)| count).sum();
+    let Time { increments, kinks, .. } = &scene.time;
+    if !kinks.is_empty() {
+        let fewer = if kinks.len() > *increments { "; histories with fewer points have fewer" } else { "" };
+        say!("increments   {increments} equal ones, and {} more that end at kinks of histories{fewer}", kinks.len());
+    }
     say!("unknowns     {total} = {}{reduced}", present.collect::<Vec<_>>().join(" + "));
     let condenses = choice.linear.condenses();
     let left_out = LeftOut::all(model, condenses, run.working_set().filter(|_| condenses));

@@ -14,6 +14,7 @@ use crate::formulation::Layout;
 use crate::linear::{Direct, LinearError, Statistics};
 use crate::loading::Loading;
 use crate::problem::{ContactProblem, State};
+use crate::solvability::{Landing, Load, NEARBY, is_carried_without_strain, landing};
 use crate::units::Scaling;
 
 /// A distance, pressure or reserve of friction below this share of the largest is none.
@@ -99,15 +100,42 @@ impl<'a> Walk<'a> {
         Ok(walk)
     }
 
-    /// Nodes that touch start closed: where contact alone holds the body, anything else would be singular.
+    /// Nodes that touch start closed: where contact alone holds the body, anything else would be singular. Such a body first comes to
+    /// rest under the loads that come first, as a rigid one, however small they are.
     fn begin(&mut self) {
-        let Given { gap, slide, .. } = &self.stretch.at;
-        for (i, status) in self.statuses.iter_mut().enumerate() {
-            if gap[i] <= 0.0 {
-                *status = if self.rough[i] { NodeStatus::Stick } else { NodeStatus::Forward };
+        let rest = if is_carried_without_strain(self.problem) { self.rest() } else { None };
+        let gap = &self.stretch.at.gap;
+        let nodes = match rest {
+            None => (0..gap.len()).filter(|&i| gap[i] <= 0.0).collect(),
+            Some(Landing { weights, nodes }) => {
+                let mut u = vec![0.0; self.problem.displacements()];
+                for (weight, motion) in weights.iter().zip(self.problem.free_motions()) {
+                    u.iter_mut().zip(motion).for_each(|(u, r)| *u += weight * r);
+                }
+                let [w_n, w_t, w_o] = self.problem.contact_motion(&u);
+                let w_t = self.along([&w_t, &w_o], 1.0);
+                self.at = Contact { w_n, w_t, u, ..Contact::zero(self.statuses.len()) };
+                nodes
             }
+        };
+        for i in nodes {
+            self.statuses[i] = if self.rough[i] { NodeStatus::Stick } else { NodeStatus::Forward };
         }
-        self.stuck = slide.iter().map(|slide| -slide).collect();
+        self.stuck = self.at.w_t.iter().zip(&self.stretch.at.slide).map(|(w, slide)| w - slide).collect();
+    }
+
+    /// Where the loads that come first carry a rigid body to; `None` where nothing stops it.
+    fn rest(&self) -> Option<Landing> {
+        let Given { force, .. } = &self.stretch.change;
+        let sizes: Vec<f64> = force.iter().map(|f| f.abs()).collect();
+        let gap = &self.stretch.at.gap;
+        let reach: Vec<f64> = gap.iter().map(|gap| NEARBY * gap.abs()).collect();
+        landing(self.problem, self.mu, &Load { force, sizes: &sizes }, gap, &reach)
+    }
+
+    /// Of values along both tangents those along which nodes slide, in this `unit`.
+    fn along(&self, values: [&Vec<f64>; 2], unit: f64) -> Vec<f64> {
+        self.tangents.iter().enumerate().map(|(i, k)| k.map_or(0.0, |k| values[k][i] / unit)).collect()
     }
 
     /// Goes over to the stretch that begins where the last one ends.
@@ -173,10 +201,7 @@ impl<'a> Walk<'a> {
         (self.share, self.decided) = (0.0, false);
         let Scaling { force, length } = self.scaling;
         let [w_n, w_t, w_o] = self.problem.contact_motion(&state.u);
-        let along = |values: [&Vec<f64>; 2], unit: f64| -> Vec<f64> {
-            self.tangents.iter().enumerate().map(|(i, k)| k.map_or(0.0, |k| values[k][i] / unit)).collect()
-        };
-        let (w_t, p_t) = (along([&w_t, &w_o], length), along([&state.p_t, &state.p_o], force));
+        let (w_t, p_t) = (self.along([&w_t, &w_o], length), self.along([&state.p_t, &state.p_o], force));
         let scaled = |values: &[f64], unit: f64| values.iter().map(|value| value / unit).collect::<Vec<_>>();
         self.statuses = (0..statuses.len())
             .map(|i| match statuses[i] {

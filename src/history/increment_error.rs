@@ -5,7 +5,8 @@
 //! solution sets out along the contact cases at the start of an increment,
 //!
 //! - a node that was open touches after the share `τ = gap / (w_n' - g')` of it and has slid `δ = τ w_T'` by then; one that slips
-//!   and goes on so does stick half way through, `δ = ½ w_T'`;
+//!   and goes on so does stick half way through, `δ = ½ w_T'`; one that touches, and slips in the increment by less than `τ w_T'`, did all of that
+//!   before it touched and sticks `δ = τ w_T' - Δw_T` farther on: its friction is off by `r |δ|`, and by twice itself at most;
 //! - that is an error `e = (e_u, e_p)` of the solution, `K e_u + Cᵀ e_p = 0` along the cases at its end: `w_T(e)` is `δ` more
 //!   than before at nodes that begin to stick and stays at those that stick, and slip loses it;
 //! - the work is `Σ μ ½ (p_n0 + p_n1) |Δw_T|` with both forces and the slip corrected by `e`, and with `|δ|` of those that
@@ -32,6 +33,10 @@ const CORNER: f64 = 0.9;
 
 /// Slip that is a smaller share of what nodes do is rounding, and so is a smaller share of an increment.
 const NEGLIGIBLE: f64 = 1e-9;
+
+/// A node that slides in an increment, though it sticks, counts where its friction may be off by a larger share of the largest friction of all nodes
+/// so far: a smaller error is no warning.
+const NOTABLE: f64 = 0.05;
 
 /// What the increments of a history do to its work of friction and to its tangential forces, estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -249,12 +254,28 @@ impl IncrementErrors {
         let turned = self.turn(formulation);
         let cases: Vec<(bool, TangentialCase)> =
             (0..self.nodes.len()).map(|i| (formulation.is_closed(i, z), formulation.friction_case(i, z))).collect();
-        let mut begins = vec![Begin::default(); self.nodes.len()];
         let mut sticks = false;
+        // The friction of nodes that stick though the increment has them slide is not carried on: it would take other factors.
+        let mut alone = 0.0_f64;
+        let notable = NOTABLE * self.largest[1].max(friction_of_all(formulation, weight, z));
         let farthest = self.nodes.iter().map(|node| node.distance).fold(0.0, f64::max);
+        let begin = |i: usize| {
+            let rate = rate.filter(|_| layout.has_friction(i)).map(|rate| rate[i]);
+            Begin::of(&self.nodes[i], cases[i].1, formulation.slip(i, z), rate)
+        };
+        let mut begins: Vec<Begin> = (0..self.nodes.len()).map(begin).collect();
+        let first = begins.iter().filter_map(|begin| begin.touches).fold(f64::INFINITY, f64::min);
         for (i, begin) in begins.iter_mut().enumerate().filter(|(i, _)| layout.has_friction(*i)) {
             let node = &self.nodes[i];
-            *begin = Begin::of(node, cases[i].1, rate.map(|rate| rate[i]));
+            if let (TangentialCase::Slip { .. }, true) = (cases[i].1, begin.sticks) {
+                let by_spring = formulation.r_t(i) * length(begin.delta) / weight.map_or(1.0, |l| l[i]).sqrt();
+                // Its friction is within the cone, so that it may be off by the width of that at most: by twice what it is.
+                let most = by_spring.min(2.0 * friction_at(formulation, weight, i, z));
+                // The rate is that of the node that touches first; others may have been held up by it.
+                begin.sticks = begin.touches == Some(first) && most > notable;
+                begin.delta = [0.0; 2];
+                alone = alone.max(if begin.sticks { most } else { 0.0 });
+            }
             sticks |= if self.is_straight { begin.sticks } else { node.begins_to_stick(cases[i].1, farthest, turned) };
             if turned && !node.is_open() {
                 // The rate goes on along the old cases, where it may run the wrong way.
@@ -284,12 +305,9 @@ impl IncrementErrors {
             let distance = if closed { 0.0 } else { positive(gap - formulation.w_n(i, z)) };
             self.nodes[i] = Node { closed, case, distance, p_n, w, error_w, error_p_n };
         }
-        let size = |z: &[f64]| {
-            let of_node = |i: usize| length(formulation.p_t(i, z)).powi(2) / weight.map_or(1.0, |l| l[i]);
-            (0..layout.contacts()).map(of_node).sum::<f64>().sqrt()
-        };
-        let sizes = [error.as_deref().map_or(0.0, size), size(z)];
+        let sizes = [error.as_deref(), Some(z)].map(|z| z.map_or(0.0, |z| friction_of_all(formulation, weight, z)));
         self.largest = [0, 1].map(|k| self.largest[k].max(sizes[k]));
+        self.largest[0] = self.largest[0].max(alone);
         self.force.copy_from_slice(formulation.force());
         self.gap = (0..layout.contacts()).map(|i| formulation.at_node(i).0).collect();
         Ok(())
@@ -339,6 +357,17 @@ impl IncrementErrors {
         }
         solved(linear, &formulation.change([], &vec![0.0; origin.len()], &origin))
     }
+}
+
+/// The tangential force of node `i` at `z`, by the root of its weight.
+fn friction_at(formulation: &Bdiff, weight: Option<&[f64]>, i: usize, z: &[f64]) -> f64 {
+    length(formulation.p_t(i, z)) / weight.map_or(1.0, |l| l[i]).sqrt()
+}
+
+/// The root of the sum of the squares of these of all nodes.
+fn friction_of_all(formulation: &Bdiff, weight: Option<&[f64]>, z: &[f64]) -> f64 {
+    let nodes = 0..formulation.layout().contacts();
+    nodes.map(|i| friction_at(formulation, weight, i, z).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Linearises for these cases with factors, if they are not those of the last linearisation; whether that can be solved with.

@@ -9,15 +9,15 @@ use super::position::Position;
 use super::record::{IncrementRecord, Status};
 use super::settings::HistorySettings;
 use super::stage::Stages;
-use super::{Error, HistoryOutcome};
+use super::{Error, HistoryOutcome, Observer};
 use crate::condense::Condensation;
 use crate::contact::KktScales;
 use crate::linear::{Direct, Statistics};
 use crate::loading::Loading;
 use crate::problem::{ContactProblem, State};
 
-/// From where a jump starts.
-pub(super) struct Edge<'a> {
+/// From where a jump starts, or increments that are solved again.
+pub(crate) struct Edge<'a> {
     pub problem: &'a ContactProblem,
     pub loading: &'a Loading,
     pub settings: &'a HistorySettings,
@@ -39,7 +39,7 @@ pub(super) struct Landed {
 }
 
 /// The linear algebra of a jump.
-pub(super) enum Means<'m> {
+pub(crate) enum Means<'m> {
     /// That of the whole body.
     Whole(&'m mut Direct),
     /// That of the condensed one.
@@ -58,7 +58,7 @@ impl Edge<'_> {
             if time <= self.time {
                 break;
             }
-            let outcome = self.try_to(time, &settings, means)?;
+            let outcome = self.try_to(&[time], &settings, &mut (), means)?;
             if let (Status::Converged, Some(record)) = (outcome.status, outcome.records.last()) {
                 let record = record.clone();
                 return Ok(Some(Landed { time, state: outcome.state, record }));
@@ -67,7 +67,26 @@ impl Edge<'_> {
         Ok(None)
     }
 
-    fn try_to(&self, time: f64, settings: &HistorySettings, means: &mut Means<'_>) -> Result<HistoryOutcome, Error> {
+    /// Solves the increments that end at `times` (s), as far as they converge; `observer` sees them. The verdict of the last one.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(crate) fn go_on(
+        &self,
+        times: &[f64],
+        observer: &mut dyn Observer,
+        means: &mut Means<'_>,
+    ) -> Result<Status, Error> {
+        Ok(self.try_to(times, self.settings, observer, means)?.status)
+    }
+
+    fn try_to(
+        &self,
+        times: &[f64],
+        settings: &HistorySettings,
+        observer: &mut dyn Observer,
+        means: &mut Means<'_>,
+    ) -> Result<HistoryOutcome, Error> {
         let &Edge { problem, loading, ref state, scales, .. } = self;
         let [w_n, w_t, w_o] = problem.contact_motion(&state.u);
         let position = Position {
@@ -82,9 +101,9 @@ impl Edge<'_> {
         let mut stages = Stages {
             problem,
             loading,
-            times: &[time],
+            times,
             settings,
-            observer: &mut (),
+            observer,
             outcome: HistoryOutcome::begun(problem),
             position,
             start: Instant::now(),

@@ -29,7 +29,7 @@ use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Outcome, Stop};
 use crate::problem::{ContactProblem, Increment, State};
-use crate::solvability::{Load, driven_motion, motion_driven_in_the_equations};
+use crate::solvability::{Load, driven_motion, is_carried_without_strain, motion_driven_in_the_equations};
 
 /// The way through a history as far as it has converged, and the data of the part tried last.
 pub(super) struct Path<'a> {
@@ -108,7 +108,7 @@ impl<'a> Path<'a> {
             method,
             held,
             at,
-            may_be_carried: landed::is_carried_without_strain(problem),
+            may_be_carried: is_carried_without_strain(problem),
             force: vec![0.0; problem.displacements()],
             condensed_force: vec![0.0; condensed.map_or(0, |condensed| condensed.problem.displacements())],
             gap: vec![0.0; n_c],

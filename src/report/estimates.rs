@@ -83,8 +83,11 @@ const UNEVEN: f64 = 3.0;
 /// Zones with fewer nodes across leave the zone that sticks known to a twentieth at best.
 const FINE_FOR_STICK: usize = 40;
 
-/// Meshes with a larger error in the energy norm are told: a tenth of the energy.
-const COARSE: f64 = 0.3;
+/// Where corners make the solution singular the estimate is this share of the error in the energy norm.
+const OF_SINGULAR: f64 = 0.6;
+
+/// Meshes with a larger error in the energy norm are told: a tenth of the energy, where the solution is singular.
+const COARSE: f64 = 0.2;
 
 /// Stresses with a larger error are told, where it is so many times that of the mesh.
 const ROUGH: f64 = 0.1;
@@ -329,10 +332,12 @@ fn of_contact(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) ->
 /// That the mesh is too coarse for the body itself.
 fn coarse(error: f64) -> Option<Warning> {
     let message = format!(
-        "the mesh is coarse: its error is about {:.0} % in the energy norm, so that displacements and forces may be off by about {:.0} %, \
-         pressures by more; refine it where the field `discretisation_error` is large, or use elements of second order",
+        "the mesh is coarse: its error is about {:.0} % in the energy norm, so that displacements and forces may be off by about {:.0} %, where \
+         stresses at corners or ends of supports are singular by {:.0} %, pressures by more; refine it where the field `discretisation_error` is \
+         large, or use elements of second order",
         100.0 * error,
-        100.0 * error * error
+        100.0 * error * error,
+        100.0 * (error / OF_SINGULAR).powi(2)
     );
     (error > COARSE).then_some(Warning { kind: WarningKind::CoarseMesh, message })
 }

@@ -8,6 +8,9 @@ use crate::history::{HistoryOutcome, Method, Solver, Status};
 use crate::model::Model;
 use crate::units::Quantity;
 
+/// A motion of contact nodes that is a smaller share of that of the body is rounding.
+const NEGLIGIBLE: f64 = 1e-9;
+
 /// Why a run ended early.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
@@ -132,7 +135,7 @@ fn advice(solver: &Solver, model: &Model) -> String {
             );
         }
     };
-    words.to_string()
+    format!("{words}{}", held_by_contact(model))
 }
 
 /// The largest Young's modulus of any cell, Pa; in plane stress a little less.
@@ -142,10 +145,39 @@ fn stiffest(model: &Model) -> f64 {
 }
 
 fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
-    match motion(model, outcome) {
-        Some(motion) => format!("nothing holds {}; add a support", motion.against(&model.units())),
-        None => "the linearised problem is singular".to_string(),
+    match (motion(model, outcome), &outcome.free_motion) {
+        (Some(motion), Some(weights)) if !meets_contact(model, weights) => {
+            format!("nothing holds {}; add a support", motion.against(&model.units()))
+        }
+        _ => format!("the linearised problem is singular{}", held_by_contact(model)),
     }
+}
+
+/// Whether contact forces do work along the free motion with these weights.
+fn meets_contact(model: &Model, weights: &[f64]) -> bool {
+    let problem = &model.problem;
+    let mut u = vec![0.0; problem.displacements()];
+    for (weight, motion) in weights.iter().zip(problem.free_motions()) {
+        u.iter_mut().zip(motion).for_each(|(u, r)| *u += weight * r);
+    }
+    let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let [w_n, w_t, w_o] = problem.contact_motion(&u);
+    let rubs =
+        |w: &[f64]| w.iter().zip(problem.mu()).map(|(w, mu)| if *mu > 0.0 { *w } else { 0.0 }).collect::<Vec<_>>();
+    [w_n, rubs(&w_t), rubs(&w_o)].iter().any(|w| largest(w) > NEGLIGIBLE * largest(&u))
+}
+
+/// What there is to say where no equilibrium was found of a body that contact alone holds: that it may have one was asked before.
+fn held_by_contact(model: &Model) -> String {
+    if model.rigid_motions.is_empty() || model.contacts.is_empty() {
+        return String::new();
+    }
+    let motions: Vec<String> = model.rigid_motions.iter().map(|motion| motion.against(&model.units())).collect();
+    format!(
+        "; only contact can hold {}: contact forces within their friction could balance the loads, but no state was found \
+         in which they do; add a support, or loads that press the body on its obstacles from the start",
+        motions.join(" and ")
+    )
 }
 
 fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {

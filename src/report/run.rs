@@ -9,6 +9,7 @@ use super::exact_path::{self, ExactPath};
 use super::explain::Explanation;
 use super::history_curves::HistoryCurves;
 use super::increment_warnings;
+use super::leap::Leap;
 use super::pairs::PairRecord;
 use super::peak::LargestPressure;
 use super::quantities;
@@ -94,6 +95,9 @@ pub struct RunReport {
     /// How many increments a first run asked for, where nobody said it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chosen_increments: Option<ChosenIncrements>,
+    /// Where increments end besides the equal ones, s: kinks of histories at which none of these ends.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub kinks: Vec<f64>,
     /// One record per increment; none where they go elsewhere as they are made, see [`Run::solve_to`](crate::run::Run::solve_to).
     pub increments: Vec<IncrementRecord>,
     /// What became of the exact path, where that was followed.
@@ -234,6 +238,8 @@ pub struct Facts<'a> {
     pub reactions: Vec<BalanceRecord>,
     /// The same at the end of the last one that converged.
     pub last_reactions: Option<BalanceRecord>,
+    /// Where contact forces jump, if they do.
+    pub leap: Option<Leap>,
     /// What is left of the balance.
     pub balance: BalanceWatch,
     /// The history as it is drawn.
@@ -263,6 +269,7 @@ impl RunReport {
         );
         warnings.extend(exact_path::curved_gaps(solver.method, model, outcome));
         warnings.extend(exact_path::jumps(&outcome.jumps));
+        warnings.extend(facts.leap.map(|leap| leap.warning()));
         warnings.extend(facts.balance.unbalanced(solver.tolerance));
         warnings.extend(facts.missing);
         let blas = Blas::loaded();
@@ -299,6 +306,7 @@ impl RunReport {
             left_out: LeftOut::all(model, facts.condensed, facts.working_set),
             working_set: outcome.working_set,
             chosen_increments: None,
+            kinks: scene.map(|scene| scene.time.kinks.clone()).unwrap_or_default(),
             increments: facts.increments,
             exact_path: ExactPath::of(solver.method, outcome),
             totals: Totals {

@@ -32,6 +32,8 @@ pub enum WarningKind {
     LayersThroughElements,
     /// A load that acts on nothing but supports.
     IdleLoad,
+    /// A coefficient of friction beyond what surfaces have.
+    LargeFriction,
     /// A boundary that never touches its obstacle.
     NoContact,
     /// Displacements that are not small.
@@ -86,7 +88,10 @@ impl WarningKind {
     /// Whether it is known only once the scene is solved; that elements lock is expected before.
     pub fn needs_the_solution(self) -> bool {
         match self {
-            WarningKind::LayersThroughElements | WarningKind::IdleLoad | WarningKind::SlowBlas => false,
+            WarningKind::LayersThroughElements
+            | WarningKind::IdleLoad
+            | WarningKind::LargeFriction
+            | WarningKind::SlowBlas => false,
             WarningKind::Locking
             | WarningKind::NoContact
             | WarningKind::LargeDisplacements
@@ -127,6 +132,9 @@ const HALVED: f64 = 2.64;
 /// The same of elements of second order, which at 0.499 are as good as B-bar elements.
 const QUADRATIC_LOCKING: f64 = 0.499;
 
+/// Coulomb's coefficient is hardly larger anywhere: soft rubber on dry asphalt comes to 1.5.
+const PLAUSIBLE: f64 = 2.0;
+
 /// Relative to the size of the body, what rounding leaves of the corners of an element.
 const ROUNDING: f64 = 1e-9;
 
@@ -136,6 +144,7 @@ impl Warning {
         let messages = [
             (WarningKind::LayersThroughElements, layers_through_elements(model)),
             (WarningKind::IdleLoad, idle_load(model)),
+            (WarningKind::LargeFriction, large_friction(model)),
         ];
         let found = messages.into_iter().filter_map(|(kind, message)| Some(Warning { kind, message: message? }));
         expected(model).into_iter().chain(found).collect()
@@ -255,6 +264,16 @@ fn layers_through_elements(model: &Model) -> Option<String> {
     Some(format!(
         "the border between layers at {axis} = {height} {unit} goes through {count} elements, each of which is of one layer; \
          let elements end there"
+    ))
+}
+
+fn large_friction(model: &Model) -> Option<String> {
+    let largest = |nodes: &[usize]| nodes.iter().map(|&i| model.problem.mu()[i]).fold(0.0, f64::max);
+    let contacts = model.contact_boundaries.iter().map(|boundary| (largest(&boundary.nodes), &boundary.name));
+    let (mu, name) = contacts.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(mu, _)| *mu > PLAUSIBLE)?;
+    Some(format!(
+        "the friction of `{name}` is up to {mu}, and few surfaces have more than {PLAUSIBLE}: is it in percent? Where nothing is to slide, glue = true \
+         ties bodies to each other, and a [[support]] holds one"
     ))
 }
 

@@ -66,11 +66,24 @@ fn stretch_ends(times: &[f64], kinks: &[f64]) -> Vec<usize> {
     (1..=times.len()).filter(|&k| k == times.len() || is_kink(times[k - 1])).collect()
 }
 
+/// The ends of the stretches of a history until `end` (s) between its `kinks`.
+fn corners(end: f64, kinks: &[f64]) -> Vec<f64> {
+    let mut corners: Vec<f64> = kinks.iter().copied().filter(|t| *t > 0.0 && *t < end).collect();
+    corners.push(end);
+    corners
+}
+
+/// The length (s) of the shortest stretch between `kinks` of a history until `end` (s).
+pub(super) fn shortest_stretch(end: f64, kinks: &[f64]) -> f64 {
+    let corners = corners(end, kinks);
+    let begins = [0.0].into_iter().chain(corners.iter().copied());
+    begins.zip(&corners).map(|(begin, end)| end - begin).fold(end, f64::min)
+}
+
 /// Into how few equal parts a history until `end` (s) is divided so that its `kinks` lie between parts, and how many of these the
 /// shortest stretch between kinks has. Where too many would be needed, kinks lie within parts.
 pub(super) fn equal_parts(end: f64, kinks: &[f64]) -> (usize, usize) {
-    let mut corners: Vec<f64> = kinks.iter().copied().filter(|t| *t > 0.0 && *t < end).collect();
-    corners.push(end);
+    let corners = corners(end, kinks);
     let between = |parts: usize| {
         corners.iter().all(|t| {
             let at = t / end * parts as f64;
@@ -78,8 +91,7 @@ pub(super) fn equal_parts(end: f64, kinks: &[f64]) -> (usize, usize) {
         })
     };
     let parts = (1..=MOST_PARTS).find(|&parts| between(parts)).unwrap_or(MOST_PARTS);
-    let begins = [0.0].into_iter().chain(corners.iter().copied());
-    let shortest = begins.zip(&corners).map(|(begin, end)| end - begin).fold(end, f64::min);
+    let shortest = shortest_stretch(end, kinks);
     (parts, ((shortest / end * parts as f64).round() as usize).max(1))
 }
 

@@ -1,6 +1,6 @@
 //! How many increments leave a given error.
 
-use super::companion::equal_parts;
+use super::companion::{equal_parts, shortest_stretch};
 use super::discretise::for_run;
 use super::{Run, RunError};
 use crate::history::Observer;
@@ -16,7 +16,7 @@ const FIRST: usize = 8;
 const ON_THE_SAFE_SIDE: f64 = 1.3;
 
 /// The equal increments of `scene` that leave a share `asked` of error in the tangential forces, by a first run with a companion.
-/// Corners of the loads are ends of increments, where equal increments can do that. `prepare` sees the model before anything is solved; `observer` sees iterations, and may stop the run.
+/// Corners of the loads lie between equal increments, where few can do that, and are further ends otherwise. `prepare` sees the model before anything is solved; `observer` sees iterations, and may stop the run.
 ///
 /// # Errors
 /// As [`Run::new`] and [`Run::solve`], and where there would be more increments than a scene may have.
@@ -35,8 +35,10 @@ pub fn increments_for(
     let first = scene.with(&[Override::value("time.increments", tried as i64)])?;
     let report = Run::new(&first)?.with_companion().solve(&mut OnlyIterations(observer))?;
     let error = report.estimates.force_error();
+    // A stretch that is shorter than an increment has one all the same: only increments that are shorter than it divide it.
+    let dividing = (tried as f64).max(scene.time.end / shortest_stretch(scene.time.end, &kinks));
     let needed = |error: f64| {
-        let increments = ON_THE_SAFE_SIDE * tried as f64 * error / asked;
+        let increments = ON_THE_SAFE_SIDE * dividing * error / asked;
         parts * (increments / parts as f64).ceil() as usize
     };
     let increments = error.filter(|error| *error > asked).map_or(tried, |error| needed(error).max(tried));

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::leaps::Leaps;
 use super::recording::RecordedIncrement;
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::events::Event;
@@ -57,6 +58,7 @@ pub(super) struct Watch<'a, 'b> {
     /// The increments, ascending from 1, at whose ends contact forces are kept; and these.
     numbers: &'a [usize],
     pub states: Vec<State>,
+    pub leaps: Leaps,
 }
 
 /// What it knows between two increments.
@@ -69,6 +71,7 @@ struct Known {
     last_reactions: Option<BalanceRecord>,
     last: Option<RecordedIncrement>,
     states: Vec<State>,
+    leaps: Leaps,
 }
 
 impl<'a, 'b> Watch<'a, 'b> {
@@ -76,6 +79,7 @@ impl<'a, 'b> Watch<'a, 'b> {
         model: &'a Model,
         keeps_last: bool,
         numbers: &'a [usize],
+        leaps: Leaps,
         audience: &'a mut Audience<'b>,
     ) -> Self {
         Watch {
@@ -93,13 +97,14 @@ impl<'a, 'b> Watch<'a, 'b> {
             last: None,
             numbers,
             states: Vec::new(),
+            leaps,
         }
     }
 
     /// Goes on where it left its part in a `checkpoint`.
     pub(super) fn go_on_from(&mut self, checkpoint: &Checkpoint) -> Result<(), CheckpointError> {
-        let Known { validity, seen, balance, curves, last_reactions, last, states } = checkpoint.part(1)?;
-        if !validity.fits(self.model) || !self.estimates.go_on_with(self.model, seen) {
+        let Known { validity, seen, balance, curves, last_reactions, last, states, leaps } = checkpoint.part(1)?;
+        if !validity.fits(self.model) || !leaps.fit(self.model) || !self.estimates.go_on_with(self.model, seen) {
             return Err(CheckpointError::Other { what: "the mesh or its contact" });
         }
         let before = self.numbers.iter().filter(|number| **number <= checkpoint.increments()).count();
@@ -107,7 +112,7 @@ impl<'a, 'b> Watch<'a, 'b> {
             return Err(CheckpointError::Other { what: "what is asked for (--companion, --uniqueness)" });
         }
         (self.validity, self.balance, self.curves) = (validity, balance, curves);
-        (self.last_reactions, self.last, self.states) = (last_reactions, last, states);
+        (self.last_reactions, self.last, self.states, self.leaps) = (last_reactions, last, states, leaps);
         Ok(())
     }
 
@@ -172,6 +177,7 @@ impl Observer for Watch<'_, '_> {
         let step = &Step { record: record.as_ref().unwrap_or(step.record), ..*step };
         self.validity.see(self.model, step);
         self.estimates.see(self.model, step);
+        self.leaps.see(self.model, step);
         let converged = step.record.status == Status::Converged;
         if converged && self.numbers.binary_search(&step.record.index).is_ok() {
             self.states.push(tangential_forces(step.state));
@@ -183,7 +189,7 @@ impl Observer for Watch<'_, '_> {
     }
 
     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
-        let Watch { validity, estimates, balance, curves, last_reactions, last, states, audience, .. } = self;
+        let Watch { validity, estimates, balance, curves, last_reactions, last, states, leaps, audience, .. } = self;
         let known = || Known {
             validity: validity.clone(),
             seen: estimates.seen().clone(),
@@ -192,6 +198,7 @@ impl Observer for Watch<'_, '_> {
             last_reactions: last_reactions.clone(),
             last: last.clone(),
             states: states.clone(),
+            leaps: leaps.clone(),
         };
         audience.observer().rest(&|| here().with(&known()));
     }

@@ -26,9 +26,9 @@ pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene,
         bodies::bodies(&mut document, &source).map_err(|fault| source.located(fault))?;
     source.material_keys = keys;
     let at = |fault: Fault| source.located(fault);
-    let time = time(&document.time).map_err(at)?;
+    let mut time = time(&document.time).map_err(at)?;
     let contacts: Vec<_> = document.contact.into_iter().enumerate().collect();
-    let given = Description {
+    let mut given = Description {
         mesh,
         element,
         material,
@@ -44,6 +44,9 @@ pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene,
     };
     // Before and after the conversion: messages quote the numbers of the scene, but what is too large for the solver shows in SI.
     given.check().map_err(at)?;
+    let is_further = |t: &f64| given.times.binary_search_by(|end| end.total_cmp(t)).is_err();
+    time.kinks = given.ends_at_kinks(&given.times).into_iter().filter(is_further).collect();
+    given.times = time.all();
     let description = given.given_in(document.units);
     description.check().map_err(|fault| at(fault.in_si()))?;
     let solver = solver::solver(&document.solver, !description.contacts.is_empty()).map_err(at)?;
@@ -81,7 +84,7 @@ fn time(time: &document::Time) -> Result<Time, Fault> {
     let help = "the history is divided into this many equal increments";
     let sound = (1..=10_000_000).contains(&increments);
     demand(sound, "time.increments", &increments, "at least 1 and at most 10 million", help)?;
-    Ok(Time { end, increments: increments as usize })
+    Ok(Time { end, increments: increments as usize, kinks: Vec::new() })
 }
 
 /// The formula at `key`; what is wrong within it is underlined.

@@ -1,10 +1,13 @@
 //! What increments leave, by the run itself, beside the exact path in time. doc/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::history::IncrementError;
+use stickslip::history::{self, HistorySettings, IncrementError, Method, System};
+use stickslip::loading::{LoadCase, Loading};
+use stickslip::problem::{ContactProblem, Parts};
 use stickslip::report::{RunReport, WarningKind};
 use stickslip::run::Run;
 use stickslip::scene::Scene;
+use stickslip::sparse::{Csr, Symmetric};
 
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
@@ -47,6 +50,46 @@ fn proportional_loads_leave_an_error_of_the_work_alone() {
         found.friction_work_corrected
     });
     assert!(works.iter().all(|work| (work / works[0] - 1.0).abs() < 1e-9), "{works:?}");
+}
+
+/// A push that comes and goes between the ends of equal increments: further increments end at its kinks, so that it leaves the same forces as with
+/// increments that are short enough for it. So do a support, an obstacle and friction that come and go.
+#[test]
+fn increments_end_at_kinks() {
+    let block = ["contact.friction=0.1", "mesh.elements=[10,10]", "solver.setting=\"default\""];
+    let obstacle = "contact.obstacle={kind=\"plane\", gap=1e-5, approach=[[1,0],[1.1,9e-6],[1.2,0]]}";
+    let support = ["support[0].displacement=[1e-5,0]", "support[0].history=[[1,0],[1.1,1],[1.2,0]]"];
+    for set in [
+        &["load[1].history=[[1,0],[1.1,1],[1.2,0]]"][..],
+        &[obstacle],
+        &support,
+        &["contact.friction_history=[[1,1],[1.1,0.1],[1.2,1]]"],
+    ] {
+        let set = [&block, set].concat();
+        let [coarse, fine] = [10, 20].map(|n| solved(BLOCK, n, &set));
+        assert_eq!((&coarse.kinks[..], fine.kinks.len(), coarse.increments.len()), (&[1.1][..], 0, 11));
+        let [few, many] = [&coarse, &fine].map(|report| report.end.sum_p_t);
+        assert!((few - many).abs() < 1e-3 * many.abs(), "{set:?}: {few} {many}");
+    }
+}
+
+/// A node on springs of 2 N/m moves along a floor, 0.4 m above it, while it is pressed towards it, and touches when 0.8 of the loads of 1 N are
+/// there: it has moved by 0.4 m and sticks there, under 0.2 N along the floor. The increment has it slide by 0.2 m, counted from where it was
+/// when it was still apart, under 0.6 N.
+#[test]
+fn a_node_that_sticks_where_it_touches_though_its_increment_has_it_slide() {
+    let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 1, 2.0)]).unwrap();
+    let [c_n, c_t] = [(1, -1.0), (0, 1.0)].map(|entry| Csr::from_rows(2, [[entry]]).unwrap());
+    let problem = ContactProblem::new(Parts { c_t, mu: vec![3.0], ..Parts::new(stiffness, c_n) }).unwrap();
+    let load = LoadCase::new(vec![1.0, -1.0], vec![[0.0, 0.0], [1.0, 1.0]]).unwrap();
+    let loading = Loading::new(vec![load], vec![0.4]).unwrap();
+    let settings = HistorySettings::new(&problem, &loading, Method::BN).unwrap();
+    let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap();
+    assert!((outcome.state.p_t[0] - 0.6).abs() < 1e-12, "{:?}", outcome.state);
+    let found = outcome.increment_error.unwrap();
+    let told = found.force_error.unwrap() / (0.4 / 0.6);
+    assert!((0.4..2.0).contains(&told), "{found:?}");
+    assert_eq!((found.work_error, found.sticking_begins, found.fewest), (1.0, 1, Some(1)));
 }
 
 /// All nodes of the block slip with little friction: backward Euler has the exact forces, and there is nothing to warn of.

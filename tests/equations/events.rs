@@ -373,3 +373,42 @@ fn nodes_that_slide_in_a_plane_are_refused() {
     let model = model(cube, &["mesh.elements=[2,2,2]"]);
     assert_eq!(exact(&model, &[1.0], LinearAlgebra::default()).status, Status::Unsupported);
 }
+
+/// A block stands on one corner, in front of a slanting floor or above it, and nothing else holds it: it first comes to rest on two, as a rigid
+/// body does under loads however small, and then the path has the forces of an increment under loads that stay.
+#[test]
+fn a_body_that_contact_alone_holds_comes_to_rest_first() {
+    let standing = r#"
+        [mesh]
+        kind = "block"
+        size = [1.0, 1.0]
+        elements = [2, 2]
+        [material]
+        young = 1e9
+        poisson = 0.3
+        [[contact]]
+        boundary = "bottom"
+        friction = 0.5
+        obstacle = { kind = "formula", formula = "1e-3 * x", normal = [0, -1] }
+        [[load]]
+        boundary = "top"
+        traction = [2e4, -1e5]
+        history = [[0, 1]]
+        [time]
+        end = 1.0
+        increments = 1
+    "#;
+    for gap in ["1e-3 * x", "1e-3 * (1 + x)"] {
+        let model = model(standing, &[&format!("contact.obstacle.formula=\"{gap}\"")]);
+        let by_increment = solve(&model.problem, &model.loading, &[1.0], Method::BN, LinearAlgebra::default()).state;
+        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+            let outcome = exact(&model, &[1.0], linear);
+            assert_eq!(outcome.status, Status::Converged, "{gap} {linear}");
+            for (path, increment) in [(&outcome.state.p_n, &by_increment.p_n), (&outcome.state.p_t, &by_increment.p_t)]
+            {
+                let apart = path.iter().zip(increment).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+                assert!(apart < 1.0, "{gap} {linear}: {path:?} {increment:?}");
+            }
+        }
+    }
+}

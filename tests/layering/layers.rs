@@ -30,7 +30,10 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("local", &["linear", "sets", "sparse", "vector"]),
     ("nonlinear", &["formulation", "linear", "sparse", "units"]),
     ("condense", &["linear", "loading", "problem", "sparse"]),
-    ("events", &["contact", "formulation", "linear", "loading", "problem", "sets", "sparse", "units", "vector"]),
+    (
+        "events",
+        &["contact", "formulation", "linear", "loading", "problem", "sets", "solvability", "sparse", "units", "vector"],
+    ),
     (
         "history",
         &[

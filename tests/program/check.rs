@@ -100,17 +100,14 @@ fn check_tells_histories() {
                  turns by 0 rad at 0 s, 1e-6 rad at 1 s, -1e-6 rad at 2 s, mu = 0.4";
     assert!(told.contains(words), "{told}");
     assert!(told.contains("factor 0 at 0 s, 1 at 1 s, 0 at 2 s\n"), "{told}");
-    assert!(!told.contains("stepped over"), "{told}");
+    assert!(!told.contains("further ends"), "{told}");
 
     let told = check(&edit(&text, "increments = 4", "increments = 6"));
-    let stepped: Vec<&str> = told.lines().filter(|line| line.starts_with("stepped over")).collect();
-    let [line] = stepped[..] else { panic!("{told}") };
-    assert!(
-        line.contains("over the kink of the translation of the obstacle at bottom at 0.5 s: no increment"),
-        "{line}"
-    );
+    let further: Vec<&str> = told.lines().filter(|line| line.contains("further ends")).collect();
+    let [line] = further[..] else { panic!("{told}") };
+    assert_eq!(line.trim(), "further ends: the kink of the translation of the obstacle at bottom at 0.5 s");
     let told = check(&edit(&text, "increments = 4", "increments = 7"));
-    assert_eq!(told.matches("stepped over the kink of ").count(), 5, "{told}");
+    assert_eq!(told.matches("further ends: the kink of ").count(), 5, "{told}");
 
     // Ten points, of which three are left out.
     let many: Vec<String> = (0..10).map(|k| format!("[{}, {}e-6]", 0.2 * f64::from(k), k % 2)).collect();
@@ -130,4 +127,20 @@ fn check_tells_the_size_of_a_mesh_file() {
         assert_exit(&output, 0);
         assert!(stdout(&output).contains(size), "{}", stdout(&output));
     }
+}
+
+/// A coefficient of friction in percent is questioned before a run and in it, and nothing is refused.
+#[test]
+fn friction_beyond_what_surfaces_have_is_questioned() {
+    let questioned = |friction: &str| {
+        let (_folder, scene) = Folder::with_scene(&edit(&small(), "friction = 0.4", friction));
+        ["check", "run"].map(|command| {
+            let output = stickslip(&[command, &scene]);
+            assert_exit(&output, 0);
+            stdout(&output).contains("warning      the friction of `bottom` is up to 40, and few surfaces have more than 2: is it in percent?")
+        })
+    };
+    assert_eq!(questioned("friction = 40"), [true; 2]);
+    assert_eq!(questioned("friction = \"40 * x\""), [true; 2]);
+    assert_eq!(questioned("friction = 1.5"), [false; 2]);
 }

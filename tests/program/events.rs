@@ -96,3 +96,24 @@ fn a_lost_path_tells_how_far_friction_is_beyond_its_critical_value_and_may_jump(
         assert!(events(&folder).iter().any(|line| line.last().unwrap() == "open"));
     }
 }
+
+/// Increments of BN and IP lead over the end of the quasi-static motion however short they are, and it is told. With less friction there is no
+/// such end.
+#[test]
+fn an_increment_that_leads_over_the_end_of_the_motion_is_told() {
+    let (_folder, scene) = Folder::with_scene(OBLIQUE_BEAM);
+    let jumps = |method: &str, increments: usize, friction: f64| {
+        let set = [format!("time.increments={increments}"), format!("contact.friction={friction}")];
+        let run = ["run", &scene, "--method", method, "--set", &set[0], "--set", &set[1], "--json"];
+        let report = json(&stickslip(&run));
+        assert_eq!(report["status"], "converged");
+        let warnings = report["warnings"].as_array().unwrap().iter();
+        warnings.filter(|warning| warning["kind"] == "jump").map(|warning| warning["message"].to_string()).collect()
+    };
+    for (method, increments) in [("bn", 6), ("bn", 300), ("ip", 30)] {
+        let told: Vec<String> = jumps(method, increments, 3.0);
+        assert!(told.len() == 1 && told[0].contains("jump by 100 % of their largest between t = 2 s"), "{told:?}");
+    }
+    let none: Vec<String> = jumps("bn", 60, 0.9);
+    assert!(none.is_empty(), "{none:?}");
+}

@@ -159,6 +159,12 @@ fn check_tells_it() {
     let weak = check("weak", &text(4.0, NOTHING, ""));
     assert!(weak.contains("(a) violated") && !weak.contains("NO BALANCE"), "{weak}");
 
+    // With half of the friction at the end the limit falls from 4 MN to 2 MN, and the push meets it at 2/3 s.
+    let worn =
+        text(4.0, NOTHING, "").replace("friction = 0.4", "friction_history = [[0, 1], [1, 0.5]], friction = 0.4");
+    let worn = check("worn", &worn);
+    assert!(worn.contains("\nNO BALANCE   first at t = 0.7 s: the loads drive a translation along"), "{worn}");
+
     let held = check("held", &text(8.0, &[SLANTED, TOP, RIGHT], SLIDE));
     assert!(held.contains("\ntheorem 3    (b) violated: the contact rows at (0, 0) m depend on each other,"), "{held}");
     assert!(!held.contains("(a)") && !held.contains("NO BALANCE"), "{held}");

@@ -11,7 +11,7 @@ use stickslip::scene::Scene;
 
 /// The memory of the run that `scene` asks for, and beside it what all ways are estimated to take, and from which size on each is out.
 pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Result<Vec<String>, RunError> {
-    let (method, increments) = (scene.solver.method, scene.time.increments);
+    let (method, increments) = (scene.solver.method, model.times().len());
     let unsuited = unsuited(model, method);
     let ranks = ranks();
     let means = Means { available: budget.map(|budget| budget.bytes), multigrid: unsuited.is_none(), ranks };

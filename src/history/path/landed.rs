@@ -1,15 +1,7 @@
 //! Where a body comes to rest that contact alone holds.
 
 use super::Path;
-use crate::problem::ContactProblem;
-use crate::solvability::{Landing, Load, landing};
-
-/// The share of its terms that `K r` may leave of a free motion `r` along which a body is carried: ten times what rounding
-/// makes of rotations of bodies with a thousand elements a side.
-const UNSTRAINED: f64 = 1e-12;
-
-/// A contact node that is nearer to its obstacle, relative to its gap, touches it.
-const NEGLIGIBLE: f64 = 1e-10;
+use crate::solvability::{Landing, Load, NEARBY, landing};
 
 impl Path<'_> {
     /// Carries a body that contact alone holds to where it comes to rest under the load of the part that ends at `time`; the
@@ -20,7 +12,7 @@ impl Path<'_> {
         }
         // As near as what the load deforms, Newton's method finds what closes better than a rigid body does.
         let force = self.held.response(self.loading, None, time).contact_force * self.settings.scaling.force;
-        let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEGLIGIBLE * gap.abs());
+        let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEARBY * gap.abs());
         let reach: Vec<f64> = self.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();
         let moved = self.at.carried.w_n.iter().zip(&self.at.w_n).map(|(carried, w)| carried + w);
         let distance: Vec<f64> = self.gap.iter().zip(moved).map(|(gap, w)| gap - w).collect();
@@ -30,17 +22,4 @@ impl Path<'_> {
         let stays = weights.iter().all(|weight| *weight == 0.0);
         (self.at.reached.is_none() || !stays).then_some(nodes)
     }
-}
-
-/// Whether a body has free motions, and they strain it no more than rounding does.
-pub(super) fn is_carried_without_strain(problem: &ContactProblem) -> bool {
-    let unstrained = |motion: &Vec<f64>| {
-        let (mut force, mut sizes) = (vec![0.0; motion.len()], vec![0.0; motion.len()]);
-        problem.stiffness().mul(motion, &mut force);
-        problem.stiffness().add_sizes(motion, &mut sizes);
-        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        largest(&force) <= UNSTRAINED * largest(&sizes)
-    };
-    let motions = problem.free_motions();
-    !motions.is_empty() && motions.iter().all(unstrained)
 }

@@ -12,7 +12,7 @@ use super::{Answer, jobs};
 
 #[derive(Args)]
 pub(super) struct EstimatesArgs {
-    /// Only the states whose name contains this, such as line, sphere, pressed, cantilever or increments
+    /// Only the states whose name contains this, such as line, sphere, pressed, cantilever, increments or wandering
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
     /// States computed at the same time; as many as there are processors
@@ -56,7 +56,7 @@ pub(super) fn estimates(args: &EstimatesArgs) -> miette::Result<Answer> {
     tasks.retain(|task| args.only.as_ref().is_none_or(|text| task.name.contains(text)));
     if tasks.is_empty() {
         return Err(miette::miette!(
-            "there are no such states: name lines, spheres, blocks that are pressed, cantilevers or increments"
+            "there are no such states: name lines, spheres, blocks that are pressed, cantilevers, increments or wandering loads"
         ));
     }
     let rows = jobs::run(&tasks, jobs::count(args.jobs), |task| task.name.clone(), Task::rows).into_diagnostic()?;

@@ -12,19 +12,14 @@ use super::{EstimateError, Row, Subject, Task};
 
 /// A history, its name, the stretches between the corners of its loads, all as long, and what is changed in its scene.
 struct History {
-    name: &'static str,
+    name: String,
     text: &'static str,
     stretches: usize,
-    set: &'static [&'static str],
+    set: Vec<String>,
 }
 
-const fn history(
-    name: &'static str,
-    (text, stretches): (&'static str, usize),
-    set: &'static [&'static str],
-) -> History {
-    History { name, text, stretches, set }
-}
+/// The name, the scene with its stretches, and what is changed in it.
+type Given = (&'static str, (&'static str, usize), &'static [&'static str]);
 
 const PUNCH: (&str, usize) = (include_str!("../../../data/scenes/punch.toml"), 1);
 const LINE: (&str, usize) = (include_str!("../../../data/scenes/hertz_line.toml"), 1);
@@ -40,13 +35,13 @@ const SPHERE: (&str, usize) = (include_str!("../../../data/scenes/hertz_sphere.t
 
 /// The cylinder and the spheres that are pressed in with friction are Spence's. Interference that is there from the start comes with the first
 /// increment, so that more increments are another history: no scene has any.
-const HISTORIES: [History; 17] = [
-    history("punch 0.2", PUNCH, &["contact.friction=0.2"]),
-    history("punch 0.4", PUNCH, &[]),
-    history("punch 0.8", PUNCH, &["contact.friction=0.8"]),
-    history("cylinder 0.2", LINE, &["contact.friction=0.2", "mesh.contact_elements=32", "mesh.layers=16"]),
-    history("cylinder 0.3", LINE, &["contact.friction=0.3", "mesh.contact_elements=32", "mesh.layers=16"]),
-    history(
+const HISTORIES: [Given; 17] = [
+    ("punch 0.2", PUNCH, &["contact.friction=0.2"]),
+    ("punch 0.4", PUNCH, &[]),
+    ("punch 0.8", PUNCH, &["contact.friction=0.8"]),
+    ("cylinder 0.2", LINE, &["contact.friction=0.2", "mesh.contact_elements=32", "mesh.layers=16"]),
+    ("cylinder 0.3", LINE, &["contact.friction=0.3", "mesh.contact_elements=32", "mesh.layers=16"]),
+    (
         "sphere 0.3",
         LINE,
         &[
@@ -58,35 +53,66 @@ const HISTORIES: [History; 17] = [
             "mesh.layers=16",
         ],
     ),
-    history("block 0.1", BLOCK, &["contact.friction=0.1", "mesh.elements=[20,20]", "solver.setting=\"default\""]),
-    history("block 0.4", BLOCK, &["contact.friction=0.4", "mesh.elements=[20,20]", "solver.setting=\"default\""]),
-    history("block 0.8", BLOCK, &["contact.friction=0.8", "mesh.elements=[20,20]", "solver.setting=\"default\""]),
-    history("strip", STRIP, &["mesh.elements=[100,2]"]),
-    history("confined", CONFINED, &[]),
-    history("seal", SEAL, &[]),
-    history("cattaneo", CATTANEO, &["mesh.elements=[[24,24,24],32]"]),
-    history("turning load", TURNING, &[]),
-    history("cube in space", CUBE, &["mesh.elements=[6,6,6]"]),
-    history("disk in space", DISK, &["mesh.elements=[6,6,3]"]),
-    history("sphere in space", SPHERE, &["contact.friction=0.3", "mesh.elements=[[8,4],[8,4],8]"]),
+    ("block 0.1", BLOCK, &["contact.friction=0.1", "mesh.elements=[20,20]", "solver.setting=\"default\""]),
+    ("block 0.4", BLOCK, &["contact.friction=0.4", "mesh.elements=[20,20]", "solver.setting=\"default\""]),
+    ("block 0.8", BLOCK, &["contact.friction=0.8", "mesh.elements=[20,20]", "solver.setting=\"default\""]),
+    ("strip", STRIP, &["mesh.elements=[100,2]"]),
+    ("confined", CONFINED, &[]),
+    ("seal", SEAL, &[]),
+    ("cattaneo", CATTANEO, &["mesh.elements=[[24,24,24],32]"]),
+    ("turning load", TURNING, &[]),
+    ("cube in space", CUBE, &["mesh.elements=[6,6,6]"]),
+    ("disk in space", DISK, &["mesh.elements=[6,6,3]"]),
+    ("sphere in space", SPHERE, &["contact.friction=0.3", "mesh.elements=[[8,4],[8,4],8]"]),
 ];
+
+/// Blocks under loads that turn as they like, in so many histories.
+const WANDERING: usize = 12;
+
+/// The histories above, and blocks whose loads come and go between three corners, one in this way and the other in that: multiples of irrational
+/// numbers give the friction and the factors.
+fn histories() -> Vec<History> {
+    let given = HISTORIES.iter().map(|&(name, (text, stretches), set)| History {
+        name: format!("increments, {name}"),
+        text,
+        stretches,
+        set: set.iter().map(ToString::to_string).collect(),
+    });
+    let wandering = (1..=WANDERING).map(|k| {
+        let share = |j: i32| (k as f64 * 1.324_717_957_f64.powi(-j)).fract();
+        let points =
+            |of: &dyn Fn(i32) -> f64| -> String { (1..=3).map(|j| format!(", [{j}, {:.3}]", of(j))).collect() };
+        let [pressed, pushed] = [points(&|j| 0.2 + 0.8 * share(j)), points(&|j| 2.0 * share(j + 3) - 1.0)];
+        let set = [
+            "mesh.elements=[10,10]".to_string(),
+            "solver.setting=\"default\"".to_string(),
+            "time.end=3".to_string(),
+            "output.times=[3]".to_string(),
+            format!("contact.friction={:.3}", 0.1 + 0.9 * share(7)),
+            format!("load[0].history=[[0, 0]{pressed}]"),
+            format!("load[1].history=[[0, 0]{pushed}]"),
+        ];
+        History { name: format!("wandering loads, {k}"), text: BLOCK.0, stretches: 3, set: set.to_vec() }
+    });
+    given.chain(wandering).collect()
+}
 
 /// One task for each history: with so many `increments` a stretch, beside the exact path, or where there is none beside a run with `reference`
 /// of them a stretch, a multiple of each.
 pub fn increments(increments: &[usize], reference: usize) -> Vec<Task> {
     let counts: Arc<[usize]> = increments.into();
-    let of = |history: &'static History| {
+    let of = |history: History| {
         let counts = Arc::clone(&counts);
         Task {
-            name: format!("increments, {}", history.name),
+            name: history.name.clone(),
             work: Box::new(move || {
-                let truth = Truth::new(history, &counts, reference)?;
-                let rows = counts.iter().map(|&n| truth.rows(&Solved::new(history, n)?));
+                let truth = Truth::new(&history, &counts, reference)?;
+                let rows = counts.iter().map(|&n| truth.rows(&Solved::new(&history, n)?));
                 Ok(rows.collect::<Result<Vec<_>, EstimateError>>()?.concat())
             }),
         }
     };
-    HISTORIES.iter().map(of).collect()
+    histories().into_iter().map(of).collect()
 }
 
 impl History {
@@ -94,8 +120,8 @@ impl History {
         let increments = format!("time.increments={}", a_stretch * self.stretches);
         let method = format!("solver.method=\"{method}\"");
         let all = [increments.as_str(), method.as_str(), "solver.linear=\"condensed\""];
-        let set = self.set.iter().copied().chain(all).map(str::parse).collect::<Result<Vec<_>, _>>()?;
-        Ok(Scene::parse(self.name, self.text, &set)?)
+        let set = self.set.iter().map(String::as_str).chain(all).map(str::parse).collect::<Result<Vec<_>, _>>()?;
+        Ok(Scene::parse(&self.name, self.text, &set)?)
     }
 }
 

@@ -1,0 +1,28 @@
+//! Contact forces that jump, as a warning.
+
+use super::warnings::{Warning, WarningKind};
+
+/// An increment in which contact forces jump, however short it is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Leap {
+    /// Its beginning, s.
+    pub from: f64,
+    /// Its end, s.
+    pub to: f64,
+    /// The change of the contact forces by their largest, both as the root of `Σ |p|² / l`.
+    pub share: f64,
+}
+
+impl Leap {
+    /// That the quasi-static motion ends there.
+    pub(super) fn warning(&self) -> Warning {
+        let Leap { from, to, share } = *self;
+        let message = format!(
+            "contact forces jump by {:.0} % of their largest between t = {from} s and t = {to} s, and shorter increments do not lead over that in steps: no \
+             quasi-static motion leads on from there, and the states behind are one of those that the laws allow; dynamics says which. Less \
+             friction or another support avoids the jump; in the plane solver.method = \"events\" tells where it begins",
+            100.0 * share
+        );
+        Warning { kind: WarningKind::Jump, message }
+    }
+}
