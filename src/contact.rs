@@ -30,7 +30,7 @@ pub use gap_table::{GapTable, TableError};
 pub use kinematics::{ContactBoundary, ContactNode, Counterpart, Coupled, End, Row, Term, contact_nodes, unreachable};
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
 pub(crate) use kkt::{judge, rounding_level, statuses_of};
-pub use mortar::{GapAt, Held, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, SlaveReason};
+pub use mortar::{GapAt, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, SlaveReason, Supports};
 pub use motion::{ObstacleMotion, Rates};
 pub(crate) use obstacle::Round;
 pub use obstacle::{Facing, PlacedObstacle};

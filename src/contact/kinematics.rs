@@ -255,7 +255,7 @@ impl ContactNode {
     }
 
     /// The row of its displacement along a direction of each node.
-    fn row(&self, dofs: &Dofs, direction: impl Fn(&Facing) -> [f64; 3]) -> Row {
+    pub(super) fn row(&self, dofs: &Dofs, direction: impl Fn(&Facing) -> [f64; 3]) -> Row {
         if self.coupled().is_some_and(|coupled| coupled.relative) {
             let row = dofs.relative_along(self.node, direction(&self.facing)).into_iter();
             return row.filter(|&(_, c)| c != 0.0).collect();

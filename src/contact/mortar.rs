@@ -23,7 +23,7 @@ mod side;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use error::MortarFault;
-pub use normals::Held;
+pub use normals::Supports;
 pub use side::{SlaveChoice, SlaveReason};
 
 use crate::fem::{bernstein, facet_weights};
@@ -77,6 +77,8 @@ pub struct MortarRow {
     pub gap: f64,
     /// The common unit normal, out of the slave.
     pub normal: [f64; 3],
+    /// Orthonormal directions along which supports let neither side move.
+    pub still: Vec<[f64; 3]>,
     /// `D_ji`, by ascending node: 1 at the node itself; 2 and twice -½ at a node between corners.
     pub slave: Vec<(usize, f64)>,
     /// `P_jk`, by ascending node; they add up to 1.
@@ -93,8 +95,7 @@ pub struct GapAt {
 }
 
 impl Mortar {
-    /// The rows of `slave` in front of `master`, both boundaries of `mesh`. `held` tells the orthonormal directions along which supports
-    /// hold a node, as [`crate::fem::Dofs::held`].
+    /// The rows of `slave` in front of `master`, both boundaries of `mesh`, whose nodes `supports` hold.
     ///
     /// # Errors
     ///
@@ -105,12 +106,15 @@ impl Mortar {
         slave: &Boundary,
         master: &Boundary,
         options: &MortarOptions,
-        held: &Held,
+        supports: &dyn Supports,
     ) -> Result<Self, MortarFault> {
         search::convex(mesh, slave)?;
         search::convex(mesh, master)?;
         let search = options.search.unwrap_or_else(|| search::default_search(mesh, [slave, master]));
-        let mut normals = normals::nodal(mesh, slave, held)?;
+        let covers = Covers::new(mesh, slave, master, search)?;
+        let still = normals::still(slave, &covers.facets, supports);
+        let still_of = |node: usize| still.get(&node).cloned().unwrap_or_default();
+        let mut normals = normals::nodal(mesh, slave, &still)?;
         if let Some(direction) = options.direction.map(unit) {
             for (&node, normal) in &mut normals {
                 let outwards = dot(*normal, direction) > 0.0;
@@ -121,9 +125,8 @@ impl Mortar {
             }
         }
         // As its facets are: on a plane of symmetry the row of the slave's node there has no part across it.
-        let opposite = normals::nodal(mesh, master, &|_| Vec::new())?;
-        let covers = Covers::new(mesh, slave, master, search)?;
-        let lost = lost(mesh, slave, master, &covers.facets, &normals, held);
+        let opposite = normals::nodal(mesh, master, &BTreeMap::new())?;
+        let lost = lost(mesh, slave, master, &covers.facets, &normals, supports);
         let mut edges = edges_of(mesh, &slave.facets);
         edges.extend(edges_of(mesh, &master.facets));
         let mut sums = BTreeMap::<usize, Sum>::new();
@@ -144,11 +147,11 @@ impl Mortar {
             let normal = if options.direction.is_some() {
                 normals[&node]
             } else {
-                normals::common(normals[&node], sum.opposite, &held(node)).ok_or_else(|| {
+                normals::common(normals[&node], sum.opposite, &still_of(node)).ok_or_else(|| {
                     MortarFault::NormalsCancel { boundary: master.name.clone(), at: place(mesh, mesh.nodes[node]) }
                 })?
             };
-            Ok(sum.row(node, normal))
+            Ok(sum.row(node, normal, still_of(node)))
         };
         let rows = sums.into_iter().map(row).collect::<Result<Vec<MortarRow>, MortarFault>>()?;
         if rows.is_empty() {
@@ -257,7 +260,7 @@ impl Sum {
         }
     }
 
-    fn row(self, node: usize, normal: [f64; 3]) -> MortarRow {
+    fn row(self, node: usize, normal: [f64; 3], still: Vec<[f64; 3]>) -> MortarRow {
         let Sum { weight, slave, master, gaps, .. } = self;
         let gap = |(_, apart, along): &(f64, [f64; 3], Option<[f64; 3]>)| dot(*apart, along.unwrap_or(normal));
         // As far as they differ: the mean of gaps that are one is that one.
@@ -265,7 +268,8 @@ impl Sum {
         let rest: f64 = gaps.iter().map(|part| part.0 * (gap(part) - first)).sum();
         let shares =
             |sums: BTreeMap<usize, f64>| sums.into_iter().map(|(node, value)| (node, value / weight)).collect();
-        MortarRow { node, weight, gap: first + rest / weight, normal, slave: shares(slave), master: shares(master) }
+        let gap = first + rest / weight;
+        MortarRow { node, weight, gap, normal, still, slave: shares(slave), master: shares(master) }
     }
 }
 
@@ -277,11 +281,11 @@ fn lost(
     master: &Boundary,
     covers: &[Cover],
     normals: &BTreeMap<usize, [f64; 3]>,
-    held: &Held,
+    supports: &dyn Supports,
 ) -> BTreeSet<usize> {
     let others: BTreeSet<usize> = master.facets.iter().flatten().copied().collect();
     let is_lost =
-        |(node, normal): (&usize, &[f64; 3])| others.contains(node) || normals::is_held(*normal, &held(*node));
+        |(node, normal): (&usize, &[f64; 3])| others.contains(node) || normals::is_held(*normal, &supports.held(*node));
     let mut lost: BTreeSet<usize> = normals.iter().filter(|entry| is_lost(*entry)).map(|(node, _)| *node).collect();
     let (mut whole, mut covered) = (BTreeMap::<usize, f64>::new(), BTreeMap::<usize, f64>::new());
     for (facet, cover) in slave.facets.iter().zip(covers) {

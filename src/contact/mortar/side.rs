@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Held, Mortar, MortarFault, MortarOptions};
+use super::{Mortar, MortarFault, MortarOptions, Supports};
 use crate::mesh::{Boundary, Mesh};
 
 /// Numbers of nodes that differ by no more than this share of the larger are alike.
@@ -60,12 +60,12 @@ impl Mortar {
         young: [f64; 2],
         taken: [bool; 2],
         options: &MortarOptions,
-        held: &Held,
+        supports: &dyn Supports,
     ) -> Result<(Self, SlaveChoice), MortarFault> {
         let of = |slave: usize| {
             // A direction points out of the first.
             let direction = options.direction.map(|n| if slave == 0 { n } else { n.map(|c| -c) });
-            Mortar::new(mesh, sides[slave], sides[1 - slave], &MortarOptions { direction, ..*options }, held)
+            Mortar::new(mesh, sides[slave], sides[1 - slave], &MortarOptions { direction, ..*options }, supports)
         };
         let (first, second) = match (of(0), of(1)) {
             (Ok(first), Ok(second)) => (first, second),
