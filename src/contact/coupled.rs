@@ -42,7 +42,16 @@ pub fn coupled_nodes(
             side.iter().map(|&(node, c)| (node, mesh.nodes[node], sign * c)).collect::<Vec<_>>()
         };
         let (slave, master) = (nodes(&row.slave, 1.0), nodes(&row.master, -1.0));
-        let coupled = Coupled { pair, relative: relative(row.node), slave, master };
+        let coupled = Coupled {
+            pair,
+            relative: relative(row.node),
+            tangent_left_out: false,
+            beyond_the_end: row.is_beyond_the_end(),
+            bulge: row.bulge,
+            still: row.still.clone(),
+            slave,
+            master,
+        };
         let mut contact = ContactNode {
             node: row.node,
             position: mesh.nodes[row.node],

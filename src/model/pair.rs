@@ -219,7 +219,8 @@ fn pair(
         let young = [first, second].map(|boundary| young(mesh, boundary, materials));
         let taken = [first, second].map(|boundary| slaves.contains(&boundary.name));
         let sides = [first, second];
-        let (mortar, choice) = Mortar::of_better_slave(mesh, sides, young, taken, &options, supports).map_err(refused)?;
+        let (mortar, choice) =
+            Mortar::of_better_slave(mesh, sides, young, taken, &options, supports).map_err(refused)?;
         (mortar, Some(choice))
     } else {
         (Mortar::new(mesh, first, second, &options, supports).map_err(refused)?, None)

@@ -41,7 +41,8 @@ pub(super) fn still(slave: &Boundary, covers: &[Cover], supports: &dyn Supports)
     let of_node = |(node, front): (usize, BTreeSet<usize>)| {
         let other_is_held = |n: &[f64; 3]| {
             front.iter().any(|&k| {
-                norm(supports.held(k).into_iter().fold(*n, across)) < SAME_DIRECTION && !supports.move_apart([node, k], *n)
+                norm(supports.held(k).into_iter().fold(*n, across)) < SAME_DIRECTION
+                    && !supports.move_apart([node, k], *n)
             })
         };
         (node, supports.held(node).into_iter().filter(other_is_held).collect())
@@ -73,12 +74,6 @@ pub(super) fn nodal(
     boundary: &Boundary,
     still: &BTreeMap<usize, Vec<[f64; 3]>>,
 ) -> Result<BTreeMap<usize, [f64; 3]>, MortarFault> {
-    let mut sums = BTreeMap::<usize, [f64; 3]>::new();
-    for facet in &boundary.facets {
-        for (&node, part) in facet.iter().zip(parts(mesh, facet)) {
-            sums.entry(node).or_default().iter_mut().zip(part).for_each(|(sum, c)| *sum += c);
-        }
-    }
     let normal = |(node, sum): (usize, [f64; 3])| {
         let normal = unit(sum);
         if !normal.iter().all(|c| c.is_finite()) {
@@ -88,7 +83,18 @@ pub(super) fn nodal(
         let left = still.get(&node).into_iter().flatten().copied().fold(normal, across);
         Ok((node, if norm(left) > SYMMETRIC { unit(left) } else { normal }))
     };
-    sums.into_iter().map(normal).collect()
+    sums(mesh, boundary).into_iter().map(normal).collect()
+}
+
+/// The sums over facets alone.
+pub(super) fn sums(mesh: &Mesh, boundary: &Boundary) -> BTreeMap<usize, [f64; 3]> {
+    let mut sums = BTreeMap::<usize, [f64; 3]>::new();
+    for facet in &boundary.facets {
+        for (&node, part) in facet.iter().zip(parts(mesh, facet)) {
+            sums.entry(node).or_default().iter_mut().zip(part).for_each(|(sum, c)| *sum += c);
+        }
+    }
+    sums
 }
 
 fn parts(mesh: &Mesh, facet: &[usize]) -> Vec<[f64; 3]> {
