@@ -74,13 +74,14 @@ fn a_push_beside_the_support() {
     }
 }
 
-/// The forces along and across the contact where a block of `upper` elements slides over another of `lower`, whose side is held.
+/// The forces along and across the contact where a block of `upper` elements slides over another of `lower`, towards the side of that which is
+/// held: there it presses most.
 fn slide(lower: usize, upper: usize, lower_is_slave: bool, way: (Method, LinearAlgebra)) -> (f64, f64, bool) {
     let mesh = MeshSource::Bodies(vec![
         Body::new("lower", block(&[1.0, 1.0, 0.5], &[lower, lower, 1])),
         Body::new("upper", block(&[1.0, 1.0, 0.5], &[upper, upper, 1])).at([0.0, 0.0, 0.5]),
     ]);
-    let slide = Support::new("upper:top", &[Axis::X]).moved(&[0.01]).over(&[[1.0, 0.0], [2.0, 1.0]]);
+    let slide = Support::new("upper:top", &[Axis::X]).moved(&[-0.01]).over(&[[1.0, 0.0], [2.0, 1.0]]);
     let [slave, master] = if lower_is_slave { ["lower:top", "upper:bottom"] } else { ["upper:bottom", "lower:top"] };
     let body = Description::new(mesh, Material::new(70e9, 0.0), equal_increments(2.0, 4))
         .pair(slave, 0.3, master)
@@ -111,7 +112,7 @@ fn a_block_slides_over_a_side_that_is_held() {
 fn held_nodes_in_front_of_few_others() {
     for way in WAYS {
         let (along, normal, told) = slide(4, 2, true, way);
-        assert!(told && along < 0.3 * normal && along > 0.8 * 0.3 * normal, "{way:?} {along} {normal}");
+        assert!(told && along < 0.299 * normal && along > 0.15 * normal, "{way:?} {along} {normal}");
     }
 }
 
