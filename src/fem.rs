@@ -35,7 +35,7 @@ pub use inverted::InvertedElement;
 pub use locate::reference_point;
 pub use material::{Layer, Material, MaterialGroup, Plane};
 pub use nodal_volume::NodalVolumes;
-pub use overlap::{Overlap, overlaps};
+pub use overlap::{Overlap, is_inside_cell, overlaps};
 pub use part::assemble_part;
 pub(crate) use relative::merged;
 pub use relative::{Relative, Ring};

@@ -21,12 +21,15 @@ mod support;
 
 pub use balance::{Balance, Wrench};
 pub use pair::Pair;
-pub use pair_state::Slid;
+pub use pair_state::{Faceted, Slid};
 pub use shared::{Body, Share};
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::contact::{ContactBoundary, ContactNode, ObstacleMotion, PlacedObstacle, Row, share_edges};
+use crate::contact::{
+    ContactBoundary, ContactNode, ObstacleMotion, Passages, PlacedObstacle, Row, leave_out_dependent, share_edges,
+};
 use crate::description::Description;
 use crate::fault::Fault;
 use crate::fem::{
@@ -84,6 +87,12 @@ pub struct Model {
     statics: Statics,
     /// How tractions at contact nodes follow from forces, where that takes more than their weights.
     recovery: Option<Recovery>,
+    /// The contact nodes whose forces together are the pressure at a node beyond the end of the other body.
+    beside_the_end: BTreeMap<usize, Vec<usize>>,
+    /// Where bodies may pass through each other.
+    passages: Option<Passages>,
+    /// Whether something moves past each contact node along a direction in which supports hold it, so that it has no friction there.
+    passed_by: Vec<bool>,
 }
 
 /// Why there is no model of a description.
@@ -177,6 +186,7 @@ impl Model {
         let friction = contacts.friction_history(description)?;
         let Contacts { nodes: mut contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
         let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
+        leave_out_dependent(&mut contacts, &mu, &dofs);
         let alone = contacts.clone();
         share_edges(&mut contacts, &mu, &dofs);
         let (mut motions, bends) = motions::motions(&contacts, &obstacles, &description.times)?;
@@ -214,6 +224,18 @@ impl Model {
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
+        let passages = Passages::new(&mesh, pairs.all.iter().map(|pair| &pair.mortar));
+        let passed_by = alone.iter().map(|contact| {
+            let past = |contact: &ContactNode| {
+                moved.iter().any(|moved| {
+                    let [_, t, o] = moved.beyond_contact(&rows, &dofs, &carrying, contact);
+                    t != 0.0 || o != 0.0
+                })
+            };
+            motions::passes(contact, mesh.dimension, &obstacles, past)
+        });
+        let passed_by = passed_by.collect();
+        let beside_the_end = recovery::beside_the_end(&mesh, &contacts, &contact_boundaries);
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &pairs.ties(&dofs));
         let shared = match &sharing {
             Some((share, body)) => body.stiffness(&contacts, share)?,
@@ -256,6 +278,9 @@ impl Model {
             thermal,
             statics,
             recovery,
+            beside_the_end,
+            passages,
+            passed_by,
         })
     }
 

@@ -86,13 +86,16 @@ impl Tractions {
 
     /// The tractions of a `state` of `model`.
     pub(super) fn of(model: &Model, state: &State) -> Self {
-        let traction = |(i, contact): (usize, &ContactNode)| {
-            let ([t, o], n) = (contact.facing.tangents, contact.facing.normal);
+        let force = |i: usize, k: usize| {
+            let ([t, o], n) = (model.contacts[i].facing.tangents, model.contacts[i].facing.normal);
             let p = [state.p_n[i], state.p_t[i], state.p_o[i]];
-            [0, 1, 2].map(|k| (p[0] * n[k] + p[1] * t[k] + p[2] * o[k]) / contact.weight)
+            p[0] * n[k] + p[1] * t[k] + p[2] * o[k]
         };
         let graph = ContactGraph::new(model);
-        let by_weights = || model.contacts.iter().enumerate().map(traction).collect();
+        let by_weights = || {
+            let along = [0, 1, 2].map(|k| model.over_weights(|i| force(i, k)));
+            (0..model.contacts.len()).map(|i| [0, 1, 2].map(|k| along[k][i])).collect()
+        };
         let values = model.recovered_tractions(state).unwrap_or_else(by_weights);
         let mut pieces = Vec::new();
         for boundary in &model.contact_boundaries {

@@ -37,16 +37,22 @@ pub fn coupled_nodes(
         };
         let first = if norm(first) > LEANS { unit(first) } else { first_tangent(normal) };
         let frame = [first, cross(normal, first)];
-        let mut facing = Facing { gap: gap(row), normal, tangents: frame, inward: normal };
-        let held: Vec<[f64; 3]> = dofs.held(row.node).collect();
-        let tangents = tangents(&held, &facing);
-        facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
+        let facing = Facing { gap: gap(row), normal, tangents: frame, inward: normal };
         let nodes = |side: &[(usize, f64)], sign: f64| {
             side.iter().map(|&(node, c)| (node, mesh.nodes[node], sign * c)).collect::<Vec<_>>()
         };
         let (slave, master) = (nodes(&row.slave, 1.0), nodes(&row.master, -1.0));
-        let coupled = Coupled { pair, relative: relative(row.node), slave, master };
-        let contact = ContactNode {
+        let coupled = Coupled {
+            pair,
+            relative: relative(row.node),
+            tangent_left_out: false,
+            beyond_the_end: row.is_beyond_the_end(),
+            bulge: row.bulge,
+            still: row.still.clone(),
+            slave,
+            master,
+        };
+        let mut contact = ContactNode {
             node: row.node,
             position: mesh.nodes[row.node],
             ends: None,
@@ -57,6 +63,11 @@ pub fn coupled_nodes(
             frame,
             weight: row.weight,
         };
+        // Along what supports hold of this side alone the other side moves past it.
+        let moves = |n: &[f64; 3]| !row.still.contains(n) && !contact.row(dofs, |_| *n).is_empty();
+        let fixed: Vec<[f64; 3]> = dofs.held(row.node).filter(|n| !moves(n)).collect();
+        let tangents = tangents(&fixed, &contact.facing);
+        contact.facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
         contact.with_rows(dofs)
     };
     rows.iter().map(node).collect()

@@ -70,6 +70,14 @@ pub struct Coupled {
     pub pair: usize,
     /// Whether its displacement is an unknown of its own, see [`crate::fem::Relative`].
     pub relative: bool,
+    /// Whether it does without a tangent that depends on those of other nodes, see [`super::leave_out_dependent`].
+    pub tangent_left_out: bool,
+    /// Whether it is beyond the end of the other side, see [`super::MortarRow::is_beyond_the_end`].
+    pub beyond_the_end: bool,
+    /// By how much the gap is smaller between the curved surfaces that facets stand for, m; see [`super::MortarRow::bulge`].
+    pub bulge: f64,
+    /// Orthonormal directions along which supports let neither side move.
+    pub still: Vec<[f64; 3]>,
     /// The nodes of its own side in its rows, with their positions (m) and coefficients, which add up to 1.
     pub slave: Vec<(usize, [f64; 3], f64)>,
     /// Those of the other side; their coefficients add up to -1.
@@ -255,7 +263,7 @@ impl ContactNode {
     }
 
     /// The row of its displacement along a direction of each node.
-    fn row(&self, dofs: &Dofs, direction: impl Fn(&Facing) -> [f64; 3]) -> Row {
+    pub(super) fn row(&self, dofs: &Dofs, direction: impl Fn(&Facing) -> [f64; 3]) -> Row {
         if self.coupled().is_some_and(|coupled| coupled.relative) {
             let row = dofs.relative_along(self.node, direction(&self.facing)).into_iter();
             return row.filter(|&(_, c)| c != 0.0).collect();

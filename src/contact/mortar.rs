@@ -12,6 +12,7 @@
 //! a law of its own, and `2 u_m - ½ (u_a + u_b)` on those of the second; between meshes that match the rows are those from node to node.
 
 mod basis;
+mod bulge;
 mod cover;
 mod error;
 mod facet;
@@ -23,7 +24,7 @@ mod side;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use error::MortarFault;
-pub use normals::Held;
+pub use normals::Supports;
 pub use side::{SlaveChoice, SlaveReason};
 
 use crate::fem::{bernstein, facet_weights};
@@ -34,6 +35,10 @@ use error::place;
 
 /// A node of which less than this share is covered has no row.
 const THIN: f64 = 1e-6;
+
+/// A node of whose share in each facet less than this is covered is beyond the end of the other body. Where that ends at a node of the
+/// slave, the whole share of one facet is covered.
+const BEYOND: f64 = 0.5;
 
 /// How two boundaries are paired.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -60,6 +65,8 @@ pub struct Mortar {
     /// `∫ Ñ_k dA` over the covered part for the nodes of the master, m or m², all
     /// around in a body of revolution; by ascending node, without nodes of which next to nothing is covered.
     pub master_weights: Vec<(usize, f64)>,
+    /// Whether nodes of the master are beyond the end of the slave.
+    master_beyond: bool,
     /// The facets of each segment: of the slave, of the master.
     segments: Vec<[usize; 2]>,
     /// The facets of the slave and of the master.
@@ -77,10 +84,24 @@ pub struct MortarRow {
     pub gap: f64,
     /// The common unit normal, out of the slave.
     pub normal: [f64; 3],
+    /// The largest share of what the node has in one of its facets that is covered.
+    pub covered: f64,
+    /// By how much the gap is smaller, in the same mean, between the curved surfaces that the facets of both sides stand for, m; 0 on flat
+    /// boundaries and those of the second order.
+    pub bulge: f64,
+    /// Orthonormal directions along which supports let neither side move.
+    pub still: Vec<[f64; 3]>,
     /// `D_ji`, by ascending node: 1 at the node itself; 2 and twice -½ at a node between corners.
     pub slave: Vec<(usize, f64)>,
     /// `P_jk`, by ascending node; they add up to 1.
     pub master: Vec<(usize, f64)>,
+}
+
+impl MortarRow {
+    /// Whether less than half of what the node has in a facet is covered, so that its force acts beyond the end of the other body.
+    pub fn is_beyond_the_end(&self) -> bool {
+        self.covered < BEYOND
+    }
 }
 
 /// A gap and its place on the slave.
@@ -93,8 +114,7 @@ pub struct GapAt {
 }
 
 impl Mortar {
-    /// The rows of `slave` in front of `master`, both boundaries of `mesh`. `held` tells the orthonormal directions along which supports
-    /// hold a node, as [`crate::fem::Dofs::held`].
+    /// The rows of `slave` in front of `master`, both boundaries of `mesh`, whose nodes `supports` hold.
     ///
     /// # Errors
     ///
@@ -105,12 +125,15 @@ impl Mortar {
         slave: &Boundary,
         master: &Boundary,
         options: &MortarOptions,
-        held: &Held,
+        supports: &dyn Supports,
     ) -> Result<Self, MortarFault> {
         search::convex(mesh, slave)?;
         search::convex(mesh, master)?;
         let search = options.search.unwrap_or_else(|| search::default_search(mesh, [slave, master]));
-        let mut normals = normals::nodal(mesh, slave, held)?;
+        let covers = Covers::new(mesh, slave, master, search)?;
+        let still = normals::still(slave, &covers.facets, supports);
+        let still_of = |node: usize| still.get(&node).cloned().unwrap_or_default();
+        let mut normals = normals::nodal(mesh, slave, &still)?;
         if let Some(direction) = options.direction.map(unit) {
             for (&node, normal) in &mut normals {
                 let outwards = dot(*normal, direction) > 0.0;
@@ -121,14 +144,14 @@ impl Mortar {
             }
         }
         // As its facets are: on a plane of symmetry the row of the slave's node there has no part across it.
-        let opposite = normals::nodal(mesh, master, &|_| Vec::new())?;
-        let covers = Covers::new(mesh, slave, master, search)?;
-        let lost = lost(mesh, slave, master, &covers.facets, &normals, held);
+        let opposite = normals::nodal(mesh, master, &BTreeMap::new())?;
+        let shares = covered_shares(mesh, slave, covers.facets.iter().map(|cover| &cover.functions));
+        let lost = lost(mesh, slave, master, &covers.facets, &normals, supports);
         let mut edges = edges_of(mesh, &slave.facets);
         edges.extend(edges_of(mesh, &master.facets));
         let mut sums = BTreeMap::<usize, Sum>::new();
         for (facet, cover) in slave.facets.iter().zip(&covers.facets) {
-            for part in basis::parts(facet, cover, &lost) {
+            for part in basis::parts(mesh, facet, cover, &lost) {
                 let along = (!mesh.is_quadratic(facet)).then_some(cover.normal);
                 sums.entry(part.node).or_default().add(mesh, &edges, along, part);
             }
@@ -144,11 +167,11 @@ impl Mortar {
             let normal = if options.direction.is_some() {
                 normals[&node]
             } else {
-                normals::common(normals[&node], sum.opposite, &held(node)).ok_or_else(|| {
+                normals::common(normals[&node], sum.opposite, &still_of(node)).ok_or_else(|| {
                     MortarFault::NormalsCancel { boundary: master.name.clone(), at: place(mesh, mesh.nodes[node]) }
                 })?
             };
-            Ok(sum.row(node, normal))
+            Ok(MortarRow { covered: shares[&node], still: still_of(node), ..sum.row(node, normal) })
         };
         let rows = sums.into_iter().map(row).collect::<Result<Vec<MortarRow>, MortarFault>>()?;
         if rows.is_empty() {
@@ -161,9 +184,22 @@ impl Mortar {
             gaps: covers.gaps,
             search,
             master_weights: master_weights(mesh, master, &covers),
+            master_beyond: covered_shares(mesh, master, covers.on_master.iter())
+                .into_values()
+                .any(|share| (THIN..BEYOND).contains(&share)),
             segments: covers.segments,
             facets: [slave, master].map(|side| side.facets.clone()),
         })
+    }
+
+    /// The facets of the slave and of the master.
+    pub(super) fn sides(&self) -> [&[Facet]; 2] {
+        [&self.facets[0], &self.facets[1]]
+    }
+
+    /// Whether the slave has nodes beyond the end of the master, and the master such beyond that of the slave.
+    pub fn overhangs(&self) -> [bool; 2] {
+        [self.rows.iter().any(MortarRow::is_beyond_the_end), self.master_beyond]
     }
 
     /// How many pairs of facets have a part in common.
@@ -230,6 +266,7 @@ fn nodal(terms: Vec<(usize, f64)>, edges: &Edges) -> BTreeMap<usize, f64> {
 #[derive(Default)]
 struct Sum {
     weight: f64,
+    bulge: f64,
     slave: BTreeMap<usize, f64>,
     master: BTreeMap<usize, f64>,
     /// The sum of the normals of the master in front of the node, by their weights.
@@ -241,7 +278,7 @@ struct Sum {
 
 impl Sum {
     fn add(&mut self, mesh: &Mesh, edges: &Edges, along: Option<[f64; 3]>, part: basis::Part) {
-        let basis::Part { node, weight, slave, master } = part;
+        let basis::Part { node, weight, slave, master, bulge } = part;
         let [slave, master] = [slave, master].map(|terms| nodal(terms, edges));
         // Seen from the node itself, what is one with it adds nothing.
         let mean = |terms: &BTreeMap<usize, f64>| {
@@ -250,6 +287,7 @@ impl Sum {
         };
         self.gaps.push((weight, minus(mean(&master), mean(&slave)), along));
         self.weight += weight;
+        self.bulge += bulge;
         for (sums, terms) in [(&mut self.slave, slave), (&mut self.master, master)] {
             for (node, value) in terms {
                 *sums.entry(node).or_default() += value;
@@ -257,15 +295,18 @@ impl Sum {
         }
     }
 
+    /// The row, without what its facets and supports say of it.
     fn row(self, node: usize, normal: [f64; 3]) -> MortarRow {
-        let Sum { weight, slave, master, gaps, .. } = self;
+        let Sum { weight, slave, master, gaps, bulge, .. } = self;
         let gap = |(_, apart, along): &(f64, [f64; 3], Option<[f64; 3]>)| dot(*apart, along.unwrap_or(normal));
         // As far as they differ: the mean of gaps that are one is that one.
         let first = gaps.first().map_or(0.0, gap);
         let rest: f64 = gaps.iter().map(|part| part.0 * (gap(part) - first)).sum();
         let shares =
             |sums: BTreeMap<usize, f64>| sums.into_iter().map(|(node, value)| (node, value / weight)).collect();
-        MortarRow { node, weight, gap: first + rest / weight, normal, slave: shares(slave), master: shares(master) }
+        let gap = first + rest / weight;
+        let (slave, master, bulge) = (shares(slave), shares(master), bulge / weight);
+        MortarRow { node, weight, gap, normal, covered: 1.0, bulge, still: Vec::new(), slave, master }
     }
 }
 
@@ -277,23 +318,41 @@ fn lost(
     master: &Boundary,
     covers: &[Cover],
     normals: &BTreeMap<usize, [f64; 3]>,
-    held: &Held,
+    supports: &dyn Supports,
 ) -> BTreeSet<usize> {
     let others: BTreeSet<usize> = master.facets.iter().flatten().copied().collect();
     let is_lost =
-        |(node, normal): (&usize, &[f64; 3])| others.contains(node) || normals::is_held(*normal, &held(*node));
+        |(node, normal): (&usize, &[f64; 3])| others.contains(node) || normals::is_held(*normal, &supports.held(*node));
     let mut lost: BTreeSet<usize> = normals.iter().filter(|entry| is_lost(*entry)).map(|(node, _)| *node).collect();
     let (mut whole, mut covered) = (BTreeMap::<usize, f64>::new(), BTreeMap::<usize, f64>::new());
     for (facet, cover) in slave.facets.iter().zip(covers) {
         for (&node, weight) in facet.iter().zip(bernstein(mesh, facet, &facet_weights(mesh, facet))) {
             *whole.entry(node).or_default() += weight;
         }
-        for part in basis::parts(facet, cover, &lost) {
+        for part in basis::parts(mesh, facet, cover, &lost) {
             *covered.entry(part.node).or_default() += part.weight;
         }
     }
     lost.extend(covered.into_iter().filter(|(node, weight)| *weight < THIN * whole[node]).map(|(node, _)| node));
     lost
+}
+
+/// For each node of `boundary` the largest share of what it has in one of its facets that is covered, where `covered` are the integrals of
+/// its functions over the covered part, facet by facet.
+fn covered_shares<'a>(
+    mesh: &Mesh,
+    boundary: &Boundary,
+    covered: impl Iterator<Item = &'a facet::Values>,
+) -> BTreeMap<usize, f64> {
+    let mut shares = BTreeMap::<usize, f64>::new();
+    for (facet, covered) in boundary.facets.iter().zip(covered) {
+        let whole = bernstein(mesh, facet, &facet_weights(mesh, facet));
+        for (&node, (covered, whole)) in facet.iter().zip(covered.iter().zip(whole)) {
+            let share = shares.entry(node).or_default();
+            *share = share.max(covered / whole);
+        }
+    }
+    shares
 }
 
 fn master_weights(mesh: &Mesh, master: &Boundary, covers: &Covers) -> Vec<(usize, f64)> {

@@ -57,6 +57,11 @@ impl Bounds {
         Bounds { low: self.low.map(|c| c - by), high: self.high.map(|c| c + by) }
     }
 
+    /// Whether `x` is within them.
+    pub(super) fn holds(&self, x: [f64; 3]) -> bool {
+        (0..3).all(|c| self.low[c] <= x[c] && x[c] <= self.high[c])
+    }
+
     /// Whether the two have a point in common.
     pub(super) fn overlaps(&self, other: &Bounds) -> bool {
         (0..3).all(|c| self.low[c] <= other.high[c] && other.low[c] <= self.high[c])

@@ -65,7 +65,11 @@ impl ContactGraph {
                 let normal = contact.facing.normal;
                 let in_the_way = |held: [f64; 3]| dot(held, normal).abs() < ALONG;
                 // In two dimensions z is held, too.
-                model.dofs.held(contact.node).filter(|held| in_the_way(*held)).count() > 3 - model.mesh.dimension
+                let held = match contact.coupled() {
+                    Some(coupled) => coupled.still.clone(),
+                    None => model.dofs.held(contact.node).collect(),
+                };
+                held.into_iter().filter(|held| in_the_way(*held)).count() > 3 - model.mesh.dimension
             })
             .collect();
         let rim = if model.mesh.dimension == 2 {

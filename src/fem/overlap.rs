@@ -53,12 +53,15 @@ fn inside(mesh: &Mesh, bodies: &Bodies, (a, b): (usize, usize), common: &Bounds)
         let beside = nodes[begin..].iter().take_while(|&&node| mesh.nodes[node][axis] <= bounds[axis].1);
         let near = beside.copied().filter(|&node| within(&bounds, mesh.nodes[node]));
         let corners = mesh.points(&cell.nodes);
-        let deep = |node: &usize| {
-            reference_point(cell.kind, &corners, mesh.nodes[*node]).is_some_and(|at| is_inside(cell.kind, at))
-        };
+        let deep = |node: &usize| is_inside_cell(cell.kind, &corners, mesh.nodes[*node]);
         near.filter(deep).min()
     });
     Some(Overlap { bodies: (a, b), node: node.min()? })
+}
+
+/// Whether `x` (m) is inside the cell with `nodes` (m), and not on its sides.
+pub fn is_inside_cell(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -> bool {
+    reference_point(kind, nodes, x).is_some_and(|at| is_inside(kind, at))
 }
 
 /// Whether a point of the reference cell keeps away from its sides.

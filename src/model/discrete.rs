@@ -34,7 +34,7 @@ impl Discrete {
         let dofs = support::dofs(&mesh, &holdings)?;
         let element = element::element(description, &mesh)?;
         let materials = description.material.laws(&mesh)?;
-        let mut pairs = Pairs::new(description, &mesh, &dofs, &materials)?;
+        let mut pairs = Pairs::new(description, &mesh, &dofs, &holdings, &materials)?;
         let dofs = pairs.dofs(description, &mesh, dofs)?;
         let volumes = NodalVolumes::new(&mesh, element, |e| materials[e])?;
         let beds = load::springs(description, &mesh)?;

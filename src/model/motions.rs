@@ -3,6 +3,7 @@
 use crate::contact::{ContactNode, Facing, ObstacleMotion, PlacedObstacle, Rates, Term};
 use crate::loading::{Bend, Motion};
 use crate::problem::ProblemError;
+use crate::vector::cross;
 
 /// What the motions of `obstacles` do to the contact nodes: rates times histories, and what these leave out at `times` (s). A
 /// node that meets another obstacle has zeros.
@@ -53,6 +54,39 @@ pub(super) fn motions(
         }
     }
     Ok((motions, bends))
+}
+
+/// Drifts of a smaller share of a motion are rounding.
+const DRIFTS: f64 = 1e-9;
+
+/// Whether an obstacle, or by `others` what is in front of it, moves past a contact node along a tangential direction in which it has no
+/// row, for supports hold it there. `others` looks at the tangents of the node that it is given.
+pub(super) fn passes(
+    contact: &ContactNode,
+    dimension: usize,
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    others: impl Fn(&ContactNode) -> bool,
+) -> bool {
+    let facing = &contact.facing;
+    let has = contact.tangents.iter().filter(|row| !row.is_empty()).count();
+    let tangents = match (dimension - 1 - has, has) {
+        (0, _) => return false,
+        (_, 0) if dimension == 2 => [contact.frame[0], [0.0; 3]],
+        (_, 0) => contact.frame,
+        _ => [cross(facing.normal, facing.tangents[0]), [0.0; 3]],
+    };
+    if contact.coupled().is_some_and(|coupled| coupled.tangent_left_out) {
+        return true;
+    }
+    let facing = Facing { tangents, ..*facing };
+    let drifts = contact.obstacle().is_some_and(|k| {
+        let rates = obstacles[k].1.rates(&[contact.position], &[facing]);
+        rates.iter().any(|(rates, _)| {
+            let [t, o] = rates[0].drift;
+            t.hypot(o) > DRIFTS * rates[0].gap.abs()
+        })
+    });
+    drifts || others(&ContactNode { facing, ..contact.clone() })
 }
 
 /// What the rates of its motion leave out at time `t` (s) of the gap of the rows of a contact node, m, where that is `own` at each of

@@ -3,12 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::find;
+use super::support::Holding;
 use crate::contact::{
-    ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, coupled_nodes, relative,
+    ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, Supports, coupled_nodes, relative,
 };
 use crate::description::{Description, FirstGap, Opposite, Slave};
 use crate::fault::Fault;
-use crate::fem::{Dofs, Elasticity, Relative, Tie};
+use crate::fem::{Dofs, Elasticity, Relative, SAME_DIRECTION, Tie};
 use crate::mesh::{Bodies, Boundary, Mesh};
 use crate::units::{Quantity, UnitSystem};
 use crate::vector::{Vector, axis, dot, minus, norm, plus, unit};
@@ -50,12 +51,13 @@ pub(super) struct Pairs {
 }
 
 impl Pairs {
-    /// Those of `description`, whose supports hold what `dofs` says. What is glued goes first: a node that is tied has no displacement
-    /// left to be relative.
+    /// Those of `description`, whose supports hold what `dofs` and `holdings` say. What is glued goes first: a node that is tied has no
+    /// displacement left to be relative.
     pub(super) fn new(
         description: &Description,
         mesh: &Mesh,
         dofs: &Dofs,
+        holdings: &[Holding],
         materials: &[Elasticity],
     ) -> Result<Self, Fault> {
         let mut pairs = Pairs::default();
@@ -65,13 +67,12 @@ impl Pairs {
         let chosen = |opposite: &Opposite| opposite.slave == Slave::Automatic;
         let named = description.contacts.iter().filter(|contact| !contact.opposite().is_some_and(chosen));
         let mut slaves: BTreeSet<String> = named.map(|contact| contact.boundary.clone()).collect();
+        let moving = moving(description, holdings);
         for glued in [true, false] {
             for (k, contact) in description.contacts.iter().enumerate() {
                 let Some(opposite) = contact.opposite().filter(|opposite| opposite.glued == glued) else { continue };
-                let held = |node: usize| {
-                    if glued && tied.contains(&node) { [0, 1, 2].map(axis).to_vec() } else { dofs.held(node).collect() }
-                };
-                let mut pair = pair(description, mesh, k, opposite, materials, &held, &slaves)?;
+                let supports = OfNodes { dofs, tied: if glued { &tied } else { &BTreeSet::new() }, moving: &moving };
+                let mut pair = pair(description, mesh, k, opposite, materials, &supports, &slaves)?;
                 slaves.insert(pair.slave.clone());
                 for row in &pair.mortar.rows {
                     if taken.insert(row.node) {
@@ -124,6 +125,43 @@ impl Pairs {
     }
 }
 
+/// The supports of a description, node by node.
+struct OfNodes<'a> {
+    dofs: &'a Dofs,
+    /// The nodes that are glued: nothing is left of their displacements.
+    tied: &'a BTreeSet<usize>,
+    moving: &'a BTreeMap<usize, Vec<Moving>>,
+}
+
+/// A support that moves a node: its history, its direction, and its displacement (m) at factor 1.
+type Moving = (Vec<[f64; 2]>, [f64; 3], f64);
+
+/// The supports that move each node.
+fn moving(description: &Description, holdings: &[Holding]) -> BTreeMap<usize, Vec<Moving>> {
+    let mut moving = BTreeMap::<usize, Vec<Moving>>::new();
+    for (support, holding) in description.supports.iter().zip(holdings).filter(|(support, _)| support.moves()) {
+        let history = support.factors(description.end());
+        for &(node, n, to) in holding.iter().filter(|(.., to)| *to != 0.0) {
+            moving.entry(node).or_default().push((history.clone(), n, to));
+        }
+    }
+    moving
+}
+
+impl Supports for OfNodes<'_> {
+    fn held(&self, node: usize) -> Vec<[f64; 3]> {
+        if self.tied.contains(&node) { [0, 1, 2].map(axis).to_vec() } else { self.dofs.held(node).collect() }
+    }
+
+    fn move_apart(&self, nodes: [usize; 2], n: [f64; 3]) -> bool {
+        let along = |node: usize| {
+            let of_node = self.moving.get(&node).into_iter().flatten();
+            of_node.filter(|(_, direction, _)| dot(*direction, n).abs() > SAME_DIRECTION).collect::<Vec<_>>()
+        };
+        along(nodes[0]) != along(nodes[1])
+    }
+}
+
 impl Pair {
     /// Whether its gaps are those of the mesh.
     pub fn is_measured(&self) -> bool {
@@ -157,7 +195,7 @@ fn pair(
     k: usize,
     opposite: &Opposite,
     materials: &[Elasticity],
-    held: &dyn Fn(usize) -> Vec<[f64; 3]>,
+    supports: &dyn Supports,
     slaves: &BTreeSet<String>,
 ) -> Result<Pair, Fault> {
     let key = format!("contact[{k}]");
@@ -171,7 +209,7 @@ fn pair(
         let message = told(&fault, &units).unwrap_or_else(|| fault.to_string());
         Fault::new(format!("{key}.{}", key_of(&fault)), message, fault.help())
     };
-    let all_held = first.nodes().into_iter().all(|node| held(node).len() == 3);
+    let all_held = first.nodes().into_iter().all(|node| supports.held(node).len() == 3);
     if opposite.slave == Slave::Automatic && opposite.boundaries.len() > 1 {
         let message = "several boundaries that are against one cannot be the slave";
         return Err(Fault::new(format!("{key}.slave"), message, "remove the key, or name one boundary"));
@@ -181,10 +219,11 @@ fn pair(
         let young = [first, second].map(|boundary| young(mesh, boundary, materials));
         let taken = [first, second].map(|boundary| slaves.contains(&boundary.name));
         let sides = [first, second];
-        let (mortar, choice) = Mortar::of_better_slave(mesh, sides, young, taken, &options, held).map_err(refused)?;
+        let (mortar, choice) =
+            Mortar::of_better_slave(mesh, sides, young, taken, &options, supports).map_err(refused)?;
         (mortar, Some(choice))
     } else {
-        (Mortar::new(mesh, first, second, &options, held).map_err(refused)?, None)
+        (Mortar::new(mesh, first, second, &options, supports).map_err(refused)?, None)
     };
     let swapped = choice.is_some_and(|choice| choice.slave == 1);
     let (slave, master) = if swapped { (second, first) } else { (first, second) };

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::Model;
-use crate::contact::ContactStatus;
+use crate::contact::{ContactBoundary, ContactStatus, Passed};
 use crate::problem::State;
 
 /// A contact node that has slid past the facets that were in front of it.
@@ -19,11 +19,59 @@ pub struct Slid {
     pub share: f64,
 }
 
-/// A row with a larger coefficient of a master node is that of a node beyond the end of the master: functions that only overlap
-/// stay below.
-const BEYOND: f64 = 1.25;
+/// What the facets of curved boundaries do to the measured gaps of a pair, in the mean over the normal forces.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Faceted {
+    /// The number of the pair.
+    pub pair: usize,
+    /// The sum of the normal forces, N.
+    pub force: f64,
+    /// By how much gaps between the curved surfaces differ from those between the facets, m.
+    pub bulge: f64,
+    /// How large the gaps are that contact has closed, m.
+    pub closed: f64,
+}
 
 impl Model {
+    /// What the facets of curved boundaries do to each pair whose gaps are measured and that is pressed.
+    pub fn faceted(&self, state: &State) -> Vec<Faceted> {
+        let of_pair = |pair: usize| {
+            let rows = &self.pairs[pair].mortar.rows;
+            if rows.iter().all(|row| row.bulge == 0.0) || !self.pairs[pair].is_measured() {
+                return None;
+            }
+            let (mut force, mut bulge, mut closed) = (0.0, 0.0, 0.0);
+            for (contact, p_n) in self.contacts.iter().zip(&state.p_n) {
+                let Some(coupled) = contact.coupled().filter(|coupled| coupled.pair == pair) else { continue };
+                force += p_n;
+                bulge += p_n * coupled.bulge.abs();
+                closed += p_n * contact.facing.gap.abs();
+            }
+            (force > 0.0).then(|| Faceted { pair, force, bulge: bulge / force, closed: closed / force })
+        };
+        (0..self.pairs.len()).filter_map(of_pair).collect()
+    }
+
+    /// The share of the largest possible friction of each contact boundary at nodes that supports hold along a direction in which what is in
+    /// front moves past them, the largest with the number of the boundary; `mu` are the coefficients of the nodes.
+    pub fn friction_left_out(&self, state: &State, mu: &[f64]) -> Option<(usize, f64)> {
+        if !self.passed_by.contains(&true) {
+            return None;
+        }
+        let share = |(k, boundary): (usize, &ContactBoundary)| {
+            let friction = |i: &usize| mu[*i] * state.p_n[*i];
+            let all: f64 = boundary.nodes.iter().map(friction).sum();
+            let lost: f64 = boundary.nodes.iter().filter(|i| self.passed_by[**i]).map(friction).sum();
+            (k, if all > 0.0 { lost / all } else { 0.0 })
+        };
+        self.contact_boundaries.iter().enumerate().map(share).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Where a body has come into another, or a boundary into the one in front of it, without a contact row, by the displacements `u` (m).
+    pub fn passed(&self, u: &[[f64; 3]]) -> Option<Passed> {
+        self.passages.as_ref()?.deepest(&self.mesh, u)
+    }
+
     /// How much the slave of a pair leans at contact node `i` against the direction that is given for it; NaN where none is.
     pub(super) fn slope_in_pair(&self, i: usize) -> f64 {
         let contact = &self.contacts[i];
@@ -32,16 +80,15 @@ impl Model {
     }
 
     /// The share of the normal forces of each pair on nodes beyond the end of the other body, the largest with the number of the pair.
-    /// There a row holds nodes of the other body with more than the whole of the force and others that are pulled, so that the force acts
-    /// where the node is.
+    /// The row of such a node extends the displacement of the other body beyond its end: it presses the nodes at the end with more than the
+    /// whole force and pulls those behind them.
     pub fn beyond_the_end(&self, state: &State) -> Option<(usize, f64)> {
         let share = |k: usize| {
             let (mut all, mut beyond) = (0.0, 0.0);
             for (contact, p_n) in self.contacts.iter().zip(&state.p_n) {
                 let Some(coupled) = contact.coupled().filter(|coupled| coupled.pair == k) else { continue };
-                let largest = coupled.master.iter().fold(0.0_f64, |m, (.., c)| m.max(-c));
                 all += p_n;
-                beyond += if largest > BEYOND { *p_n } else { 0.0 };
+                beyond += if coupled.beyond_the_end { *p_n } else { 0.0 };
             }
             (k, if all > 0.0 { beyond / all } else { 0.0 })
         };

@@ -11,12 +11,36 @@
 //! tension, which is taken off: the law and the status are those of `p̃`. What supports hold of a boundary has no contact force; its traction
 //! counts as that of the node beside it.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::{Model, Pair};
 use crate::contact::{ContactBoundary, ContactNode};
 use crate::fem::facet_mass;
 use crate::mesh::Mesh;
 use crate::problem::State;
 use crate::vector::{across, dot, plus};
+
+/// The contact nodes that are beyond the end of the other body, each with the contact nodes of its facets, itself among them. Hardly any
+/// of what such a node has of the boundary is covered: a force over that is no pressure, but the forces of all of them over all their
+/// weights are.
+pub(super) fn beside_the_end(
+    mesh: &Mesh,
+    contacts: &[ContactNode],
+    boundaries: &[ContactBoundary],
+) -> BTreeMap<usize, Vec<usize>> {
+    let is_beyond = |i: &usize| contacts[*i].coupled().is_some_and(|coupled| coupled.beyond_the_end);
+    let mut beside = BTreeMap::<usize, BTreeSet<usize>>::new();
+    for own in boundaries.iter().filter(|own| own.nodes.iter().any(is_beyond)) {
+        let at_node: BTreeMap<usize, usize> = own.nodes.iter().map(|&i| (contacts[i].node, i)).collect();
+        for facet in mesh.boundary(&own.name).map_or(&[][..], |boundary| &boundary.facets) {
+            let of_facet: Vec<usize> = facet.iter().filter_map(|node| at_node.get(node).copied()).collect();
+            for &i in of_facet.iter().filter(|i| is_beyond(i)) {
+                beside.entry(i).or_default().extend(&of_facet);
+            }
+        }
+    }
+    beside.into_iter().map(|(i, others)| (i, others.into_iter().collect())).collect()
+}
 
 /// What nodal tractions follow from.
 #[derive(Debug, Clone)]
@@ -81,10 +105,23 @@ impl Model {
         }
     }
 
-    /// The pressure (Pa) at each contact node: `p_n / l` (32), on boundaries of second order as in [`Model::recovered_tractions`].
+    /// A contact force of each node over its weight `l` (32), Pa; at a node beyond the end of the other body those of all nodes of its facets
+    /// over all their weights.
+    pub(crate) fn over_weights(&self, force: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut stresses: Vec<f64> =
+            self.contacts.iter().enumerate().map(|(i, contact)| force(i) / contact.weight).collect();
+        for (&i, beside) in &self.beside_the_end {
+            let weight: f64 = beside.iter().map(|&j| self.contacts[j].weight).sum();
+            stresses[i] = beside.iter().map(|&j| force(j)).sum::<f64>() / weight;
+        }
+        stresses
+    }
+
+    /// The pressure (Pa) at each contact node: as [`Model::over_weights`], on boundaries of second order as in
+    /// [`Model::recovered_tractions`].
     pub(crate) fn contact_pressures(&self, state: &State) -> Vec<f64> {
         match self.recovered_tractions(state) {
-            None => self.contacts.iter().zip(&state.p_n).map(|(contact, p_n)| p_n / contact.weight).collect(),
+            None => self.over_weights(|i| state.p_n[i]),
             Some(all) => {
                 self.contacts.iter().zip(all).map(|(contact, sigma)| dot(sigma, contact.facing.normal)).collect()
             }
@@ -96,11 +133,13 @@ impl Model {
     pub(crate) fn recovered_tractions(&self, state: &State) -> Option<Vec<[f64; 3]>> {
         let Recovery { mass, ends, plain } = self.recovery.as_ref()?;
         // Pressures are numbers, as normals turn along the boundary; friction is a vector, for tangents are any.
-        let mean = |(i, contact): (usize, &ContactNode)| {
-            let [x, y, z] = across(self.contact_force(state, i), contact.facing.normal);
-            [state.p_n[i], x, y, z].map(|p| p / contact.weight)
-        };
-        let means: Vec<[f64; 4]> = self.contacts.iter().enumerate().map(mean).collect();
+        let forces: Vec<[f64; 3]> = (self.contacts.iter().enumerate())
+            .map(|(i, contact)| across(self.contact_force(state, i), contact.facing.normal))
+            .collect();
+        let pressures = self.over_weights(|i| state.p_n[i]);
+        let shears = [0, 1, 2].map(|c| self.over_weights(|i| forces[i][c]));
+        let means: Vec<[f64; 4]> =
+            (0..pressures.len()).map(|i| [pressures[i], shears[0][i], shears[1][i], shears[2][i]]).collect();
         // The polynomials add up to 1, so that p̃_i - Σ_j M̃_ij s_j = Σ_j M̃_ij (s_i - s_j).
         let corrected = |(i, contact): (usize, &ContactNode)| {
             std::array::from_fn(|c| {

@@ -31,7 +31,8 @@ pub struct ContactPoint {
     pub p_t: f64,
     /// Tangential contact force along the second tangent, N.
     pub p_o: f64,
-    /// Normal contact stress `p_n / l` (32), Pa; on boundaries of second order corrected, and perhaps negative.
+    /// Normal contact stress `p_n / l` (32), Pa; on boundaries of second order corrected, and perhaps negative; at a node beyond the end of
+    /// the other body that of the nodes of its facets together.
     pub sigma_n: f64,
     /// Tangential contact stress `p_t / l` (32), Pa.
     pub sigma_t: f64,
@@ -186,6 +187,12 @@ pub(super) fn names() -> impl Iterator<Item = &'static str> {
 pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Step<'_>) -> Vec<ContactPoint> {
     let (problem, state) = (&model.problem, step.state);
     let tractions = model.recovered_tractions(state);
+    let in_frame = |i: usize| model.contacts[i].in_frame([state.p_t[i], state.p_o[i]]);
+    let over_weights = |force: &dyn Fn(usize) -> f64| {
+        if tractions.is_none() { model.over_weights(force) } else { Vec::new() }
+    };
+    let sigma_n = over_weights(&|i| state.p_n[i]);
+    let [sigma_t, sigma_o] = [0, 1].map(|k| over_weights(&|i| in_frame(i)[k]));
     let tetrahedra = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
     let patches = tetrahedra.then(|| ContactGraph::new(model).patch_pressures(model, &state.p_n));
     let drift = [0, 1].map(|k| model.loading.drift_at(step.record.time, k));
@@ -196,7 +203,7 @@ pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &S
         s += last.replace(position).map_or(0.0, |last| norm(minus(position, last)));
         let [x, y, z] = position;
         let contact = &model.contacts[i];
-        let (p_n, l) = (state.p_n[i], model.contacts[i].weight);
+        let p_n = state.p_n[i];
         // Displacements from where supports have moved the body, which gaps and drifts count from, too.
         let gap = &step.increment.gap;
         let (relative, along) = if contact.coupled().is_some() {
@@ -212,12 +219,12 @@ pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &S
         let moved = model.moved(i, step.record.time);
         let w_n = relative + moved[0];
         let w = [0, 1].map(|k| along[k] + moved[k + 1]);
-        let [p_t, p_o] = contact.in_frame([state.p_t[i], state.p_o[i]]);
+        let [p_t, p_o] = in_frame(i);
         let [w_t, w_o] = contact.in_frame(w);
         let [slip_t, slip_o] = contact.in_frame([0, 1].map(|k| along[k] - drift[k][i]));
         let [t, o] = contact.frame;
         let [sigma_n, sigma_t, sigma_o] = match &tractions {
-            None => [p_n / l, p_t / l, p_o / l],
+            None => [&sigma_n, &sigma_t, &sigma_o].map(|sigma| sigma[i]),
             Some(all) => [contact.facing.normal, t, o].map(|axis| dot(axis, all[i])),
         };
         ContactPoint {

@@ -58,16 +58,18 @@ impl ContactSurface {
                 nodes.len() - 1
             });
         }
-        let recovered = model.recovered_tractions(step.state);
+        let state = step.state;
+        let recovered = model.recovered_tractions(state);
+        let [sigma_n, sigma_t, sigma_o] = [&state.p_n, &state.p_t, &state.p_o]
+            .map(|p| if recovered.is_none() { model.over_weights(|i| p[i]) } else { Vec::new() });
         for &i in &boundary.nodes {
-            let (contact, state) = (&model.contacts[i], step.state);
+            let contact = &model.contacts[i];
             let [t, o] = contact.facing.tangents;
-            let (p_t, p_o) = (state.p_t[i], state.p_o[i]);
             let node = &mut nodes[number[contact.node]?];
             (node.pressure, node.traction) = match &recovered {
                 None => {
-                    let tangential = [0, 1, 2].map(|c| (p_t * t[c] + p_o * o[c]) / contact.weight);
-                    (state.p_n[i] / contact.weight, along(tangential))
+                    let tangential = [0, 1, 2].map(|c| sigma_t[i] * t[c] + sigma_o[i] * o[c]);
+                    (sigma_n[i], along(tangential))
                 }
                 Some(all) => (dot(all[i], contact.facing.normal), along(across(all[i], contact.facing.normal))),
             };

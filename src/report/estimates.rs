@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::companion::CompanionEstimate;
 use super::largest::is_as_large;
 use super::peak::{LargestPressure, Peak};
+use super::validity::Validity;
 use super::warnings::{Warning, WarningKind};
 use crate::contact::ContactStatus;
 use crate::estimate::{ContactEstimate, ContactGraph, ElementEstimate, HertzContact, PeakOf, peak_error};
@@ -210,10 +211,11 @@ impl Estimates {
     }
 
     /// The warnings that follow.
-    pub fn warnings(&self, model: &Model) -> Vec<Warning> {
+    pub fn warnings(&self, model: &Model, validity: &Validity) -> Vec<Warning> {
         let units = model.units();
         let simplices = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
-        let contact = self.contact.iter().flat_map(|contact| of_contact(contact, &units, simplices));
+        let sound = self.contact.iter().filter(|contact| !validity.has_faceted_gaps(model, &contact.boundary));
+        let contact = sound.flat_map(|contact| of_contact(contact, &units, simplices));
         let locking = self.locking.and_then(|share| Warning::of_locking(model, share));
         contact.chain(locking).chain(self.discretisation.and_then(coarse)).chain(self.rough(model)).collect()
     }

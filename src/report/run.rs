@@ -262,7 +262,7 @@ impl RunReport {
         // What elements have done takes the place of what was expected of them.
         warnings.retain(|warning| warning.kind != WarningKind::Locking || facts.estimates.locking.is_none());
         warnings.extend(validity.warnings(model));
-        warnings.extend(facts.estimates.warnings(model));
+        warnings.extend(facts.estimates.warnings(model, validity));
         let increments = facts.estimates.increments.iter();
         warnings.extend(
             increments.flat_map(|found| increment_warnings::warnings(found, outcome.tally.increments, &model.units())),

@@ -3,10 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::warnings::{Warning, WarningKind};
-use crate::contact::{ContactStatus, RangeLeft};
+use crate::contact::{ContactStatus, Passed, RangeLeft};
 use crate::fem::RigidMotion;
 use crate::history::{Status, Step};
-use crate::model::{Model, Slid};
+use crate::mesh::Boundary;
+use crate::model::{Faceted, Model, Pair, Slid};
 use crate::uniqueness::{NeutralMotion, neutral_motions};
 use crate::units::Quantity;
 use crate::vector::norm;
@@ -17,6 +18,13 @@ pub const NOT_SMALL: f64 = 0.1;
 
 /// The share of a force on nodes beyond the end of the other body from which on it does not count as small.
 const BEYOND_THE_END: f64 = 0.05;
+
+/// The share of the gaps that contact closes from which on what facets do to them does not count as small: pressures of a press fit are
+/// as wrong.
+const FACETED: f64 = 0.1;
+
+/// The share of friction from which on it is told that it is left out.
+const LEFT_OUT: f64 = 0.01;
 
 /// The share of the facet in front of a node from which on its slip does not count as small.
 const ACROSS_FACETS: f64 = 0.25;
@@ -30,6 +38,12 @@ pub struct Validity {
     pub range_left: Option<RangeLeft>,
     /// The pair with most of its force beyond the end of the other body, if there are pairs, that share, and the time, s.
     pub beyond: Option<(usize, f64, f64)>,
+    /// Where a body has come furthest into another without a contact row, and the time, s.
+    pub passed: Option<(Passed, f64)>,
+    /// What facets do to the gaps of each pair with curved boundaries, when it was pressed most.
+    pub faceted: Vec<Faceted>,
+    /// The boundary with most of its friction left out, that share, and the time, s.
+    pub friction_left_out: Option<(usize, f64, f64)>,
     /// Where bodies slid furthest past each other, by the size of their facets, if they slid at all, and the time, s.
     pub slid: Option<(Slid, f64)>,
     /// The motion that the first equilibrium that is one of many leaves open, if there was any, and its time, s.
@@ -56,7 +70,18 @@ impl Validity {
     /// Before the first increment of `model`.
     pub fn new(model: &Model) -> Self {
         let touched = vec![false; model.contacts.len()];
-        Validity { largest: None, range_left: None, beyond: None, slid: None, neutral: None, steepest: None, touched }
+        Validity {
+            largest: None,
+            range_left: None,
+            beyond: None,
+            passed: None,
+            faceted: Vec::new(),
+            friction_left_out: None,
+            slid: None,
+            neutral: None,
+            steepest: None,
+            touched,
+        }
     }
 
     /// Whether it is one of `model`.
@@ -67,6 +92,9 @@ impl Validity {
             && is_contact(self.steepest.map(|(i, _)| i))
             && is_contact(self.slid.map(|(slid, _)| slid.contact))
             && self.beyond.is_none_or(|(pair, ..)| pair < model.pairs.len())
+            && self.passed.is_none_or(|(passed, _)| passed.node < model.mesh.nodes.len())
+            && self.faceted.iter().all(|faceted| faceted.pair < model.pairs.len())
+            && self.friction_left_out.is_none_or(|(boundary, ..)| boundary < model.contact_boundaries.len())
             && self.neutral.as_ref().is_none_or(|(motion, _)| motion.weights.len() == model.rigid_motions.len())
     }
 
@@ -76,7 +104,14 @@ impl Validity {
         if record.status != Status::Converged {
             return;
         }
-        for (position, u) in model.mesh.nodes.iter().zip(model.displaced(record.time, &state.u)) {
+        let displaced = model.displaced(record.time, &state.u);
+        if let Some(passed) = model.passed(&displaced)
+            && self.passed.is_none_or(|(worst, _)| passed.depth > worst.depth)
+        {
+            self.passed = Some((passed, record.time));
+        }
+        for (position, u) in model.mesh.nodes.iter().zip(&displaced) {
+            let u = *u;
             let largest = self.largest.map_or(-1.0, |largest| largest.length);
             // No length is above the sum of the components, which takes less time; NaN is above all.
             if u.iter().map(|u| u.abs()).sum::<f64>() <= largest {
@@ -110,10 +145,32 @@ impl Validity {
         {
             self.beyond = Some((k, share, record.time));
         }
+        for faceted in model.faceted(state) {
+            match self.faceted.iter_mut().find(|before| before.pair == faceted.pair) {
+                Some(before) if faceted.force > before.force => *before = faceted,
+                Some(_) => (),
+                None => self.faceted.push(faceted),
+            }
+        }
+        if let Some((k, share)) = model.friction_left_out(state, &increment.mu)
+            && self.friction_left_out.is_none_or(|(_, worst, _)| share > worst)
+        {
+            self.friction_left_out = Some((k, share, record.time));
+        }
         if self.neutral.is_none() {
             let neutral = neutral_motions(&model.problem, increment, state, statuses);
             self.neutral = neutral.into_iter().next().map(|motion| (motion, record.time));
         }
+    }
+
+    /// The pairs whose facets change the gaps so much that pressures mean little.
+    fn faceted_gaps(&self) -> impl Iterator<Item = &Faceted> {
+        self.faceted.iter().filter(|faceted| faceted.bulge > FACETED * faceted.closed)
+    }
+
+    /// Whether facets change the gaps in front of `boundary` so much that warnings of its pressures would name the wrong cause.
+    pub(super) fn has_faceted_gaps(&self, model: &Model, boundary: &str) -> bool {
+        self.faceted_gaps().any(|faceted| model.pairs[faceted.pair].slave == boundary)
     }
 
     /// The warnings that follow.
@@ -176,12 +233,32 @@ impl Validity {
         }
         if let Some((k, share, time)) = self.beyond.filter(|(_, share, _)| *share > BEYOND_THE_END) {
             let (slave, master) = (&model.pairs[k].slave, &model.pairs[k].master.name);
+            let cure = if model.pairs[k].mortar.overhangs()[1] {
+                format!("let the mesh of `{slave}` have nodes where `{master}` ends, or smaller elements there")
+            } else {
+                format!("let `{master}` be the slave, or make the elements of `{slave}` smaller there")
+            };
             let message = format!(
                 "at t = {time} s {:.0} % of the force of `{slave}` on `{master}` is on nodes beyond the end of the other: they press where \
-                 they are, and pull at its inner nodes; let `{master}` be the slave, or make the elements of `{slave}` smaller there",
+                 they are, and pull at its inner nodes; {cure}",
                 100.0 * share
             );
             warn(WarningKind::BeyondTheEnd, message);
+        }
+        if let Some((passed, time)) = &self.passed {
+            warn(WarningKind::PassedThrough, passed_through(model, passed, *time));
+        }
+        for faceted in self.faceted_gaps() {
+            warn(WarningKind::FacetedGaps, faceted_gaps(model, faceted));
+        }
+        if let Some((k, share, time)) = self.friction_left_out.filter(|(_, share, _)| *share > LEFT_OUT) {
+            let message = format!(
+                "at t = {time} s {:.0} % of the normal force of `{}` times its friction is at nodes that supports hold along the direction in \
+                 which what is in front of them moves: their friction is in no result; let the support end at some distance from the contact, or let the other side be the slave",
+                100.0 * share,
+                model.contact_boundaries[k].name
+            );
+            warn(WarningKind::FrictionLeftOut, message);
         }
         if let Some((slid, time)) = self.slid.filter(|(slid, _)| slid.share > ACROSS_FACETS) {
             let message = format!(
@@ -200,6 +277,56 @@ impl Validity {
         }
         warnings
     }
+}
+
+/// That a body has come into another.
+fn passed_through(model: &Model, passed: &Passed, time: f64) -> String {
+    let Passed { node, bodies, depth, apart } = *passed;
+    let (units, all) = (model.units(), model.mesh.bodies());
+    let (of, unit) = (all.of_nodes(), units.name(Quantity::Length));
+    let [depth, apart] = [depth, apart].map(|x| format!("{:.2e} {unit}", units.of_si(Quantity::Length, x)));
+    let place = units.place(model.mesh.nodes[node]);
+    let nodes_of = |name: &str| model.mesh.boundary(name).map_or(Vec::new(), Boundary::nodes);
+    let is_between = |pair: &&Pair| {
+        let (slave, master) = (nodes_of(&pair.slave), pair.master.nodes());
+        let faces =
+            |own: &[usize], other: &[usize]| own.contains(&node) && other.iter().any(|&node| of[node] == bodies[1]);
+        faces(&slave, &master) || faces(&master, &slave)
+    };
+    if let Some(pair) = model.pairs.iter().find(is_between) {
+        let search = format!("{:.2e} {unit}", units.of_si(Quantity::Length, pair.mortar.search));
+        return format!(
+            "at t = {time} s the node at {place} is {depth} inside the other side of `{}` against `{}`, and no contact holds it: nothing was in \
+             front of it within the search of {search}, and it was {apart} away; give contact[{}].search so that it is longer than every gap \
+             that closes",
+            pair.slave, pair.master.name, pair.contact
+        );
+    }
+    format!(
+        "at t = {time} s the node at {place} of {} is {depth} inside {}, and no contact holds it: give a [[contact]] with `against` between \
+         boundaries of the two there",
+        all.told(bodies[0]),
+        all.told(bodies[1])
+    )
+}
+
+/// That facets change measured gaps.
+fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
+    let pair = &model.pairs[faceted.pair];
+    let (units, share) = (model.units(), faceted.bulge / faceted.closed);
+    let length = |x: f64| format!("{:.2e} {}", units.of_si(Quantity::Length, x), units.name(Quantity::Length));
+    format!(
+        "the facets of `{}` and `{}` are chords of curved surfaces, and gaps between them differ by {} from those of the surfaces in the mean, \
+         {:.0} % of the {} that contact closes; give contact[{}].gap, if it is known, use elements of second order, or at least {:.0} times as \
+         many along the curve",
+        pair.slave,
+        pair.master.name,
+        length(faceted.bulge),
+        100.0 * share,
+        length(faceted.closed),
+        pair.contact,
+        (share / FACETED).sqrt().ceil()
+    )
 }
 
 fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<String> {

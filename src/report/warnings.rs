@@ -44,6 +44,12 @@ pub enum WarningKind {
     GapsOutOfRange,
     /// Contact forces on nodes beyond the end of the other body.
     BeyondTheEnd,
+    /// Bodies that pass through each other, where no contact row is between them.
+    PassedThrough,
+    /// Facets of curved boundaries that change the measured gaps.
+    FacetedGaps,
+    /// Friction of nodes that supports hold while something moves past them.
+    FrictionLeftOut,
     /// Bodies that slide past each other's facets.
     SlidAcrossFacets,
     /// An equilibrium that is one of many: contact leaves a motion of the body open.
@@ -98,6 +104,9 @@ impl WarningKind {
             | WarningKind::LeaningObstacle
             | WarningKind::GapsOutOfRange
             | WarningKind::BeyondTheEnd
+            | WarningKind::PassedThrough
+            | WarningKind::FacetedGaps
+            | WarningKind::FrictionLeftOut
             | WarningKind::SlidAcrossFacets
             | WarningKind::NotUnique
             | WarningKind::CoarseMesh

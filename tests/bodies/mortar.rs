@@ -304,7 +304,8 @@ fn the_better_slave() {
         joined(body([1.0, 0.5], [n, 2], [0.0, 0.0], Cells::Bricks), body([1.0, 0.5], [m, 2], [0.0, 0.5], Cells::Bricks))
     };
     let choice = |mesh: &Mesh, young: [f64; 2], held: &dyn Fn(usize) -> Vec<[f64; 3]>| {
-        let (pair, choice) = Mortar::of_better_slave(mesh, sides(mesh), young, [false; 2], &within(0.1), held).unwrap();
+        let (pair, choice) =
+            Mortar::of_better_slave(mesh, sides(mesh), young, [false; 2], &within(0.1), &held).unwrap();
         assert_eq!(pair.rows.len(), choice.rows[choice.slave]);
         (choice.slave, choice.rows, choice.reason)
     };

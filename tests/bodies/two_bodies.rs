@@ -4,8 +4,10 @@
 
 mod chains;
 mod contrast;
+mod covered;
 mod cylinders;
 mod glue;
+mod passing;
 mod patch;
 mod random;
 mod roller;
@@ -14,4 +16,6 @@ mod space;
 mod spheres;
 mod stack;
 mod stick;
+mod supported;
 mod units;
+mod whole;

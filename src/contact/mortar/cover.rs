@@ -1,6 +1,7 @@
 //! The part of each slave facet that master facets are in front of: segments, and the integrals over them.
 
 use super::GapAt;
+use super::bulge::Bulges;
 use super::error::{MortarFault, place};
 use super::facet::{MOST, Plane, Values};
 use super::search::{Masters, least_distance};
@@ -27,6 +28,8 @@ pub(super) struct Cover {
     pub mass: [Values; MOST],
     /// `∫ Ñ_i Ñ_k dA` for each node k of the master, in ascending order.
     pub cross: Vec<(usize, Values)>,
+    /// `∫ Ñ_i b dA`, where b is by how much the two bulge out of their facets towards each other, m; see [`Bulges`].
+    pub bulge: Values,
 }
 
 /// What master facets are in front of.
@@ -44,6 +47,7 @@ pub(super) struct Covers {
 impl Covers {
     pub(super) fn new(mesh: &Mesh, slave: &Boundary, master: &Boundary, search: f64) -> Result<Self, MortarFault> {
         let (masters, rules) = (Masters::new(mesh, master), Rules::new());
+        let bulges = [slave, master].map(|side| Bulges::new(mesh, side));
         let nowhere = |gap| GapAt { gap, at: [0.0; 3] };
         let mut covers = Covers {
             facets: Vec::with_capacity(slave.facets.len()),
@@ -62,6 +66,7 @@ impl Covers {
                 functions: [0.0; MOST],
                 mass: [[0.0; MOST]; MOST],
                 cross: Vec::new(),
+                bulge: [0.0; MOST],
             };
             for f in masters.facing(&mesh.points(facet), plane.normal, search) {
                 let points = points(mesh.dimension, &seen, whole, &plane.project(mesh, &master.facets[f]), &rules);
@@ -69,7 +74,8 @@ impl Covers {
                     continue;
                 }
                 covered += points.iter().map(|point| point.weight).sum::<f64>();
-                cover.add(mesh, facet, &master.facets[f], &points, &mut covers.on_master[f]);
+                let sides = [&slave.facets[e], &master.facets[f]];
+                cover.add(mesh, sides, &bulges, &points, &mut covers.on_master[f]);
                 covers.segments.push([e, f]);
                 covers.widen(mesh, facet, &points);
             }
@@ -111,14 +117,23 @@ impl Cover {
     }
 
     /// Adds the integrals over a segment.
-    fn add(&mut self, mesh: &Mesh, facet: &[usize], master: &[usize], points: &[Point], on_master: &mut Values) {
+    fn add(
+        &mut self,
+        mesh: &Mesh,
+        [facet, master]: [&Facet; 2],
+        bulges: &[Bulges; 2],
+        points: &[Point],
+        on_master: &mut Values,
+    ) {
         let mut cross = [[0.0; MOST]; MOST];
         for point in points {
             let weight = point.weight * mesh.geometry.depth(position(mesh, facet, &point.slave));
+            let bulge = bulges[0].at(mesh, facet, &point.slave) + bulges[1].at(mesh, master, &point.master);
             let (slave, master) = (raised(mesh, facet, point.slave), raised(mesh, master, point.master));
             for (i, n) in slave.iter().enumerate() {
                 let share = weight * n;
                 self.functions[i] += share;
+                self.bulge[i] += share * bulge;
                 self.mass[i].iter_mut().zip(&slave).for_each(|(sum, n)| *sum += share * n);
                 cross.iter_mut().zip(&master).for_each(|(sums, n)| sums[i] += share * n);
             }

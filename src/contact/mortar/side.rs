@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Held, Mortar, MortarFault, MortarOptions};
+use super::{Mortar, MortarFault, MortarOptions, Supports};
 use crate::mesh::{Boundary, Mesh};
 
 /// Numbers of nodes that differ by no more than this share of the larger are alike.
@@ -26,6 +26,8 @@ pub enum SlaveReason {
     OtherHeld,
     /// The nodes of the other carry the forces of another contact.
     OtherTaken,
+    /// Nodes of the other are beyond its end.
+    OtherOverhangs,
     /// It has more nodes in front of the other.
     MoreNodes,
     /// It is the softer, with about as many nodes.
@@ -39,6 +41,7 @@ impl fmt::Display for SlaveReason {
         f.write_str(match self {
             SlaveReason::OtherHeld => "supports hold the other",
             SlaveReason::OtherTaken => "the other is that of another contact",
+            SlaveReason::OtherOverhangs => "the other has nodes beyond its end",
             SlaveReason::MoreNodes => "it has more nodes in front of the other",
             SlaveReason::Softer => "it is the softer, with about as many nodes",
             SlaveReason::Alike => "the two are alike",
@@ -47,8 +50,9 @@ impl fmt::Display for SlaveReason {
 }
 
 impl Mortar {
-    /// The rows of two boundaries with the better one as the slave: what supports leave free; of two that are free the one with more
-    /// nodes in front of the other, for the law is asked at the nodes of the slave; with about as many the softer, by the two Young's
+    /// The rows of two boundaries with the better one as the slave: what supports leave free; of two that are free the one without
+    /// nodes beyond the end of the other; then the one with more nodes in front of the other, for the law is asked at the nodes of the
+    /// slave; with about as many the softer, by the two Young's
     /// moduli `young` (Pa). One that is `taken`, as it is the slave of another contact, gives way.
     ///
     /// # Errors
@@ -60,12 +64,12 @@ impl Mortar {
         young: [f64; 2],
         taken: [bool; 2],
         options: &MortarOptions,
-        held: &Held,
+        supports: &dyn Supports,
     ) -> Result<(Self, SlaveChoice), MortarFault> {
         let of = |slave: usize| {
             // A direction points out of the first.
             let direction = options.direction.map(|n| if slave == 0 { n } else { n.map(|c| -c) });
-            Mortar::new(mesh, sides[slave], sides[1 - slave], &MortarOptions { direction, ..*options }, held)
+            Mortar::new(mesh, sides[slave], sides[1 - slave], &MortarOptions { direction, ..*options }, supports)
         };
         let (first, second) = match (of(0), of(1)) {
             (Ok(first), Ok(second)) => (first, second),
@@ -77,7 +81,11 @@ impl Mortar {
         let (slave, reason) = match taken {
             [true, false] => (1, SlaveReason::OtherTaken),
             [false, true] => (0, SlaveReason::OtherTaken),
-            _ => better(rows, young),
+            _ => match first.overhangs() {
+                [true, false] => (1, SlaveReason::OtherOverhangs),
+                [false, true] => (0, SlaveReason::OtherOverhangs),
+                _ => better(rows, young),
+            },
         };
         Ok((if slave == 0 { first } else { second }, SlaveChoice { slave, rows, reason }))
     }

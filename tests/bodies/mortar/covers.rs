@@ -40,16 +40,22 @@ fn supports_on_the_slave() {
     const SLOPE: [[f64; 3]; 2] = [[0.8, 0.6, 0.0], [0.6, -0.8, 0.0]];
     let mesh = joined(curved([5, 2], [0.0, 1.0], -0.4, false), curved([4, 2], [0.0, 0.8], 0.0, true));
     let corner = first(&mesh, "upper:bottom");
-    let hold = |directions: &'static [[f64; 3]]| {
+    let opposite = mesh.boundary("lower:top").unwrap().nodes().into_iter().find(|&node| mesh.nodes[node][0] == 0.0);
+    let hold_both = |directions: &'static [[f64; 3]], both: bool| {
         let held = move |node: usize| {
-            let at_corner = if node == corner { directions.to_vec() } else { Vec::new() };
+            let is_held = node == corner || both && Some(node) == opposite;
+            let at_corner = if is_held { directions.to_vec() } else { Vec::new() };
             [at_corner, vec![axis(2)]].concat()
         };
         Mortar::new(&mesh, sides(&mesh)[0], sides(&mesh)[1], &within(2.0), &held).unwrap()
     };
+    let hold = |directions: &'static [[f64; 3]]| hold_both(directions, false);
     let row = |pair: &Mortar, node: usize| pair.rows.iter().find(|row| row.node == node).cloned();
-    let symmetric = row(&hold(&[X]), corner).unwrap();
-    assert_eq!(symmetric.normal, [0.0, -1.0, 0.0]);
+    let symmetric = row(&hold_both(&[X], true), corner).unwrap();
+    assert_eq!((symmetric.normal, symmetric.still.contains(&X)), ([0.0, -1.0, 0.0], true));
+    // Held alone, the other side moves past the node.
+    let alone = row(&hold(&[X]), corner).unwrap();
+    assert!(alone.normal == row(&hold(&[]), corner).unwrap().normal && !alone.still.contains(&X));
     assert_ne!(row(&hold(&[]), corner).unwrap().normal, [0.0, -1.0, 0.0]);
     for pair in [hold(&[Y]), hold(&[X, Y])] {
         assert_eq!(row(&pair, corner), None);

@@ -7,7 +7,7 @@ use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::mesh::MeshSource;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
-use stickslip::report::ContactSurface;
+use stickslip::report::{ContactLine, ContactSurface};
 use stickslip::timeline::equal_increments;
 
 /// Looks at the surface that pictures show.
@@ -17,8 +17,8 @@ impl Observer for Maps<'_> {
     fn increment(&mut self, step: &Step<'_>) -> Flow {
         let maps = ContactSurface::all(self.0, step);
         let drawn: f64 = maps[0].nodes.iter().map(|node| node.pressure).fold(0.0, f64::max);
-        let contacts = self.0.contacts.iter().zip(&step.state.p_n);
-        let largest = contacts.map(|(contact, p)| p / contact.weight).fold(0.0, f64::max);
+        let lines = ContactLine::all(self.0, step);
+        let largest = lines[0].points.iter().map(|point| point.sigma_n).fold(0.0, f64::max);
         assert_eq!((maps.len(), drawn), (1, largest));
         self.1 += 1;
         Flow::Continue

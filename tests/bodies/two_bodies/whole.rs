@@ -1,0 +1,20 @@
+//! Runs to their reports.
+
+use stickslip::description::Description;
+use stickslip::history::{LinearAlgebra, Method, Solver, Status};
+use stickslip::model::Model;
+use stickslip::report::{RunReport, WarningKind};
+use stickslip::run::Run;
+
+/// The report of a run that converges.
+pub fn report(body: &Description, method: Method, linear: LinearAlgebra) -> RunReport {
+    let model = Model::build(body).unwrap();
+    let solver = Solver { linear: Some(linear), ..Solver::new(method) };
+    let report = Run::of(&model, model.times().to_vec(), solver).unwrap().solve(&mut ()).unwrap();
+    assert_eq!(report.status, Status::Converged, "{method:?} {linear:?}");
+    report
+}
+
+pub fn warns(report: &RunReport, kind: WarningKind) -> bool {
+    report.warnings.iter().any(|warning| warning.kind == kind)
+}
