@@ -202,12 +202,12 @@ impl Model {
     /// of rows: on boundaries of second order these are made of other nodes, too.
     pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: &[f64]) -> f64 {
         let contact = &self.contacts[i];
-        let Some(k) = contact.obstacle() else { return self.of_node_from_rows(i, |j| of_rows[j]) };
+        let Some((k, facing)) = self.met(i, t) else { return self.of_node_from_rows(i, |j| of_rows[j]) };
         if contact.ends.is_none() {
             return of_rows[i];
         }
         let (obstacle, motion) = &self.obstacles[k];
-        motion.exact_gap(obstacle, t, contact.position, &contact.facing) - self.beyond(i, t)
+        motion.exact_gap(obstacle, t, contact.position, &facing) - self.beyond(i, t)
     }
 
     /// The force (N) of the body on the obstacle, or on the body in front of it, at contact node `i`, for the contact forces of `state`.

@@ -95,8 +95,8 @@ impl ContactLine {
                 _ => boundary
                     .nodes
                     .iter()
-                    .filter_map(|&i| model.contacts[i].obstacle())
-                    .map(|k| model.obstacle_key(k))
+                    .filter_map(|&i| model.met(i, step.record.time))
+                    .map(|(k, _)| model.obstacle_key(k))
                     .collect(),
             },
             units: model.units(),

@@ -319,7 +319,7 @@ impl RunReport {
             },
             end: ComponentSums::of(model, &outcome.state, (0..model.contacts.len()).map(|i| (i, 1.0))),
             pairs: PairRecord::all_at(model, outcome.reached, &outcome.state),
-            boundaries: Resultant::all(model, &outcome.state),
+            boundaries: Resultant::all(model, outcome.reached, &outcome.state),
             forces: facts.forces,
             reactions: facts.reactions,
             critical_friction: facts.critical_friction,

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::contact::holes_in_front_of;
 use crate::description::Action;
 use crate::estimate::expected_locking;
 use crate::fem::Element;
@@ -32,6 +33,8 @@ pub enum WarningKind {
     LayersThroughElements,
     /// A load that acts on nothing but supports.
     IdleLoad,
+    /// A hole in a surface of triangles in front of a boundary.
+    SurfaceHole,
     /// A boundary that never touches its obstacle.
     NoContact,
     /// Displacements that are not small.
@@ -44,6 +47,10 @@ pub enum WarningKind {
     BeyondTheEnd,
     /// Bodies that slide past each other's facets.
     SlidAcrossFacets,
+    /// A contact node inside an obstacle that it does not meet.
+    ObstacleNotMet,
+    /// An obstacle with details that are finer than the elements.
+    ObstacleBetweenNodes,
     /// An equilibrium that is one of many: contact leaves a motion of the body open.
     NotUnique,
     /// A mesh that is too coarse for the body itself.
@@ -86,7 +93,10 @@ impl WarningKind {
     /// Whether it is known only once the scene is solved; that elements lock is expected before.
     pub fn needs_the_solution(self) -> bool {
         match self {
-            WarningKind::LayersThroughElements | WarningKind::IdleLoad | WarningKind::SlowBlas => false,
+            WarningKind::LayersThroughElements
+            | WarningKind::IdleLoad
+            | WarningKind::SurfaceHole
+            | WarningKind::SlowBlas => false,
             WarningKind::Locking
             | WarningKind::NoContact
             | WarningKind::LargeDisplacements
@@ -94,6 +104,8 @@ impl WarningKind {
             | WarningKind::GapsOutOfRange
             | WarningKind::BeyondTheEnd
             | WarningKind::SlidAcrossFacets
+            | WarningKind::ObstacleNotMet
+            | WarningKind::ObstacleBetweenNodes
             | WarningKind::NotUnique
             | WarningKind::CoarseMesh
             | WarningKind::RoughStresses
@@ -136,6 +148,7 @@ impl Warning {
         let messages = [
             (WarningKind::LayersThroughElements, layers_through_elements(model)),
             (WarningKind::IdleLoad, idle_load(model)),
+            (WarningKind::SurfaceHole, surface_hole(model)),
         ];
         let found = messages.into_iter().filter_map(|(kind, message)| Some(Warning { kind, message: message? }));
         expected(model).into_iter().chain(found).collect()
@@ -256,6 +269,31 @@ fn layers_through_elements(model: &Model) -> Option<String> {
         "the border between layers at {axis} = {height} {unit} goes through {count} elements, each of which is of one layer; \
          let elements end there"
     ))
+}
+
+/// That a surface of triangles has a hole in front of its boundary: the first such surface, by its largest hole.
+fn surface_hole(model: &Model) -> Option<String> {
+    let units = model.units();
+    model.contact_boundaries.iter().find_map(|contact| {
+        let boundary = model.mesh.boundary(&contact.name)?;
+        contact.obstacles.clone().find_map(|k| {
+            let holes = holes_in_front_of(&model.mesh, boundary, &model.obstacles[k], model.times());
+            let largest = holes.iter().max_by(|a, b| a.size.total_cmp(&b.size))?;
+            let what = match holes.len() {
+                1 => "a hole".to_string(),
+                count => format!("{count} holes"),
+            };
+            Some(format!(
+                "the surface of {} has {what} in front of `{}`, the largest {:.2e} {} long at {}: nothing presses there; a triangle may be \
+                 missing, or triangles on both sides of a crack may not have the same corners: close it in the file if the part is whole",
+                model.obstacle_key(k),
+                contact.name,
+                units.of_si(Quantity::Length, largest.size),
+                units.name(Quantity::Length),
+                units.place(largest.middle)
+            ))
+        })
+    })
 }
 
 fn idle_load(model: &Model) -> Option<String> {
