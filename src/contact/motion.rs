@@ -266,6 +266,12 @@ impl ObstacleMotion {
         Some(times.iter().map(|t| at(*t)).collect())
     }
 
+    /// Where the direction `n` in the obstacle at rest has turned to at time `t` (s).
+    pub(crate) fn forth(&self, t: f64, n: [f64; 3]) -> [f64; 3] {
+        let Some(Turning { axis, history, .. }) = &self.rotation else { return n };
+        turned(n, *axis, piecewise_linear(history, t).unwrap_or(0.0))
+    }
+
     /// Where `x` (m) was in the obstacle before it moved until time `t`, and what the direction `n` was.
     pub fn back(&self, t: f64, x: [f64; 3], n: [f64; 3]) -> ([f64; 3], [f64; 3]) {
         let at = |history: &[[f64; 2]]| piecewise_linear(history, t).unwrap_or(0.0);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::Model;
-use crate::contact::{ContactBoundary, ContactStatus, ObstacleMotion, PlacedObstacle, outsides};
+use crate::contact::{ContactBoundary, ContactStatus, outsides};
 use crate::problem::State;
 use crate::vector::{dot, minus, norm, plus, unit};
 
@@ -21,10 +21,10 @@ pub struct Overlap {
 }
 
 /// Where the distance of an obstacle between nodes is not what the distances at the nodes say.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BetweenNodes {
-    /// The number of the contact boundary.
-    pub boundary: usize,
+    /// The name of the contact boundary.
+    pub boundary: String,
     /// The place before the deformation, m.
     pub position: [f64; 3],
     /// The difference between the distance there and the distance that those at the nodes say, m.
@@ -42,11 +42,19 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// A direction leads out of the body if its component along the outward normal is larger, as a share.
 const OUT: f64 = 1e-9;
 
-/// The height of the arc that the facets of a curved boundary leave out is known to this factor.
-const ARC: f64 = 2.0;
+/// The height of an arc is known to this factor from the normals at its ends.
+const ARC: f64 = 1.5;
 
 /// Places on an edge, as shares of its length. They are unequal, so that no period of a surface has nodes and all places in step.
 const PLACES: [f64; 4] = [0.14, 0.38, 0.5, 0.83];
+
+/// What a point of a boundary sees of the nearest obstacle.
+struct Seen {
+    /// m; NaN where nothing is in front.
+    distance: f64,
+    /// A vector into the obstacle, at right angles to its surface.
+    inward: [f64; 3],
+}
 
 /// A place on a facet: its nodes with their shares.
 type Place = Vec<(usize, f64)>;
@@ -102,70 +110,85 @@ impl Model {
 
     /// The place on a contact facet where the distance of the obstacle differs most from what the distances at the nodes say, at time `t`
     /// (s): of a facet with a closed node by how much the two differ, of one without by how deep the place is inside the obstacle.
-    /// The height of the arc that straight facets leave out of a curved boundary is not counted.
+    /// Arcs that the normals at the nodes tell of are not counted, neither those of the obstacle, which nodes resolve as far as they
+    /// can, nor those that straight facets cut off a curved boundary.
     pub fn between_nodes(&self, t: f64, state: &State, statuses: &[ContactStatus]) -> Option<BetweenNodes> {
         let curved = |boundary: &&ContactBoundary| {
             self.obstacles[boundary.obstacles.clone()].iter().any(|(obstacle, _)| !obstacle.is_plane())
         };
-        let mut boundaries =
-            self.contact_boundaries.iter().enumerate().filter(|(_, boundary)| curved(boundary)).peekable();
-        boundaries.peek()?;
+        let boundaries: Vec<&ContactBoundary> = self.contact_boundaries.iter().filter(curved).collect();
+        if boundaries.is_empty() {
+            return None;
+        }
         let displacements = self.strained(t, &state.u);
         let noise = SOLVED * displacements.iter().map(|u| norm(*u)).fold(0.0, f64::max);
         let mut worst: Option<BetweenNodes> = None;
-        for (b, boundary) in boundaries {
+        for boundary in boundaries {
             let Some(facets) = self.mesh.boundary(&boundary.name) else { continue };
-            let normals = outsides(&self.mesh, facets);
+            let outsides = outsides(&self.mesh, facets);
             let closed: BTreeMap<usize, bool> =
                 boundary.nodes.iter().map(|&i| (self.contacts[i].node, statuses[i] != ContactStatus::Open)).collect();
-            let mut at_nodes: BTreeMap<usize, f64> = BTreeMap::new();
+            let mut at_nodes: BTreeMap<usize, Seen> = BTreeMap::new();
             for facet in facets.facets.iter().filter(|facet| facet.iter().any(|node| closed.contains_key(node))) {
                 let outward = self.mesh.area_vector(facet);
-                let distance = |place: &[(usize, f64)]| {
-                    let mean = |of: &dyn Fn(usize) -> [f64; 3]| {
-                        place.iter().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, of(*node)))
-                    };
-                    let x = mean(&|node| self.mesh.nodes[node]);
-                    let moved = plus(x, 1.0, mean(&|node| displacements[node]));
-                    let of = |(obstacle, motion): &(PlacedObstacle, ObstacleMotion)| {
-                        let (back, out) = motion.back(t, moved, outward);
-                        let n = motion.back(t, moved, obstacle.normal).1;
-                        let (distance, normal) = if obstacle.has_one_normal() {
-                            (obstacle.distance(back, n, x), n)
-                        } else {
-                            obstacle.nearest(back, x)
-                        };
-                        if dot(out, normal) > OUT * norm(out) { distance } else { f64::NAN }
-                    };
-                    let nearest = self.obstacles[boundary.obstacles.clone()].iter().map(of).fold(f64::NAN, f64::min);
-                    (x, nearest)
+                let mean = |place: &[(usize, f64)], of: &dyn Fn(usize) -> [f64; 3]| {
+                    place.iter().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, of(*node)))
+                };
+                let see = |place: &[(usize, f64)]| {
+                    let x = mean(place, &|node| self.mesh.nodes[node]);
+                    self.see(boundary, t, x, mean(place, &|node| displacements[node]), outward)
                 };
                 let touches = facet.iter().any(|node| closed.get(node) == Some(&true));
+                for node in facet {
+                    at_nodes.entry(*node).or_insert_with(|| see(&[(*node, 1.0)]));
+                }
                 for (edges, places) in parts(facet, self.mesh.dimension) {
                     let along = |[a, b]: [usize; 2]| minus(self.mesh.nodes[b], self.mesh.nodes[a]);
                     let arc = |edge: [usize; 2]| {
-                        let [from, to] = edge.map(|node| normals.get(&node).map_or([0.0; 3], |normal| unit(*normal)));
-                        dot(minus(to, from), along(edge)).abs() / 8.0
+                        let of = |[from, to]: [[f64; 3]; 2]| dot(minus(unit(to), unit(from)), along(edge)).abs() / 8.0;
+                        // A node that nothing is in front of tells of no arc.
+                        of(edge.map(|node| outsides[&node])) + of(edge.map(|node| at_nodes[&node].inward)).max(0.0)
                     };
                     // Across a facet in space the arcs of its sides add up, each of which is there twice.
-                    let arcs =
-                        edges.iter().map(|edge| arc(*edge)).sum::<f64>() / if edges.len() > 1 { 2.0 } else { 1.0 };
+                    let twice = if edges.len() > 1 { 2.0 } else { 1.0 };
+                    let arcs = edges.iter().map(|edge| arc(*edge)).sum::<f64>() / twice;
+                    let size = edges.iter().map(|edge| norm(along(*edge))).fold(0.0, f64::max);
                     for place in places {
-                        let (position, there) = distance(&place);
-                        let said = place.iter().fold(0.0, |sum, (node, share)| {
-                            sum + share * *at_nodes.entry(*node).or_insert_with(|| distance(&[(*node, 1.0)]).1)
-                        });
+                        let there = see(&place).distance;
+                        let said: f64 = place.iter().map(|(node, share)| share * at_nodes[node].distance).sum();
                         let missed = if touches && !said.is_nan() { (there - said).abs() } else { -there };
+                        let position = mean(&place, &|node| self.mesh.nodes[node]);
                         let missed = missed - ARC * arcs - noise - ROUNDING * norm(position);
-                        if missed > 0.0 && worst.is_none_or(|worst| missed > worst.missed) {
-                            let size = edges.iter().map(|edge| norm(along(*edge))).fold(0.0, f64::max);
-                            worst = Some(BetweenNodes { boundary: b, position, missed, size });
+                        if missed > 0.0 && worst.as_ref().is_none_or(|worst| missed > worst.missed) {
+                            worst = Some(BetweenNodes { boundary: boundary.name.clone(), position, missed, size });
                         }
                     }
                 }
             }
         }
         worst
+    }
+
+    /// What a point that was at `x` and is displaced by `u` (m), on a facet of `boundary` that looks `outward`, sees at time `t` (s) of
+    /// the nearest obstacle.
+    fn see(&self, boundary: &ContactBoundary, t: f64, x: [f64; 3], u: [f64; 3], outward: [f64; 3]) -> Seen {
+        let moved = plus(x, 1.0, u);
+        let mut nearest = Seen { distance: f64::NAN, inward: [f64::NAN; 3] };
+        for (obstacle, motion) in &self.obstacles[boundary.obstacles.clone()] {
+            let (back, out) = motion.back(t, moved, outward);
+            let (distance, normal) = if obstacle.has_one_normal() {
+                let normal = motion.back(t, moved, obstacle.normal).1;
+                (obstacle.distance(back, normal, x), normal)
+            } else {
+                obstacle.nearest(back, x)
+            };
+            let is_nearer = nearest.distance.is_nan() || distance < nearest.distance;
+            if is_nearer && dot(out, normal) > OUT * norm(out) {
+                let inward = motion.forth(t, obstacle.at(back).inward);
+                nearest = Seen { distance, inward };
+            }
+        }
+        nearest
     }
 }
 

@@ -240,7 +240,7 @@ pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &S
             gap: model.nodal_gap(i, step.record.time, gap) - relative,
             slip_t,
             slip_o,
-            force: model.contact_force(state, i),
+            force: model.force_of_row(state, i),
             mu: step.increment.mu[i],
             status: step.statuses[i],
         }

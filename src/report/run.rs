@@ -263,7 +263,7 @@ impl RunReport {
         );
         warnings.extend(exact_path::curved_gaps(solver.method, model, outcome));
         warnings.extend(exact_path::jumps(&outcome.jumps));
-        warnings.extend(facts.balance.unbalanced(solver.tolerance));
+        warnings.extend(facts.balance.unbalanced(model, solver.tolerance));
         warnings.extend(facts.missing);
         let blas = Blas::loaded();
         warnings.extend(blas.as_ref().and_then(Warning::of_blas));

@@ -86,7 +86,6 @@ impl Validity {
             && is_contact(self.slid.map(|(slid, _)| slid.contact))
             && is_contact(self.overlap.map(|(overlap, _)| overlap.contact))
             && self.overlap.is_none_or(|(overlap, _)| overlap.obstacle < model.obstacles.len())
-            && self.between.is_none_or(|(between, _)| between.boundary < model.contact_boundaries.len())
             && self.beyond.is_none_or(|(pair, ..)| pair < model.pairs.len())
             && self.neutral.as_ref().is_none_or(|(motion, _)| motion.weights.len() == model.rigid_motions.len())
     }
@@ -220,9 +219,9 @@ impl Validity {
             warn(WarningKind::ObstacleNotMet, not_met(model, overlap, time, self.pressed));
         }
         if let Some((between, time)) =
-            self.between.filter(|(between, _)| between.missed > TOLERATED_SHARE * self.pressed)
+            self.between.as_ref().filter(|(between, _)| between.missed > TOLERATED_SHARE * self.pressed)
         {
-            warn(WarningKind::ObstacleBetweenNodes, between_nodes(model, between, time, self.pressed));
+            warn(WarningKind::ObstacleBetweenNodes, between_nodes(model, between, *time, self.pressed));
         }
         if let Some((slid, time)) = self.slid.filter(|(slid, _)| slid.share > ACROSS_FACETS) {
             let message = format!(
@@ -285,19 +284,18 @@ fn not_met(model: &Model, overlap: Overlap, time: f64, pressed: f64) -> String {
     )
 }
 
-fn between_nodes(model: &Model, between: BetweenNodes, time: f64, pressed: f64) -> String {
+fn between_nodes(model: &Model, between: &BetweenNodes, time: f64, pressed: f64) -> String {
     let BetweenNodes { boundary, position, missed, size } = between;
     let units = model.units();
     let (unit, told) = (units.name(Quantity::Length), |x: f64| units.of_si(Quantity::Length, x));
     format!(
-        "the obstacle in front of `{}` has details that are finer than the elements: between nodes, at {}, its distance at t = {time} s is \
+        "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at {}, its distance at t = {time} s is \
          {:.2e} {unit} off the distances at the nodes, {}; pressures may be as wrong; make the elements there, which are {:.2e} {unit} long, \
          smaller than these details",
-        model.contact_boundaries[boundary].name,
-        units.place(position),
-        told(missed),
-        beside(missed, pressed),
-        told(size)
+        units.place(*position),
+        told(*missed),
+        beside(*missed, pressed),
+        told(*size)
     )
 }
 
