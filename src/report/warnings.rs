@@ -290,7 +290,7 @@ fn surface_hole(model: &Model) -> Option<String> {
                 contact.name,
                 units.of_si(Quantity::Length, largest.size),
                 units.name(Quantity::Length),
-                units.place([0, 1, 2].map(|c| 0.5 * (largest.bounds[0][c] + largest.bounds[1][c])))
+                units.place(largest.box_centre())
             ))
         })
     })

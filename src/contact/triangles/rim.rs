@@ -107,6 +107,12 @@ fn middle(rim: &[Side]) -> [f64; 3] {
 }
 
 impl Hole {
+    /// The centre of the box around its rim, m.
+    pub fn box_centre(&self) -> [f64; 3] {
+        let [low, high] = self.bounds;
+        plus(low, 0.5, minus(high, low))
+    }
+
     fn around(rim: &[Side]) -> Option<Self> {
         let points: Vec<[f64; 3]> = rim.iter().flat_map(|side| side.ends).collect();
         let bounds = (!points.is_empty()).then(|| Bounds::of(&points))?;
