@@ -187,7 +187,7 @@ impl Model {
             contact.obstacle().map_or(contact.facing.gap, |k| contact.gap_at_rest(&obstacles[k].0))
         };
         let gap: Vec<f64> = contacts.iter().map(gap).collect();
-        let Motions { mut motions, bends, nearest } =
+        let Motions { rates: mut motions, bends, nearest } =
             motions::motions(&contacts, &obstacles, &gap, &description.times)?;
         let map = |contacts: &[ContactNode], row: fn(&ContactNode) -> &Row| {
             Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))

@@ -220,7 +220,7 @@ impl Contacts {
         let presses_alike = |k: &usize| own.is_some_and(|own| self.obstacles[*k].0.presses_as(own));
         let further = other.obstacle().into_iter().chain(other.others.iter().copied()).filter(presses_alike);
         let others = nearest.others.iter().copied().chain(further).collect();
-        self.nodes[same] = ContactNode { weight, others, ..nearest.clone() };
+        self.nodes[same] = ContactNode { others, weight, ..nearest.clone() };
         Ok(same)
     }
 }

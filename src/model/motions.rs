@@ -8,7 +8,7 @@ use crate::problem::ProblemError;
 /// What the motions of obstacles do to the contact nodes.
 pub(super) struct Motions {
     /// Rates times histories.
-    pub motions: Vec<Motion>,
+    pub rates: Vec<Motion>,
     /// What these leave out at the ends of the increments.
     pub bends: Vec<Bend>,
     /// Which obstacle each node meets.
@@ -23,14 +23,14 @@ pub(super) fn motions(
     times: &[f64],
 ) -> Result<Motions, ProblemError> {
     let times: Vec<f64> = [0.0].into_iter().chain(times.iter().copied()).collect();
-    let (motions, mut bends) = of_first(contacts, obstacles, &times)?;
+    let (rates, mut bends) = of_first(contacts, obstacles, &times)?;
     if contacts.iter().all(|contact| contact.others.is_empty()) {
-        return Ok(Motions { motions, bends, nearest: Nearest::default() });
+        return Ok(Motions { rates, bends, nearest: Nearest::default() });
     }
-    let loading = Loading::new(Vec::new(), gap.to_vec())?.with_motions(motions.clone(), bends.clone())?;
+    let loading = Loading::new(Vec::new(), gap.to_vec())?.with_motions(rates.clone(), bends.clone())?;
     let (nearest, bend) = Nearest::new(contacts, obstacles, &times, &loading)?;
     bends.extend(bend);
-    Ok(Motions { motions, bends, nearest })
+    Ok(Motions { rates, bends, nearest })
 }
 
 /// What the motion of the obstacle that each node met first does to it. A node that met another obstacle has zeros.

@@ -82,7 +82,8 @@ impl Model {
                 let Some(outside) = outsides.as_ref().and_then(|outsides| outsides.get(&node)) else { continue };
                 for (k, (obstacle, motion)) in self.obstacles.iter().enumerate().filter(|(k, _)| Some(*k) != met) {
                     let own = boundary.obstacles.contains(&k);
-                    if !own && !(obstacle.is_bounded() && self.is_carried_along(k, node)) {
+                    let may_come = obstacle.is_bounded() && self.is_carried_along(k, node);
+                    if !(own || may_come) {
                         continue;
                     }
                     let seen = |t: f64, moved: [f64; 3]| {

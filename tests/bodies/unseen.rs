@@ -19,6 +19,7 @@ use stickslip::model::Model;
 use stickslip::problem::State;
 use stickslip::report::{RunReport, Warning, WarningKind};
 use stickslip::run::{Recording, Run};
+use stickslip::vector::Vector;
 
 const TIMES: [f64; 8] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 
@@ -28,15 +29,15 @@ fn plate() -> Description {
     Description::new(mesh, Material::new(1e9, 0.3), TIMES.to_vec()).support("top", &[Axis::X, Axis::Y])
 }
 
-fn down() -> Option<stickslip::vector::Vector> {
-    Some([0.0, -1.0].into())
+fn down() -> Vector {
+    [0.0, -1.0].into()
 }
 
 /// A roller under the plate that is pressed into it and then rolls along by 1 m.
 fn roller(x: f64) -> Obstacle {
     let shape = Shape::Cylinder { radius: 0.5, place: Place::Apex([x, 0.0].into()), axis: None };
     let travel = vec![(1.0, [0.0, 0.0].into()), (2.0, [1.0, 0.0].into())];
-    Obstacle { normal: down(), translation: Some(travel), ..Obstacle::at_rest(shape) }
+    Obstacle { normal: Some(down()), translation: Some(travel), ..Obstacle::at_rest(shape) }
         .approaching(&[[0.0, 0.0], [1.0, 3e-3]])
 }
 
@@ -79,7 +80,7 @@ fn gaps_of_second_order_follow_the_nearest_obstacle() {
         Model::build(&body.contact("bottom", 0.0, obstacles)).unwrap()
     };
     let standing = |x: f64| Obstacle { translation: None, ..roller(x) };
-    let plane = || Obstacle { normal: down(), ..Obstacle::plane(0.05) };
+    let plane = || Obstacle { normal: Some(down()), ..Obstacle::plane(0.05) };
     let moving = body(vec![roller(0.5), plane()]);
     let stands = body(vec![standing(1.5), plane()]);
     let [there, here] = [moving.loading.gaps_at(2.0), stands.loading.gaps_at(2.0)];
@@ -91,7 +92,7 @@ fn gaps_of_second_order_follow_the_nearest_obstacle() {
 #[test]
 fn slip_is_past_the_obstacle_that_presses() {
     let plane = |approach: &[[f64; 2]], path: &[(f64, f64)]| Obstacle {
-        normal: down(),
+        normal: Some(down()),
         translation: Some(path.iter().map(|(t, x)| (*t, [*x, 0.0].into())).collect()),
         ..Obstacle::plane(0.0).approaching(approach)
     };
@@ -249,10 +250,13 @@ fn edges_are_singular_at_corners_alone() {
 #[test]
 fn the_error_of_the_peak_is_of_its_own_time() {
     let shape = Shape::Cylinder { radius: 0.5, place: Place::Apex([1.0, 0.0].into()), axis: None };
-    let round = Obstacle { normal: down(), ..Obstacle::at_rest(shape) };
+    let round = Obstacle { normal: Some(down()), ..Obstacle::at_rest(shape) };
     let leaves = round.clone().approaching(&[[0.0, 0.0], [1.0, 4e-3], [1.5, -1e-2]]);
-    let comes =
-        Obstacle { normal: down(), ..Obstacle::plane(0.0) }.approaching(&[[0.0, -6e-3], [1.5, -6e-3], [2.0, 1.5e-3]]);
+    let comes = Obstacle { normal: Some(down()), ..Obstacle::plane(0.0) }.approaching(&[
+        [0.0, -6e-3],
+        [1.5, -6e-3],
+        [2.0, 1.5e-3],
+    ]);
     let report = solved(&plate().contact("bottom", 0.0, vec![leaves, comes]));
     let until = Description { times: vec![0.5, 1.0], ..plate() };
     let alone = solved(&until.contact("bottom", 0.0, round.approaching(&[[0.0, 0.0], [1.0, 4e-3]])));
