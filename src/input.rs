@@ -1,5 +1,9 @@
 //! The files that people name: scenes, meshes, tables.
 
+mod kind;
+
+pub(crate) use kind::FileKind;
+
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
