@@ -236,8 +236,8 @@ fn every_kind_of_cell_is_turned_over() {
     let [triangles6, tetrahedra10] = second;
     for mesh in [plane, space.clone(), triangles, tetrahedra, space.into_prisms(), triangles6, tetrahedra10] {
         // In a mirror all cells are numbered the wrong way round.
-        let numbers = |n: usize| (1..=n).map(|k| format!("{k}\n")).collect::<String>();
-        let nodes: String = mesh.nodes.iter().map(|[x, y, z]| format!("{} {y} {z}\n", -x)).collect();
+        let numbers = |n: usize| (1..=n).map(|k| format!("{k}\n")).collect::<Vec<_>>().concat();
+        let nodes = mesh.nodes.iter().map(|[x, y, z]| format!("{} {y} {z}\n", -x)).collect::<Vec<_>>().concat();
         let kind = mesh.cells[0].kind;
         let element = |(e, cell): (usize, &Cell)| {
             let nodes: Vec<String> = cell.nodes.iter().map(|node| (node + 1).to_string()).collect();
@@ -287,6 +287,11 @@ fn nodes_of_no_element_are_left_out() {
     assert_eq!((&mesh.nodes, &mesh.cells, &mesh.boundaries), (&whole.nodes, &whole.cells, &whole.boundaries));
     assert_eq!(mesh.notes.remarks, ["2 nodes are left out: no element of the body has them"]);
     assert_eq!(whole.notes, Notes::default());
+    // The boundary of a copy is that of the body in the same place.
+    let copied = (QUADS.replace("1 15 1 15\n2 1 0 15\n", "2 17 1 99\n0 9 0 2\n98\n99\n30 0 0\n40 1e-9 0\n2 1 0 15\n"))
+        .replace("\n4 4 5\n", "\n4 99 98\n");
+    let mesh = from_gmsh("copied.msh", copied.as_bytes(), 1.0).unwrap();
+    assert_eq!((&mesh.nodes, &mesh.boundaries), (&whole.nodes, &whole.boundaries));
     // A line that belongs to no element is no boundary, which matters only to a scene that names it.
     let loose = text.replace("\n4 4 5\n", "\n4 98 99\n");
     let mesh = from_gmsh("loose.msh", loose.as_bytes(), 1.0).unwrap();
@@ -330,13 +335,13 @@ fn groups_that_are_no_boundary() {
 /// A plane mesh may lie in any coordinate plane of its file.
 #[test]
 fn other_planes() {
-    let there = |line: &str, place: &dyn Fn(&str, &str) -> String| match line.split_whitespace().collect::<Vec<_>>()[..]
-    {
+    type Place = dyn Fn(&str, &str) -> String;
+    let there = |line: &str, place: &Place| match line.split_whitespace().collect::<Vec<_>>()[..] {
         [x, y, "0"] if x.ends_with('0') && y.ends_with('0') => place(x, y),
         _ => line.to_string(),
     };
     let straight = read("plate_quads_mm.msh", 1.0);
-    let places: [(&dyn Fn(&str, &str) -> String, &str); 2] = [
+    let places: [(&Place, &str); 2] = [
         (&|x, y| format!("{x} 0 {y}"), "the mesh lies in the x-z plane of its file: x is x here, z is y"),
         (&|x, y| format!("5 {x} {y}"), "the mesh lies in the y-z plane of its file: y is x here, z is y"),
     ];

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::read::{Block, File};
+use super::read::{Block, File, SAME_PLACE};
 use super::{ElementKind, GmshError};
 use crate::mesh::boundaries::Outline;
 use crate::mesh::{Cell, Facet, Geometry, Mesh, Notes};
@@ -82,8 +82,7 @@ pub(super) fn mesh(file: &mut File, name: &str) -> Result<(Mesh, Vec<usize>), Gm
 fn plane(file: &File) -> Result<[usize; 2], String> {
     let extent = file.nodes.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
     let origin = file.nodes.first().copied().unwrap_or_default();
-    // Coordinates are written with about sixteen digits; nine leave room for what made them.
-    let off = |axis: usize| file.nodes.iter().position(|x| (x[axis] - origin[axis]).abs() > 1e-9 * extent);
+    let off = |axis: usize| file.nodes.iter().position(|x| (x[axis] - origin[axis]).abs() > SAME_PLACE * extent);
     match (off(2), off(1), off(0)) {
         (None, ..) => Ok([0, 1]),
         (_, None, _) => Ok([0, 2]),

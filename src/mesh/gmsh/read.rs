@@ -6,6 +6,7 @@ use std::str::FromStr;
 use super::lines::Lines;
 use super::{ElementKind, GmshError};
 use crate::input::FileKind;
+use crate::vector::{dot, minus, norm};
 
 /// Elements of one kind on one entity of the geometry.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,8 +29,8 @@ pub(super) struct File {
 }
 
 impl File {
-    /// Removes the nodes that no element of this `dimension` has, such as the centres of arcs; how many they were. Elements of
-    /// fewer dimensions may name nodes that are beyond the end then.
+    /// Removes the nodes that no element of this `dimension` has, such as the centres of arcs; how many they were. An element of
+    /// fewer dimensions has the used node in the same place instead, if there is one, and otherwise a node beyond the end.
     pub(super) fn leave_out_unused_nodes(&mut self, dimension: usize) -> usize {
         let mut used = vec![false; self.nodes.len()];
         let cells = self.blocks.iter().filter(|block| block.kind.dimension() == dimension);
@@ -39,8 +40,9 @@ impl File {
         if unused == 0 {
             return 0;
         }
+        let twins = self.twins(&used);
         let (mut next_used, mut next_unused) = (0, kept);
-        let places: Vec<usize> = used
+        let mut places: Vec<usize> = used
             .iter()
             .map(|&used| {
                 let next = if used { &mut next_used } else { &mut next_unused };
@@ -48,6 +50,9 @@ impl File {
                 *next - 1
             })
             .collect();
+        for (unused, twin) in twins {
+            places[unused] = places[twin];
+        }
         let mut used_nodes = used.iter();
         self.nodes.retain(|_| used_nodes.next() == Some(&true));
         let mut used_nodes = used.iter();
@@ -56,7 +61,33 @@ impl File {
         nodes.for_each(|node| *node = places[*node]);
         unused
     }
+
+    /// The nodes that are not `used`, each with the used node in the same place: curves that were copied have nodes of their own. A
+    /// place where several bodies have a node tells nothing.
+    fn twins(&self, used: &[bool]) -> Vec<(usize, usize)> {
+        let bound = |c: usize, pick: fn(f64, f64) -> f64| self.nodes.iter().map(|x| x[c]).reduce(pick).unwrap_or(0.0);
+        let size = (0..3).map(|c| bound(c, f64::max) - bound(c, f64::min)).fold(0.0, f64::max);
+        let near = SAME_PLACE * size;
+        // Along a direction of no lattice few nodes are side by side.
+        let along = |node: usize| dot(self.nodes[node], [0.742, 0.534, 0.406]);
+        let mut order: Vec<(f64, usize)> = (0..used.len()).filter(|&k| used[k]).map(|k| (along(k), k)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let twin = |node: usize| {
+            let place = along(node);
+            let from = order.partition_point(|(other, _)| *other < place - near);
+            let beside = order[from..].iter().take_while(|(other, _)| *other <= place + near);
+            let mut there = beside
+                .filter(|(_, other)| norm(minus(self.nodes[*other], self.nodes[node])) <= near)
+                .map(|(_, other)| *other);
+            there.next().filter(|_| there.next().is_none())
+        };
+        (0..used.len()).filter(|&k| !used[k]).filter_map(|k| Some((k, twin(k)?))).collect()
+    }
 }
+
+/// Nodes that are no farther apart, as a share of the size of all, are in one place: coordinates are written with about sixteen
+/// digits, and nine leave room for what made them.
+pub(super) const SAME_PLACE: f64 = 1e-9;
 
 /// Which sections were there, in the order in which a file must have them.
 #[derive(Default)]
