@@ -30,9 +30,10 @@ mod sweep;
 mod threads;
 mod uniqueness;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use stickslip::exchange::ExchangeError;
 use stickslip::model::ModelError;
@@ -249,6 +250,19 @@ fn program() -> clap::Command {
     Cli::command().version(version())
 }
 
+/// The error of arguments, with the command that is missing where a file stands in its place.
+fn with_command(mut error: clap::Error) -> clap::Error {
+    let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) else { return error };
+    let command = match Path::new(name).extension().and_then(|end| end.to_str()) {
+        Some("toml") => "run",
+        Some("hdf5" | "h5" | "dat") => "solve",
+        _ => return error,
+    };
+    let tip = format!("did you mean: stickslip {command} {name}");
+    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    error
+}
+
 pub(crate) fn main() -> ExitCode {
     #[cfg(feature = "mpi")]
     if ranks::may_help()
@@ -262,6 +276,7 @@ pub(crate) fn main() -> ExitCode {
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) => {
+            let error = with_command(error);
             // Others of a launcher's wait for the first one to start MPI and to end it.
             #[cfg(feature = "mpi")]
             if ranks::lead().is_ok() {

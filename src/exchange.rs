@@ -159,7 +159,7 @@ impl ProblemFile {
     /// # Errors
     /// As [`ProblemFile::read`].
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, ExchangeError> {
-        let read = if bytes.starts_with(hdf5::SIGNATURE) {
+        let read = if hdf5::is_hdf5(bytes) {
             fclib::read(bytes)
         } else if bytes.contains(&0) {
             return Err(ExchangeError::Unknown { file: name.to_string() });
@@ -178,15 +178,15 @@ impl ProblemFile {
     }
 }
 
-/// The solution in the FCLIB file at `path`, of a problem that may stand in another file.
+/// The solution of `problem` in the FCLIB file at `path`; the problem may be in another file.
 ///
 /// # Errors
-/// As [`ProblemFile::read`], and when there is none in it.
-pub fn read_solution(path: &Path) -> Result<Solution, ExchangeError> {
+/// As [`ProblemFile::read`], when there is no solution in the file, or one of another problem.
+pub fn read_solution(path: &Path, problem: &Problem) -> Result<Solution, ExchangeError> {
     let name = path.display().to_string();
     let bytes = input::bytes(path).map_err(|error| ExchangeError::Io { file: name.clone(), error })?;
-    if !bytes.starts_with(hdf5::SIGNATURE) {
+    if !hdf5::is_hdf5(&bytes) {
         return Err(ExchangeError::Unknown { file: name });
     }
-    fclib::read_solution(&bytes).map_err(|fault| ExchangeError::Content { file: name, fault })
+    fclib::read_solution(&bytes, problem).map_err(|fault| ExchangeError::Content { file: name, fault })
 }

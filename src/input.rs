@@ -1,5 +1,9 @@
 //! The files that people name: scenes, meshes, tables.
 
+mod kind;
+
+pub(crate) use kind::FileKind;
+
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::fs::File;

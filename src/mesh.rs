@@ -12,6 +12,7 @@ mod interpolation;
 mod joined;
 mod kind;
 mod midsides;
+mod notes;
 mod quadrature;
 mod reference;
 mod rules;
@@ -29,6 +30,7 @@ pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
 pub(crate) use interpolation::{Jacobian, local_gradients};
 pub use interpolation::{corner_shape, shape};
 pub use kind::CellKind;
+pub use notes::Notes;
 pub(crate) use quadrature::stiffness_rule;
 pub use quadrature::{fine_quadrature, quadrature, quadrature_of};
 pub(crate) use reference::{MOST_NODES, ReferenceCell, ReferenceCells, ReferencePoint};
@@ -51,6 +53,8 @@ pub struct Mesh {
     pub groups: Vec<String>,
     /// The parts of the boundary that a scene can name.
     pub boundaries: Vec<Boundary>,
+    /// What its file says beyond it.
+    pub notes: Notes,
 }
 
 /// A cell of a mesh.

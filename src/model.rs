@@ -339,6 +339,9 @@ impl Model {
 /// The boundary that the thing at `key` names.
 fn find<'a>(mesh: &'a Mesh, name: &str, key: &str) -> Result<&'a Boundary, Fault> {
     mesh.boundary(name).ok_or_else(|| {
+        if let Some((_, fault)) = mesh.notes.unusable.iter().find(|(group, _)| group == name) {
+            return Fault::new(format!("{key}.boundary"), format!("`{name}` is no boundary: {fault}"), fault.help());
+        }
         let known = mesh.boundary_names();
         let help = match (&known[..], mesh.dimension) {
             ([], 2) => {

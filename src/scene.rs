@@ -122,8 +122,11 @@ impl Scene {
     /// # Errors
     /// When the file cannot be read, or the scene is not sound; the message names file and line.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
-        let text = crate::input::text_or_pipe(path)
-            .map_err(|error| SceneError::Io { path: path.display().to_string(), error })?;
+        let text = crate::input::text_or_pipe(path).map_err(|error| {
+            let io = SceneError::Io { path: path.display().to_string(), error };
+            let bytes = crate::input::bytes(path).unwrap_or_default();
+            SceneError::other(&path.display().to_string(), &bytes).unwrap_or(io)
+        })?;
         Self::parse(&path.display().to_string(), &text, overrides)
     }
 
@@ -132,9 +135,11 @@ impl Scene {
     /// # Errors
     /// When the scene is not sound; the message names `name` and the line.
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, SceneError> {
-        let source = overrides::apply(name, text, overrides)?;
-        let document = document::Document::parse(&source)?;
-        read::scene(document, source)
+        let scene = overrides::apply(name, text, overrides).and_then(|source| {
+            let document = document::Document::parse(&source)?;
+            read::scene(document, source)
+        });
+        scene.map_err(|error| SceneError::other(name, text.as_bytes()).unwrap_or(error))
     }
 
     /// The same scene with further `overrides`.

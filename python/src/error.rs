@@ -17,7 +17,9 @@ fn unplaced(message: String, help: String) -> PyErr {
 }
 
 pub(crate) fn of_scene(error: Refused) -> PyErr {
+    let message = error.to_string();
     match error {
+        Refused::Other { help, .. } => unplaced(message, help.to_string()),
         Refused::Io { path, error } => PyOSError::new_err((error.raw_os_error(), error.to_string(), path)),
         Refused::Invalid(at) => {
             let at = *at;

@@ -106,6 +106,9 @@ fn body(scene: &Scene, model: &Model) {
     for line in bodies(&scene.description.mesh, model) {
         say!("{line}");
     }
+    for remark in &model.mesh.notes.remarks {
+        say!("             {remark}");
+    }
     let Material { young, poisson, plane, layers, groups, .. } = &scene.description.material;
     let state = match (model.mesh.dimension, plane.unwrap_or_default()) {
         (2, Plane::Strain) => "plane strain, unit thickness",

@@ -88,9 +88,9 @@ pub(super) fn judge_file(args: &JudgeArgs) -> Result<ExitCode, Failure> {
     let name = args.file.display().to_string();
     let file = ProblemFile::read(&args.file)?;
     let solution = match &args.solution {
-        Some(path) => read_solution(path)?,
+        Some(path) => read_solution(path, &file.problem)?,
         None => file.solution.clone().ok_or_else(|| {
-            let help = "name a file with a solution behind it";
+            let help = "name a file with a solution behind it; a solution has u and r, of a global problem v, too, all of them written";
             Failure::Input(miette::miette!(help = help, "{name}: there is no solution beside the problem"))
         })?,
     };

@@ -6,7 +6,7 @@
 mod read;
 mod rim;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 pub use read::SurfaceError;
@@ -66,6 +66,19 @@ const ROUNDING: f64 = 1e-12;
 /// lean to a line before it counts as met.
 const SINGLE: f64 = 1e-6;
 
+/// What tells a point from others that are not exactly in its place: + 0.0 turns -0 into 0.
+fn place(x: [f64; 3]) -> [u64; 3] {
+    x.map(|c| (c + 0.0).to_bits())
+}
+
+/// The corners of a triangle from its least one on, with the same outside.
+fn from_least(corners: &[[f64; 3]; 3]) -> [[u64; 3]; 3] {
+    let mut places = corners.map(place);
+    let least = (0..3).min_by_key(|k| places[*k]).unwrap_or(0);
+    places.rotate_left(least);
+    places
+}
+
 impl Triangles {
     /// Reads the STL file or the Gmsh file at `path`, whose unit is `scale` (m).
     pub(super) fn read(path: &Path, scale: f64) -> Result<Self, SurfaceError> {
@@ -74,10 +87,12 @@ impl Triangles {
         Self::new(corners).map_err(|message| SurfaceError::Unsound { file: path.display().to_string(), message })
     }
 
-    /// The surface of these triangles; those without an area are left out. Otherwise why it is none, in words.
+    /// The surface of these triangles; those without an area, and those that are there already, are left out. Otherwise why it is none, in words.
     fn new(mut corners: Vec<[[f64; 3]; 3]>) -> Result<Self, String> {
         let area = |[a, b, c]: &[[f64; 3]; 3]| cross(minus(*b, *a), minus(*c, *a));
         corners.retain(|corners| norm(area(corners)) > 0.0);
+        let mut known = HashSet::new();
+        corners.retain(|corners| known.insert(from_least(corners)));
         if corners.is_empty() {
             return Err("the surface has no triangle with an area".to_string());
         }
@@ -86,8 +101,7 @@ impl Triangles {
         let mut numbers = HashMap::new();
         for (corners, normal) in corners.iter().zip(&normals) {
             points.push([0, 1, 2].map(|k| {
-                // + 0.0 turns -0 into 0, which is the same place.
-                let number = *numbers.entry(corners[k].map(|c| (c + 0.0).to_bits())).or_insert(vertices.len());
+                let number = *numbers.entry(place(corners[k])).or_insert(vertices.len());
                 if number == vertices.len() {
                     vertices.push(Feature::default());
                 }
@@ -276,6 +290,20 @@ mod tests {
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let halves = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
         Triangles::new(halves.map(|corners| corners.map(at)).collect()).unwrap()
+    }
+
+    /// A triangle that is there several times, from whichever corner on, is one.
+    #[test]
+    fn repeated_triangles_are_left_out() {
+        let cube = cube();
+        let mut corners = cube.corners.clone();
+        let turned = |[a, b, c]: [[f64; 3]; 3]| [b, c, a];
+        corners.extend(cube.corners.iter().map(|corners| turned(*corners)));
+        corners.push(turned(turned(cube.corners[3].map(|x| x.map(|c| if c == 0.0 { -0.0 } else { c })))));
+        assert_eq!(Triangles::new(corners), Ok(cube));
+        // The other side of a triangle is not the same.
+        let [a, b, c] = ceiling().corners[0];
+        assert_eq!(Triangles::new(vec![[a, b, c], [c, b, a]]).unwrap().count(), 2);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! | `fclib_global` or `fclib_local` | the problem: `spacedim`, matrices `M`, `H`, `G` or `W`, `V`, `R`, `vectors` |
 //! | a matrix | `m`, `n`, `nzmax`, `nz`: -1 compressed columns, -2 compressed rows, otherwise triplets with row `i`, column `p`; `p`, `i`, `x` |
 //! | `info` in the problem | `title`, `description`, `math_info`; none of them has to be there |
-//! | `solution`, `guesses/1` ... | `v` (global), `l` (multipliers of `G`), `u`, `r`; left out where nothing was written into them |
+//! | `solution`, `guesses/1` ... | `v` (global), `l` (multipliers of `G`), `u`, `r`; left out unless all of them are there and were written |
 //!
 //! Equality constraints `Gᵀ v + b = 0` with multipliers `l` become rows and columns of the global problem: unknowns `(v, l)`.
 
@@ -18,18 +18,20 @@ pub(super) use write::write;
 
 use super::error::of_dataset;
 use super::global::Parts;
-use super::hdf5::File;
+use super::hdf5::{Dataset, File};
 use super::{GlobalProblem, Info, Problem, ProblemFile, Solution};
 use crate::fault::Fault;
 use crate::local::LocalProblem;
 use crate::sparse::Csc;
-use matrix::{is_empty, matrix};
-use vectors::{finite, length, need};
+use matrix::{has_sizes, is_empty, matrix};
+use vectors::{length, need, numbers, one, written};
 
 const GLOBAL: &str = "fclib_global";
 const LOCAL: &str = "fclib_local";
 /// Guesses that are looked for.
 const GUESSES: i64 = 1000;
+/// Memory for a number of a vector while it is read, bytes: in the file, as an element, as a number, in the problem.
+const BYTES_OF_A_NUMBER: u64 = 32;
 
 fn open(bytes: &[u8]) -> Result<File<'_>, Fault> {
     File::open(bytes).map_err(|error| Fault::new("head of the file", error.to_string(), error.help()))
@@ -37,17 +39,6 @@ fn open(bytes: &[u8]) -> Result<File<'_>, Fault> {
 
 fn has(file: &File<'_>, path: &str) -> Result<bool, Fault> {
     file.has(path).map_err(|error| of_dataset(path, &error))
-}
-
-/// Whether somebody has written forces and velocities below `path`. Some tools make the datasets of a solution that they do not have.
-fn is_written(file: &File<'_>, path: &str) -> Result<bool, Fault> {
-    for name in ["r", "u"] {
-        let path = format!("{path}/{name}");
-        if !file.is_written(&path).map_err(|error| of_dataset(&path, &error))? {
-            return Ok(false);
-        }
-    }
-    Ok(true)
 }
 
 /// The problem in the `bytes` of an FCLIB file.
@@ -63,39 +54,32 @@ pub(super) fn read(bytes: &[u8]) -> Result<ProblemFile, Fault> {
         }
     };
     // What cannot be read of it is no reason to refuse the problem.
-    let info = |name: &str| file.text(&format!("{group}/info/{name}")).ok().flatten().filter(|text| !text.is_empty());
+    let info = |name: &str| {
+        let dataset = written(&file, &format!("{group}/info/{name}")).ok().flatten();
+        dataset.and_then(|dataset| dataset.text().ok().flatten()).filter(|text| !text.is_empty())
+    };
     let info = Info { title: info("title"), description: info("description"), math_info: info("math_info") };
-    let solution = if is_written(&file, "solution")? { Some(solution(&file, "solution", &problem)?) } else { None };
+    let solution = solution(&file, "solution", &problem)?;
     let mut guesses = Vec::new();
-    if has(&file, "guesses/number_of_guesses")? {
+    if written(&file, "guesses/number_of_guesses")?.is_some() {
         let count = one(&file, "guesses/number_of_guesses")?;
         for k in 1..=count.min(GUESSES) {
-            let path = format!("guesses/{k}");
-            if is_written(&file, &path)? {
-                guesses.push(self::solution(&file, &path, &problem)?);
-            }
+            guesses.extend(self::solution(&file, &format!("guesses/{k}"), &problem)?);
         }
     }
     Ok(ProblemFile { info, problem, solution, guesses })
 }
 
-/// The solution in the `bytes` of an FCLIB file, with or without a problem.
-pub(super) fn read_solution(bytes: &[u8]) -> Result<Solution, Fault> {
-    let file = open(bytes)?;
-    if !is_written(&file, "solution")? {
+/// The solution of `problem` in the `bytes` of an FCLIB file, with or without a problem of its own.
+pub(super) fn read_solution(bytes: &[u8], problem: &Problem) -> Result<Solution, Fault> {
+    solution(&open(bytes)?, "solution", problem)?.ok_or_else(|| {
         let help = "name a file with a solution, such as `stickslip solve --out` writes";
-        return Err(Fault::new("group solution", "r and u are not both there, or nothing was written into them", help));
-    }
-    any_solution(&file, "solution")
-}
-
-/// The integer of a dataset that has one.
-fn one(file: &File<'_>, path: &str) -> Result<i64, Fault> {
-    let values = need(path, file.integers(path))?;
-    match values[..] {
-        [value] => Ok(value),
-        _ => Err(length(path, 1, values.len(), "it is one number")),
-    }
+        let what = match problem {
+            Problem::Global(_) => "v, u and r are not all there",
+            Problem::Local(_) => "r and u are not both there",
+        };
+        Fault::new("group solution", format!("{what}, or nothing was written into them"), help)
+    })
 }
 
 fn dimension(file: &File<'_>, path: &str) -> Result<usize, Fault> {
@@ -110,8 +94,38 @@ fn dimension(file: &File<'_>, path: &str) -> Result<usize, Fault> {
     }
 }
 
-fn numbers(file: &File<'_>, path: &str) -> Result<Vec<f64>, Fault> {
-    finite(path, need(path, file.numbers(path))?)
+/// The vectors `names` in the group `path`, whose lengths are looked at before anything is read.
+struct Vectors<'a, const N: usize> {
+    paths: [String; N],
+    datasets: [Dataset<'a>; N],
+}
+
+impl<'a, const N: usize> Vectors<'a, N> {
+    fn open(file: &File<'a>, group: &str, names: [&str; N]) -> Result<Self, Fault> {
+        let paths = names.map(|name| format!("{group}/{name}"));
+        let datasets: Vec<Dataset<'a>> = paths.iter().map(|path| need(file, path)).collect::<Result<_, _>>()?;
+        match datasets.try_into() {
+            Ok(datasets) => Ok(Vectors { paths, datasets }),
+            Err(_) => Err(Fault::new(group, "it has other vectors", "write those of FCLIB")),
+        }
+    }
+
+    fn lengths(&self) -> [usize; N] {
+        std::array::from_fn(|k| self.datasets[k].count())
+    }
+
+    /// Reads them, if there is memory for all of them.
+    fn read(&self, file: &File<'_>) -> Result<[Vec<f64>; N], Fault> {
+        for (path, length) in self.paths.iter().zip(self.lengths()) {
+            let bytes = BYTES_OF_A_NUMBER.saturating_mul(length as u64);
+            file.take_room(bytes).map_err(|error| of_dataset(path, &error))?;
+        }
+        let mut read = std::array::from_fn(|_| Vec::new());
+        for ((read, path), dataset) in read.iter_mut().zip(&self.paths).zip(&self.datasets) {
+            *read = numbers(dataset, path)?;
+        }
+        Ok(read)
+    }
 }
 
 /// An error unless there is a coefficient of friction at `path` for each contact, of which each has so many of the `rows` of a matrix as there are directions.
@@ -124,13 +138,22 @@ fn friction_fits(path: &str, dimension: usize, rows: usize, coefficients: usize)
 
 fn global(file: &File<'_>) -> Result<GlobalProblem, Fault> {
     let dimension = dimension(file, "fclib_global/spacedim")?;
-    let vector = |name: &str| numbers(file, &format!("fclib_global/vectors/{name}"));
-    let (mut f, w, mu) = (vector("f")?, vector("w")?, vector("mu")?);
-    let n = f.len();
+    let vectors = Vectors::open(file, "fclib_global/vectors", ["f", "w", "mu"])?;
+    let [n, rows, coefficients] = vectors.lengths();
+    has_sizes(file, "fclib_global/M", n, n)?;
+    has_sizes(file, "fclib_global/H", n, rows)?;
+    friction_fits("fclib_global/vectors/mu", dimension, rows, coefficients)?;
+    let b = match written(file, "fclib_global/vectors/b")? {
+        Some(b) if b.count() > 0 => {
+            has_sizes(file, "fclib_global/G", n, b.count())?;
+            Some(Vectors::open(file, "fclib_global/vectors", ["b"])?)
+        }
+        _ => None,
+    };
+    let [mut f, w, mu] = vectors.read(file)?;
     let m = matrix(file, "fclib_global/M", n, n)?;
     let h = matrix(file, "fclib_global/H", n, w.len())?;
-    friction_fits("fclib_global/vectors/mu", dimension, w.len(), mu.len())?;
-    let constraints = if has(file, "fclib_global/vectors/b")? { vector("b")? } else { Vec::new() };
+    let [constraints] = b.map_or(Ok([Vec::new()]), |b| b.read(file))?;
     if constraints.is_empty() {
         if !is_empty(file, "fclib_global/G")? {
             let help = "write fclib_global/vectors/b, one number for each column of G";
@@ -159,29 +182,42 @@ fn local(file: &File<'_>) -> Result<LocalProblem, Fault> {
             return Err(Fault::new(format!("group {name}"), "constraints of a local problem are not read", help));
         }
     }
-    let vector = |name: &str| numbers(file, &format!("fclib_local/vectors/{name}"));
-    let (q, mu) = (vector("q")?, vector("mu")?);
-    let delassus = matrix(file, "fclib_local/W", q.len(), q.len())?;
-    friction_fits("fclib_local/vectors/mu", dimension, q.len(), mu.len())?;
+    let vectors = Vectors::open(file, "fclib_local/vectors", ["q", "mu"])?;
+    let [rows, coefficients] = vectors.lengths();
+    has_sizes(file, "fclib_local/W", rows, rows)?;
+    friction_fits("fclib_local/vectors/mu", dimension, rows, coefficients)?;
+    let [q, mu] = vectors.read(file)?;
+    let delassus = matrix(file, "fclib_local/W", rows, rows)?;
     let help = "q has one number for each direction of each contact, mu one for each contact";
     LocalProblem::new(dimension, delassus, q, mu)
         .map_err(|error| Fault::new("group fclib_local", error.to_string(), help))
 }
 
-/// What stands at `path`, of whatever lengths.
-fn any_solution(file: &File<'_>, path: &str) -> Result<Solution, Fault> {
-    let optional = |name: &str| {
-        let path = format!("{path}/{name}");
-        if has(file, &path)? { numbers(file, &path) } else { Ok(Vec::new()) }
+/// The solution of `problem` at `path`. `None` unless all vectors that such a problem needs are there and were written: some tools make
+/// the datasets of a solution that they do not have.
+fn solution(file: &File<'_>, path: &str, problem: &Problem) -> Result<Option<Solution>, Fault> {
+    let rows = problem.contacts() * problem.dimension();
+    let (unknowns, multipliers) = match problem {
+        Problem::Global(problem) => (problem.unknowns() - problem.constraints(), problem.constraints()),
+        Problem::Local(_) => (0, 0),
     };
-    let (mut v, multipliers) = (optional("v")?, optional("l")?);
-    v.extend(multipliers);
-    Ok(Solution { v, r: numbers(file, &format!("{path}/r"))?, u: numbers(file, &format!("{path}/u"))? })
-}
-
-/// The solution at `path` of `problem`.
-fn solution(file: &File<'_>, path: &str, problem: &Problem) -> Result<Solution, Fault> {
-    let solution = any_solution(file, path)?;
-    solution.check(problem).map_err(|fault| fault.under(&format!("group {path}")))?;
-    Ok(solution)
+    let vector = |name: &str, expected: usize| -> Result<Option<Vec<f64>>, Fault> {
+        let path = format!("{path}/{name}");
+        if expected == 0 {
+            return Ok(Some(Vec::new()));
+        }
+        let Some(dataset) = written(file, &path)? else { return Ok(None) };
+        if dataset.count() != expected {
+            let message = format!("it has {} entries, but the problem needs {expected}", dataset.count());
+            let help = "give a solution of this problem, in the same form: global or local";
+            return Err(Fault::new(format!("dataset {path}"), message, help));
+        }
+        numbers(&dataset, &path).map(Some)
+    };
+    let v = (vector("v", unknowns)?, vector("l", multipliers)?);
+    let ((Some(mut v), Some(l)), Some(r), Some(u)) = (v, vector("r", rows)?, vector("u", rows)?) else {
+        return Ok(None);
+    };
+    v.extend(l);
+    Ok(Some(Solution { v, r, u }))
 }

@@ -20,29 +20,49 @@ mod header;
 mod links;
 mod write;
 
+pub(super) use dataset::Dataset;
 pub use error::Hdf5Error;
 pub(super) use write::{Node, write};
+
+use std::cell::Cell;
 
 use bytes::{Bytes, Sizes};
 use header::{Message, messages};
 
-/// What every HDF5 file begins with.
-pub(super) const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
+use crate::memory::Budget;
+
+/// What every superblock begins with.
+const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
+
+/// Memory for what is read of a file that is not compressed, in multiples of its length: the system need not be asked for so much.
+const UNPACKED: u64 = 8;
+
+/// Where the superblock of a file begins: at its start, or behind a block of the user, whose length is 512 bytes or a power of two
+/// times as many.
+fn superblock(bytes: &[u8]) -> Option<usize> {
+    let places = std::iter::once(0).chain((9..usize::BITS).map(|power| 1 << power));
+    places.take_while(|place| *place < bytes.len()).find(|place| bytes[*place..].starts_with(SIGNATURE))
+}
+
+/// Whether these are the `bytes` of an HDF5 file.
+pub(super) fn is_hdf5(bytes: &[u8]) -> bool {
+    superblock(bytes).is_some()
+}
 
 /// The bytes of a file, and where its root group is.
 pub(super) struct File<'a> {
     bytes: Bytes<'a>,
     root: u64,
+    /// Bytes of memory that were asked for.
+    taken: Cell<u64>,
 }
 
 impl<'a> File<'a> {
     /// The file with these `bytes`.
     pub(super) fn open(bytes: &'a [u8]) -> Result<Self, Hdf5Error> {
         let damaged = |at: usize, what: &'static str| Err(Hdf5Error::Damaged { at, what });
-        if !bytes.starts_with(SIGNATURE) {
-            return damaged(0, "the signature of HDF5 is missing");
-        }
-        let mut head = Bytes::new(bytes, Sizes::default()).at(8)?;
+        let Some(start) = superblock(bytes) else { return damaged(0, "the signature of HDF5 is missing") };
+        let mut head = Bytes::new(bytes, start, Sizes::default()).at(8)?;
         let version = head.u8()?;
         let (offsets, lengths) = match version {
             0 | 1 => {
@@ -54,7 +74,7 @@ impl<'a> File<'a> {
         };
         let sizes = Sizes { offsets: usize::from(offsets), lengths: usize::from(lengths) };
         if ![sizes.offsets, sizes.lengths].iter().all(|size| matches!(size, 2 | 4 | 8)) {
-            return damaged(9, "addresses are of no size that there is");
+            return damaged(start + 9, "addresses are of no size that there is");
         }
         // To the base address: the orders of trees and flags of the old versions, flags of the new ones.
         let skipped = match version {
@@ -62,15 +82,13 @@ impl<'a> File<'a> {
             1 => 13,
             _ => 1,
         };
-        let mut head = Bytes::new(bytes, sizes).at(head.place() as u64)?;
+        let mut head = Bytes::new(bytes, start, sizes).at(head.address())?;
         head.skip(skipped)?;
-        if head.offset()? != 0 {
-            return Err(Hdf5Error::Unsupported {
-                what: "a file that begins with something else than HDF5".to_string(),
-            });
-        }
+        // Addresses count from the superblock, even where a block was put before the file afterwards; the end, from the base address
+        // that was true when the file was written.
+        let base = head.offset()?;
         head.offset()?;
-        if head.offset()? > bytes.len() as u64 {
+        if head.offset()?.saturating_sub(base) > (bytes.len() - start) as u64 {
             return damaged(bytes.len(), "the file is shorter than it says, as where a transfer was cut off");
         }
         if version < 2 {
@@ -79,7 +97,25 @@ impl<'a> File<'a> {
             head.offset()?;
         }
         let root = head.offset()?;
-        Ok(File { bytes: Bytes::new(bytes, sizes), root })
+        Ok(File { bytes: Bytes::new(bytes, start, sizes), root, taken: Cell::new(0) })
+    }
+
+    /// How many bytes the file has.
+    pub(super) fn length(&self) -> usize {
+        self.bytes.file_length()
+    }
+
+    /// Counts so many `bytes` as taken: an error if there is no memory for all that was taken.
+    pub(super) fn take_room(&self, bytes: u64) -> Result<(), Hdf5Error> {
+        let needed = self.taken.get().saturating_add(bytes);
+        self.taken.set(needed);
+        if needed <= UNPACKED.saturating_mul(self.length() as u64) {
+            return Ok(());
+        }
+        match Budget::of_process() {
+            Some(Budget { bytes: room, .. }) if needed > room => Err(Hdf5Error::NoRoom { needed, room }),
+            _ => Ok(()),
+        }
     }
 
     /// The messages of the object at `path`, names with `/` between them; `None` where there is no such object.
@@ -99,26 +135,8 @@ impl<'a> File<'a> {
         Ok(self.find(path)?.is_some())
     }
 
-    /// The integers of the dataset at `path`, if there is one.
-    pub(super) fn integers(&self, path: &str) -> Result<Option<Vec<i64>>, Hdf5Error> {
-        self.find(path)?.map(|object| dataset::integers(self.bytes, &object)).transpose()
-    }
-
-    /// The numbers of the dataset at `path`, if there is one; integers are numbers, too.
-    pub(super) fn numbers(&self, path: &str) -> Result<Option<Vec<f64>>, Hdf5Error> {
-        self.find(path)?.map(|object| dataset::numbers(self.bytes, &object)).transpose()
-    }
-
-    /// Whether there is a dataset at `path` that values were written into.
-    pub(super) fn is_written(&self, path: &str) -> Result<bool, Hdf5Error> {
-        match self.find(path)?.map(|object| dataset::is_written(self.bytes, &object)) {
-            None => Ok(false),
-            Some(written) => written,
-        }
-    }
-
-    /// The text of the dataset at `path`, if there is one of a fixed length; what is not UTF-8 in it is replaced.
-    pub(super) fn text(&self, path: &str) -> Result<Option<String>, Hdf5Error> {
-        self.find(path)?.map_or(Ok(None), |object| dataset::text(self.bytes, &object))
+    /// The dataset at `path`, if there is one. Its values are read when they are asked for.
+    pub(super) fn dataset(&self, path: &str) -> Result<Option<Dataset<'a>>, Hdf5Error> {
+        self.find(path)?.map(|object| Dataset::new(self.bytes, &object)).transpose()
     }
 }

@@ -262,12 +262,15 @@ impl Material {
         mesh.cells.iter().map(|cell| value(cell.group).ok_or_else(|| missing(cell.group))).collect()
     }
 
-    /// For each group of `mesh`, which of the groups here it is. A group `upper:rim` that is not named is of the material of
-    /// `upper`, if that is.
+    /// For each group of `mesh`, which of the groups here it is. A group `upper:rim` that is not named has the material of
+    /// `upper`, if that is named.
     fn groups_of(&self, mesh: &Mesh) -> Result<Vec<Option<usize>>, Fault> {
         let body = |group: &'_ str| group.split_once(':').map(|(body, _)| body.to_string());
         for (k, MaterialGroup { name, .. }) in self.groups.iter().enumerate() {
-            if !mesh.groups.iter().any(|known| known == name || body(known).as_ref() == Some(name)) {
+            let has = |group: &String| {
+                group == name || mesh.notes.members(group).contains(name) || body(group).as_ref() == Some(name)
+            };
+            if !mesh.groups.iter().any(has) {
                 let message = format!("the mesh has no material group `{name}`");
                 let named: Vec<_> = mesh.groups.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
                 let help = format!("the mesh has the groups {}", named.join(", "));
@@ -275,6 +278,20 @@ impl Material {
             }
         }
         let called = |name: &str| self.groups.iter().position(|group| group.name == name);
-        Ok(mesh.groups.iter().map(|group| called(group).or_else(|| called(&body(group)?))).collect())
+        let one_of = |group: &String| -> Result<Option<usize>, Fault> {
+            let members: Vec<usize> = mesh.notes.members(group).iter().filter_map(|member| called(member)).collect();
+            match members[..] {
+                [] => Ok(called(group).or_else(|| called(&body(group)?))),
+                [one] => Ok(Some(one)),
+                [first, second, ..] => {
+                    let [first, name] = [first, second].map(|k| &self.groups[k].name);
+                    let message =
+                        format!("elements are in the groups `{first}` and `{name}`, which have a material each");
+                    let help = "name one of the two groups, or let them share no element";
+                    Err(Fault::new(format!("material.group[{second}].name"), message, help))
+                }
+            }
+        };
+        mesh.groups.iter().map(one_of).collect()
     }
 }

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::boundaries::Outline;
 use super::check::Numbers;
 use super::sides::from_least;
-use super::{Boundary, Cell, Geometry, Mesh, MeshFault};
+use super::{Boundary, Cell, Geometry, Mesh, MeshFault, Notes};
 
 impl Mesh {
     /// The mesh of `nodes` (m; z = 0 in two dimensions) and `cells`, whose kind says the dimension. `groups` are the
@@ -34,7 +34,15 @@ impl Mesh {
     ) -> Result<Self, MeshFault> {
         let dimension = cells.first().ok_or(MeshFault::Empty)?.kind.dimension();
         let groups = if groups.is_empty() { vec!["body".to_string()] } else { groups };
-        let mut mesh = Mesh { dimension, geometry: Geometry::Cartesian, nodes, cells, groups, boundaries: Vec::new() };
+        let mut mesh = Mesh {
+            dimension,
+            geometry: Geometry::Cartesian,
+            nodes,
+            cells,
+            groups,
+            boundaries: Vec::new(),
+            notes: Notes::default(),
+        };
         mesh.check_indices()?;
         let all: Vec<usize> = (0..mesh.nodes.len().max(mesh.cells.len())).collect();
         mesh.check_cells(&Numbers { cells: &all, nodes: &all })?;

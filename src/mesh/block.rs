@@ -1,6 +1,6 @@
 //! Structured meshes of a rectangle or a box.
 
-use super::{Boundary, Cell, CellKind, Facet, Geometry, Mesh};
+use super::{Boundary, Cell, CellKind, Facet, Geometry, Mesh, Notes};
 
 /// A rectangle or box of `size` (m, two or three lengths) with its lowest corner in the origin, divided
 /// into `elements` equal quadrilaterals or hexahedra along each axis.
@@ -83,7 +83,15 @@ fn uniform(
     boundaries: Vec<Boundary>,
 ) -> Mesh {
     let cells = cells.map(|nodes| Cell { kind, nodes, group: 0 }).collect();
-    Mesh { dimension, geometry: Geometry::Cartesian, nodes, cells, groups: vec!["body".into()], boundaries }
+    Mesh {
+        dimension,
+        geometry: Geometry::Cartesian,
+        nodes,
+        cells,
+        groups: vec!["body".into()],
+        boundaries,
+        notes: Notes::default(),
+    }
 }
 
 #[cfg(test)]

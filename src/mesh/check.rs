@@ -192,7 +192,7 @@ impl MeshFault {
             MeshFault::NoGroup { .. } => "number groups from 0 on; without names there is the one group 0",
             MeshFault::RepeatedName(_) => "give every boundary a name of its own",
             MeshFault::TurnedFacet { .. } => "make the mesh by Mesh::new, which turns facets",
-            MeshFault::Inverted(_) => "reverse the surface or volume in Gmsh, or mesh it again",
+            MeshFault::Inverted(_) => "mesh it again; in arrays, number the corners of the cells the other way round",
             MeshFault::Degenerate(_) => "mesh again; look for slivers, and for edges or angles of zero size",
             MeshFault::Folded(_) => {
                 "make elements smaller where the surface is curved, or let Gmsh straighten them (Mesh.HighOrderOptimize = 2); look \
@@ -200,7 +200,9 @@ impl MeshFault {
             }
             MeshFault::MixedOrders { .. } => "mesh the whole body with one order (Mesh.ElementOrder)",
             MeshFault::UnusedNodes(_) => "put only lines, surfaces and volumes of the body into physical groups",
-            MeshFault::CoincidentNodes(_) => "join the parts in Gmsh (Coherence, or Coherence Mesh) and mesh again",
+            MeshFault::CoincidentNodes(_) => {
+                "join the parts in Gmsh (Coherence, or Coherence Mesh) and mesh again; only bodies that share no node can be in contact"
+            }
             MeshFault::Overlapping(_) | MeshFault::RepeatedFacet { .. } => {
                 "look for parts that are there twice, join them in Gmsh (Coherence, or Coherence Mesh) and mesh again"
             }
@@ -211,8 +213,15 @@ impl MeshFault {
             MeshFault::Jointed { .. } => {
                 "join the parts along whole edges (in space, faces) in Gmsh: at a node or an edge alone they could turn"
             }
-            MeshFault::InnerFacet { .. } | MeshFault::LooseFacet { .. } => {
-                "name a physical group of the outer surface (in two dimensions, of the outline)"
+            MeshFault::InnerFacet { .. } => {
+                "name a physical group of the outer surface (in two dimensions, of the outline); where two bodies are to touch, \
+                 the mesh joins them: leave out Coherence, BooleanFragments and Coherence Mesh, so that each has nodes of its own, \
+                 or separate the nodes with Plugin(Crack)"
+            }
+            MeshFault::LooseFacet { .. } => {
+                "name a physical group of the outer surface (in two dimensions, of the outline) of what is meshed with volume \
+                 elements (in two dimensions, surface elements); a copy of its curves or surfaces in the same place is no part of it: remove \
+                 the copy (Coherence)"
             }
         }
     }

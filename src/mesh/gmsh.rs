@@ -117,8 +117,9 @@ impl fmt::Display for ElementKind {
 
 /// Reads the Gmsh file at `path`; `scale` is the length of the file's unit in m.
 ///
-/// A plane mesh whose cells are all clockwise is turned over; a mesh with some cells of negative
-/// volume is refused.
+/// Cells that are numbered the wrong way round are numbered the right way; nodes that belong to no cell are left out; a plane mesh
+/// may lie in any of the three coordinate planes. A physical group that cannot be a boundary, as it lies inside the body, is
+/// kept in [`Mesh::notes`]. A mesh with inverted or degenerate cells is refused.
 ///
 /// # Errors
 /// When the file cannot be read, is not MSH 4.1 in ASCII, has cells other than [`CellKind`] knows, or is not a sound mesh; with
@@ -134,12 +135,12 @@ pub fn gmsh(path: &Path, scale: f64) -> Result<Mesh, MeshFileError> {
 /// # Errors
 /// As [`gmsh`], but for reading the file.
 pub fn from_gmsh(name: &str, bytes: &[u8], scale: f64) -> Result<Mesh, MeshFileError> {
-    let file = read::read(name, bytes)?;
+    let mut file = read::read(name, bytes)?;
     let unsound = |fault| MeshFileError::Unsound { file: name.to_string(), fault };
-    let (mut mesh, cells) = groups::mesh(file.clone(), name)?;
+    let (mut mesh, cells) = groups::mesh(&mut file, name)?;
     let numbers = Numbers { cells: &cells, nodes: &file.numbers };
     mesh.check_cells(&numbers).map_err(unsound)?;
-    groups::boundaries(&mut mesh, &file).map_err(unsound)?;
+    groups::boundaries(&mut mesh, &file);
     for x in mesh.nodes.iter_mut().flatten() {
         *x *= scale;
     }

@@ -16,6 +16,7 @@ pub(super) fn named(mut mesh: Mesh, name: &str, at: Option<Vector>) -> Mesh {
     for boundary in &mut mesh.boundaries {
         boundary.name = format!("{name}:{}", boundary.name);
     }
+    mesh.notes = mesh.notes.of_body(name);
     mesh
 }
 
@@ -41,5 +42,6 @@ pub(super) fn append(all: &mut Mesh, name: &str, mut mesh: Mesh) -> Result<(), F
     all.cells.extend(mesh.cells);
     all.groups.extend(mesh.groups);
     all.boundaries.extend(mesh.boundaries);
+    all.notes.append(mesh.notes);
     Ok(())
 }

@@ -51,6 +51,8 @@ pub(super) struct Properties {
     pub neighbours: &'static [&'static [usize]],
     /// The corners at the ends of the edge of each node that is no corner.
     pub edges: &'static [[usize; 2]],
+    /// The nodes of a cell that is numbered the wrong way round, in an order that gives it a positive volume.
+    pub mirrored: &'static [usize],
     /// The sides, each with its outside as [`super::Facet`] wants it.
     pub sides: &'static [&'static [usize]],
     /// Integrates the stiffness.
@@ -75,6 +77,7 @@ const TRIANGLE: Properties = Properties {
     functions: Functions::Linear,
     neighbours: AROUND_A_TRIANGLE,
     edges: &[],
+    mirrored: &[2, 1, 0],
     sides: &[&[0, 1], &[1, 2], &[2, 0]],
     rule: rules::triangle1,
     curved_rule: rules::triangle1,
@@ -90,6 +93,7 @@ const QUADRILATERAL: Properties = Properties {
     functions: Functions::Multilinear,
     neighbours: &[&[1, 3], &[2, 0], &[3, 1], &[0, 2]],
     edges: &[],
+    mirrored: &[3, 2, 1, 0],
     sides: &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]],
     rule: rules::square4,
     curved_rule: rules::square4,
@@ -105,6 +109,7 @@ const TETRAHEDRON: Properties = Properties {
     functions: Functions::Linear,
     neighbours: &[&[1, 2, 3]],
     edges: &[],
+    mirrored: &[1, 0, 2, 3],
     sides: &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[0, 3, 2]],
     rule: rules::tetrahedron1,
     curved_rule: rules::tetrahedron1,
@@ -120,6 +125,7 @@ const HEXAHEDRON: Properties = Properties {
     functions: Functions::Multilinear,
     neighbours: &[&[1, 3, 4], &[2, 0, 5], &[3, 1, 6], &[0, 2, 7], &[7, 5, 0], &[4, 6, 1], &[5, 7, 2], &[6, 4, 3]],
     edges: &[],
+    mirrored: &[4, 5, 6, 7, 0, 1, 2, 3],
     sides: &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]],
     rule: rules::cube8,
     curved_rule: rules::cube8,
@@ -135,6 +141,7 @@ const PRISM: Properties = Properties {
     functions: Functions::Prismatic,
     neighbours: &[&[1, 2, 3], &[2, 0, 4], &[0, 1, 5], &[5, 4, 0], &[3, 5, 1], &[4, 3, 2]],
     edges: &[],
+    mirrored: &[3, 4, 5, 0, 1, 2],
     sides: &[&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]],
     // With one point in the triangle the prism would have a motion without energy.
     rule: rules::prism6,
@@ -151,6 +158,7 @@ const TRIANGLE6: Properties = Properties {
     functions: Functions::Quadratic,
     neighbours: AROUND_A_TRIANGLE,
     edges: &[[0, 1], [1, 2], [2, 0]],
+    mirrored: &[2, 1, 0, 4, 3, 5],
     sides: &[&[0, 3, 1], &[1, 4, 2], &[2, 5, 0]],
     rule: rules::triangle3,
     curved_rule: rules::triangle3,
@@ -166,6 +174,7 @@ const TETRAHEDRON10: Properties = Properties {
     functions: Functions::Quadratic,
     neighbours: &[&[1, 2, 3]],
     edges: &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
+    mirrored: &[1, 0, 2, 3, 4, 6, 5, 8, 7, 9],
     sides: &[&[0, 6, 2, 5, 1, 4], &[0, 4, 1, 8, 3, 7], &[1, 5, 2, 9, 3, 8], &[0, 7, 3, 9, 2, 6]],
     // Four points are exact on straight edges. The gradients times the determinant of curved ones are cubic, and four points
     // fail the patch test.

@@ -62,14 +62,9 @@ impl Mesh {
 }
 
 impl Cell {
-    /// The nodes of a plane cell turned over, so that they run the other way round.
+    /// Numbers the nodes the other way round, which changes the sign of the volume.
     pub(super) fn turn_over(&mut self) {
-        let corners = self.kind.corners();
-        let (ends, middles) = self.nodes.split_at_mut(corners);
-        ends.reverse();
-        // The edge between the last corner and the first stays the last.
-        let turned = middles.len().saturating_sub(1);
-        middles[..turned].reverse();
+        self.nodes = self.kind.properties().mirrored.iter().map(|&k| self.nodes[k]).collect();
     }
 }
 

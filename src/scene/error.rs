@@ -8,6 +8,7 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 
 use super::places::Places;
 use crate::fault::Fault;
+use crate::input::FileKind;
 
 /// Why a scene was refused.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -20,6 +21,17 @@ pub enum SceneError {
         path: String,
         /// What the system said; not a `source`, since the message has it already.
         error: io::Error,
+    },
+    /// The file is of another kind.
+    #[error("{path}: it is {what}, not a scene")]
+    #[diagnostic(help("{help}"))]
+    Other {
+        /// The file.
+        path: String,
+        /// What it is.
+        what: &'static str,
+        /// What to do with it.
+        help: &'static str,
     },
     /// Something in it is wrong.
     #[error(transparent)]
@@ -36,6 +48,14 @@ pub enum SceneError {
         /// What mends the fault.
         help: String,
     },
+}
+
+impl SceneError {
+    /// The error of a file called `name` with these `bytes`, if it is of a known kind that is none of scenes.
+    pub(super) fn other(name: &str, bytes: &[u8]) -> Option<Self> {
+        let kind = FileKind::of(bytes)?;
+        Some(SceneError::Other { path: name.to_string(), what: kind.name(), help: kind.as_scene() })
+    }
 }
 
 /// An error with its place.

@@ -52,7 +52,12 @@ fn help(message: &str, source: &Source, span: &Range<usize>) -> String {
     if message.starts_with("duplicate key") && LISTS.contains(&given) {
         return format!("write each of them as `[[{given}]]`");
     }
-    let quoted = given.starts_with(['"', '\'']) && given.trim_matches(['"', '\'']).parse::<f64>().is_ok();
+    let unquoted = given.trim_matches(['"', '\'']);
+    let quoted = given.starts_with(['"', '\'']) && unquoted.parse::<f64>().is_ok();
+    let of_a_number = message.contains("number").then(|| with_a_point(unquoted)).flatten();
+    if let Some(number) = of_a_number.or_else(|| number_with_a_comma(&source.text, span.start)) {
+        return format!("write {number}, with a point");
+    }
     match message.starts_with("invalid type:") {
         true if quoted && message.contains("number") => "write the number without quotes".to_string(),
         true if given.starts_with('[') && message.contains("whole number") => {
@@ -62,4 +67,24 @@ fn help(message: &str, source: &Source, span: &Range<usize>) -> String {
         true => form.to_string(),
         false => "mend the TOML here".to_string(),
     }
+}
+
+/// The number that `text` is with a comma in place of its point, if it is one.
+fn with_a_point(text: &str) -> Option<String> {
+    let (whole, rest) = text.split_once(',')?;
+    let number = format!("{whole}.{rest}");
+    let is_number = whole.ends_with(|c: char| c.is_ascii_digit()) && rest.starts_with(|c: char| c.is_ascii_digit());
+    (is_number && number.parse::<f64>().is_ok()).then_some(number)
+}
+
+/// The number with a comma that the reader stumbled over at the byte `place` of `text`, written with a point.
+fn number_with_a_comma(text: &str, place: usize) -> Option<String> {
+    let of_a_number = |c: char| c.is_ascii_digit() || matches!(c, ',' | '.' | '+' | '-' | 'e' | 'E');
+    // The reader stops at the comma, or behind it, in an inline table behind the space that follows.
+    let place = text.get(..place)?.trim_end().len();
+    let (before, after) = text.split_at(place);
+    let key = before.trim_end_matches(of_a_number);
+    let end = place + (after.len() - after.trim_start_matches(of_a_number).len());
+    // In a list the comma separates two numbers.
+    if key.trim_end().ends_with('=') { with_a_point(&text[key.len()..end]) } else { None }
 }

@@ -10,7 +10,7 @@ use stickslip::contact::{ContactNode, GapDirection, Obstacle, Place, Shape};
 use stickslip::description::{Axis, Contact, Description, Load};
 use stickslip::fem::Material;
 use stickslip::history::{Method, Solver, Status};
-use stickslip::mesh::{Boundary, Geometry, Mesh, MeshSource, block};
+use stickslip::mesh::{Boundary, Geometry, Mesh, MeshSource, Notes, block};
 use stickslip::model::Model;
 use stickslip::problem::State;
 use stickslip::report::{LeftOut, Resultant};
@@ -238,6 +238,7 @@ fn a_ring_on_a_shaft_in_parts() {
         cells: cells.collect(),
         groups: vec!["ring".into()],
         boundaries,
+        notes: Notes::default(),
     };
     let shaft = |normal: [f64; 2]| Obstacle {
         normal: Some(normal.into()),

@@ -5,7 +5,10 @@
 use std::path::Path;
 
 use miette::Diagnostic;
-use stickslip::mesh::{CellKind, Mesh, MeshFileError, from_gmsh, gmsh};
+use stickslip::description::{Axis, Description};
+use stickslip::fem::{Material, MaterialGroup};
+use stickslip::mesh::{Cell, CellKind, Mesh, MeshFault, MeshFileError, Notes, block, from_gmsh, gmsh};
+use stickslip::model::{Model, ModelError};
 
 fn read(name: &str, scale: f64) -> Mesh {
     gmsh(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes").join(name), scale).unwrap()
@@ -86,6 +89,14 @@ fn what_is_no_such_file_is_refused_with_its_line() {
         (String::new(), "bad.msh:1: the file does not begin with $MeshFormat", "-format msh41"),
         ("solid cube\n".into(), "bad.msh:1: a section was expected, but there is `solid cube`", "-format msh41"),
         (TRIANGLES.replace("4.1 0 8", "2.2 0 8"), "bad.msh:2: the file has the format MSH 2.2", "-format msh41"),
+        (
+            "$NOD\n25\n".into(),
+            "it is no Gmsh mesh, or one of an older format",
+            "gmsh bad.msh -save -format msh41 -o new.msh",
+        ),
+        ("*HEADING\n*NODE\n".into(), "bad.msh:1: it is an input of Abaqus or CalculiX", "gmsh PART.unv -save"),
+        ("  -1\n  2411\n".into(), "bad.msh:1: it is a mesh in the format UNV", "gmsh OLD -save -format msh41"),
+        ("ISO-10303-21;\n".into(), "bad.msh:1: it is a geometry in the format STEP", "has to be meshed"),
         (TRIANGLES.replace("4.1 0 8", "4 0 8"), "bad.msh:2: the file has the format MSH 4,", "-format msh41"),
         (TRIANGLES.replace("4.1 0 8", "4.1 1 8"), "bad.msh:2: the file is binary", "Mesh.Binary = 0"),
         (without("Entities"), "the file has no section $Entities", "whole mesh"),
@@ -122,9 +133,13 @@ fn what_is_no_such_file_is_refused_with_its_line() {
         assert!(said.contains(message) && said.starts_with("bad.msh:"), "`{message}`: {said}");
         assert!(advice.contains(help), "`{help}`: {advice}");
     }
-    // The command that helps has to write a mesh: with `-save` Gmsh passes over `-2`.
-    let advice = refused(&TRIANGLES.replace("4.1 0 8", "2.2 0 8")).1;
-    assert!(advice.contains("gmsh -2 part.geo -format msh41") && !advice.contains("-save"), "{advice}");
+    // The commands that help have to write a mesh: with `-save` Gmsh converts a mesh, but passes over `-2`.
+    for other in ["2.2 0 8", "4 0 8", "4.1 1 8"] {
+        let advice = refused(&TRIANGLES.replace("4.1 0 8", other)).1;
+        let (convert, export) = advice.split_once(", or ").unwrap();
+        assert!(convert.ends_with("gmsh bad.msh -save -format msh41 -o new.msh"), "{advice}");
+        assert!(export.contains("gmsh -2 part.geo -format msh41") && !export.contains("-save"), "{advice}");
+    }
     let place = line(TRIANGLES, "1 11 10");
     assert!(refused(&TRIANGLES.replace("1 11 10\n", "1 11 99\n")).0.starts_with(&format!("bad.msh:{place}:")));
 }
@@ -141,10 +156,13 @@ fn meshes_that_are_not_sound_are_refused_with_their_elements() {
             .replace("$EndElements", &format!("{elements}$EndElements"))
     };
     let faults = [
-        (QUADS.replace("11 1 2 7 6", "11 1 6 7 2"), "element 11 is inverted", "reverse"),
-        (QUADS.replace("11 1 2 7 6", "11 1 2 6 7"), "element 11 is inverted", "reverse"),
+        (QUADS.replace("11 1 2 7 6", "11 1 2 6 7"), "element 11 is inverted", "mesh it again"),
+        (
+            TRIANGLES.replacen("\n0.25 0.5 0.25\n", "\n0.9 0.5 0.25\n", 1),
+            "are inverted: their corners run the wrong way round",
+            "mesh it again",
+        ),
         (QUADS.replace("\n10 10 0\n", "\n10 0 0\n"), "the elements 11, 12 are degenerate", "slivers"),
-        (more(QUADS, "16\n", "70 70 0\n", ""), "nodes belong to no element of the body: 16", "physical groups"),
         (
             more(QUADS, "16\n17\n18\n", "50 20 0\n50 30 0\n40 30 0\n", "19 15 16 17 18\n"),
             "in 2 pieces that share no whole side, an element of each: 11, 19; two of them only touch at node 15",
@@ -163,18 +181,10 @@ fn meshes_that_are_not_sound_are_refused_with_their_elements() {
             "twice",
         ),
         (
-            QUADS.replace("\n4 4 5\n", "\n4 4 3\n"),
-            "the elements 3 and 4 of the boundary `bottom` are the same facet",
-            "twice",
+            HEXAHEDRA.replace("13 1 2 5 4 10 11 14 13", "13 1 2 4 5 10 11 13 14"),
+            "element 13 is inverted",
+            "mesh it again",
         ),
-        (
-            HEXAHEDRA.replace("8 23 24 27 26", "8 22 23 20 19"),
-            "the elements 5 and 8 of the boundary `top` are the same facet",
-            "twice",
-        ),
-        (QUADS.replace("\n2 2 3\n", "\n2 2 7\n"), "element 2 of the boundary `bottom` lies inside the body", "outline"),
-        (QUADS.replace("\n2 2 3\n", "\n2 2 4\n"), "element 2 of the boundary `bottom` is no side", "outline"),
-        (HEXAHEDRA.replace("13 1 2 5 4 10 11 14 13", "13 10 11 14 13 1 2 5 4"), "element 13 is inverted", "reverse"),
         (
             HEXAHEDRA.replace("13 1 2 5 4 10 11 14 13", "13 1 2 5 4 1 2 5 4"),
             "element 13 is degenerate: without volume at a corner",
@@ -194,17 +204,180 @@ fn meshes_that_are_not_sound_are_refused_with_their_elements() {
     }
 }
 
-/// A plane mesh that is drawn clockwise throughout is turned over.
+/// Cells that are numbered the wrong way round are turned over: all of them, those of one body, or a single one.
 #[test]
-fn a_clockwise_mesh_is_turned_over() {
-    let turned = |line: &str| match line.split_whitespace().collect::<Vec<_>>()[..] {
-        [e, a, b, c, d] if e.parse::<usize>().is_ok_and(|e| e > 10) => [e, d, c, b, a].join(" "),
+fn cells_of_the_wrong_orientation_are_turned_over() {
+    // The nodes of the sides opposite to each other change places.
+    let turned = |which: &dyn Fn(usize) -> bool, line: &str| match line.split_whitespace().collect::<Vec<_>>()[..] {
+        [e, a, b, c, d] if e.parse().is_ok_and(|e| e > 10 && which(e)) => [e, d, c, b, a].join(" "),
+        [e, a, b, c, d, f, g, h, i] if e.parse().is_ok_and(|e| e > 12 && which(e)) => {
+            [e, d, c, b, a, i, h, g, f].join(" ")
+        }
         _ => line.to_string(),
     };
-    let text = QUADS.lines().map(turned).collect::<Vec<_>>().join("\n");
-    assert_ne!(text, QUADS);
-    let mesh = from_gmsh("clockwise.msh", text.as_bytes(), 1.0).unwrap();
-    assert_eq!(area(&mesh, "top"), [0.0, 40.0, 0.0]);
+    let cases: [&dyn Fn(usize) -> bool; 4] = [&|_| true, &|e| e == 13, &|e| e % 2 == 0, &|e| e > 14];
+    for which in cases {
+        for (right, outwards) in [(QUADS, [0.0, 40.0, 0.0]), (HEXAHEDRA, [0.0, 0.0, 1.0])] {
+            let text = right.lines().map(|line| turned(which, line)).collect::<Vec<_>>().join("\n");
+            assert_ne!(text, right.trim_end());
+            let mesh = from_gmsh("turned.msh", text.as_bytes(), 1.0).unwrap();
+            mesh.check().unwrap();
+            assert_eq!(area(&mesh, "top"), outwards);
+        }
+    }
+}
+
+/// Cells of every kind keep their sides, and the nodes at the middles of their edges, when they are turned over.
+#[test]
+fn every_kind_of_cell_is_turned_over() {
+    let (plane, space) = (block(&[2.0, 1.0], &[2, 1]), block(&[2.0, 1.0, 1.0], &[2, 1, 1]));
+    let (triangles, tetrahedra) = (plane.clone().into_simplices(), space.clone().into_simplices());
+    let second = [triangles.clone().into_second_order(), tetrahedra.clone().into_second_order()];
+    let [triangles6, tetrahedra10] = second;
+    for mesh in [plane, space.clone(), triangles, tetrahedra, space.into_prisms(), triangles6, tetrahedra10] {
+        // In a mirror all cells are numbered the wrong way round.
+        let numbers = |n: usize| (1..=n).map(|k| format!("{k}\n")).collect::<Vec<_>>().concat();
+        let nodes = mesh.nodes.iter().map(|[x, y, z]| format!("{} {y} {z}\n", -x)).collect::<Vec<_>>().concat();
+        let kind = mesh.cells[0].kind;
+        let element = |(e, cell): (usize, &Cell)| {
+            let nodes: Vec<String> = cell.nodes.iter().map(|node| (node + 1).to_string()).collect();
+            format!("{} {}\n", e + 1, in_gmsh_order(kind, nodes).join(" "))
+        };
+        let elements: String = mesh.cells.iter().enumerate().map(element).collect();
+        let (n, e, d) = (mesh.nodes.len(), mesh.cells.len(), mesh.dimension);
+        let text = format!(
+            "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 0\n$EndEntities\n$Nodes\n1 {n} 1 {n}\n{d} 1 0 {n}\n\
+             {}{nodes}$EndNodes\n$Elements\n1 {e} 1 {e}\n{d} 1 {} {e}\n{elements}$EndElements\n",
+            numbers(n),
+            gmsh_type(kind),
+        );
+        let read = from_gmsh("mirrored.msh", text.as_bytes(), 1.0).unwrap();
+        read.check().unwrap();
+        assert_eq!((read.cells.len(), read.surface().len()), (e, mesh.surface().len()), "{kind:?}");
+    }
+}
+
+fn gmsh_type(kind: CellKind) -> usize {
+    match kind {
+        CellKind::Triangle => 2,
+        CellKind::Quadrilateral => 3,
+        CellKind::Tetrahedron => 4,
+        CellKind::Hexahedron => 5,
+        CellKind::Prism => 6,
+        CellKind::Triangle6 => 9,
+        CellKind::Tetrahedron10 => 11,
+    }
+}
+
+/// Gmsh has the last two nodes of a tetrahedron of second order in the other order.
+fn in_gmsh_order(kind: CellKind, mut nodes: Vec<String>) -> Vec<String> {
+    if kind == CellKind::Tetrahedron10 {
+        nodes.swap(8, 9);
+    }
+    nodes
+}
+
+/// Nodes that only points or lines have, such as the centres of arcs, are left out.
+#[test]
+fn nodes_of_no_element_are_left_out() {
+    let text = QUADS
+        .replace("1 15 1 15\n2 1 0 15\n", "2 17 1 99\n0 9 0 2\n98\n99\n7 7 3\n8 8 4\n2 1 0 15\n")
+        .replace("4 18 1 18\n", "5 20 1 20\n0 9 15 2\n19 98\n20 99\n");
+    let (mesh, whole) = (from_gmsh("arcs.msh", text.as_bytes(), 1.0).unwrap(), read("plate_quads_mm.msh", 1.0));
+    assert_eq!((&mesh.nodes, &mesh.cells, &mesh.boundaries), (&whole.nodes, &whole.cells, &whole.boundaries));
+    assert_eq!(mesh.notes.remarks, ["2 nodes are left out: no element of the body has them"]);
+    assert_eq!(whole.notes, Notes::default());
+    // The boundary of a copy is that of the body in the same place.
+    let copied = (QUADS.replace("1 15 1 15\n2 1 0 15\n", "2 17 1 99\n0 9 0 2\n98\n99\n30 0 0\n40 1e-9 0\n2 1 0 15\n"))
+        .replace("\n4 4 5\n", "\n4 99 98\n");
+    let mesh = from_gmsh("copied.msh", copied.as_bytes(), 1.0).unwrap();
+    assert_eq!((&mesh.nodes, &mesh.boundaries), (&whole.nodes, &whole.boundaries));
+    // A line that belongs to no element is no boundary, which matters only to a scene that names it.
+    let loose = text.replace("\n4 4 5\n", "\n4 98 99\n");
+    let mesh = from_gmsh("loose.msh", loose.as_bytes(), 1.0).unwrap();
+    assert_eq!(mesh.boundary_names(), ["left", "top"]);
+    let (name, fault) = &mesh.notes.unusable[0];
+    assert_eq!((name.as_str(), fault), ("bottom", &MeshFault::LooseFacet { boundary: "bottom".into(), element: 4 }));
+}
+
+/// A group that cannot be a boundary is an error of the scene that names it, and of no other.
+#[test]
+fn groups_that_are_no_boundary() {
+    let twice = "the elements 3 and 4 of the boundary `bottom` are the same facet";
+    for (text, group, message, help) in [
+        (QUADS.replace("\n4 4 5\n", "\n4 4 3\n"), "bottom", twice, "twice"),
+        (
+            HEXAHEDRA.replace("8 23 24 27 26", "8 22 23 20 19"),
+            "top",
+            "the elements 5 and 8 of the boundary `top` are the same facet",
+            "twice",
+        ),
+        (
+            QUADS.replace("\n2 2 3\n", "\n2 2 7\n"),
+            "bottom",
+            "element 2 of the boundary `bottom` lies inside the body",
+            "BooleanFragments",
+        ),
+        (QUADS.replace("\n2 2 3\n", "\n2 2 4\n"), "bottom", "element 2 of the boundary `bottom` is no side", "outline"),
+    ] {
+        let mesh = from_gmsh("inside.msh", text.as_bytes(), 1.0).unwrap();
+        assert!(mesh.boundary(group).is_none() && mesh.boundary("left").is_some());
+        let held = Description::new(mesh, Material::new(1.0, 0.3), vec![1.0]).support("left", &[Axis::X, Axis::Y]);
+        assert!(Model::build(&held).is_ok(), "{message}");
+        let ModelError::Description(fault) = Model::build(&held.support(group, &[Axis::Y])).unwrap_err() else {
+            panic!("{message}")
+        };
+        assert_eq!(fault.key, "support[1].boundary");
+        assert!(fault.message.contains(message) && fault.help.contains(help), "{fault:?}");
+    }
+}
+
+/// A plane mesh may lie in any coordinate plane of its file.
+#[test]
+fn other_planes() {
+    type Place = dyn Fn(&str, &str) -> String;
+    let there = |line: &str, place: &Place| match line.split_whitespace().collect::<Vec<_>>()[..] {
+        [x, y, "0"] if x.ends_with('0') && y.ends_with('0') => place(x, y),
+        _ => line.to_string(),
+    };
+    let straight = read("plate_quads_mm.msh", 1.0);
+    let places: [(&Place, &str); 2] = [
+        (&|x, y| format!("{x} 0 {y}"), "the mesh lies in the x-z plane of its file: x is x here, z is y"),
+        (&|x, y| format!("5 {x} {y}"), "the mesh lies in the y-z plane of its file: y is x here, z is y"),
+    ];
+    for (place, remark) in places {
+        let text = QUADS.lines().map(|line| there(line, place)).collect::<Vec<_>>().join("\n");
+        let mesh = from_gmsh("elsewhere.msh", text.as_bytes(), 1.0).unwrap();
+        assert_eq!((&mesh.nodes, &mesh.cells), (&straight.nodes, &straight.cells));
+        assert_eq!(mesh.notes.remarks, [remark]);
+    }
+}
+
+/// The older formats of Gmsh list an element of several groups once for each of them, and so do files converted from these.
+#[test]
+fn elements_of_several_groups() {
+    let text = QUADS
+        .replace("$PhysicalNames\n4\n", "$PhysicalNames\n6\n1 8 \"outline\"\n2 9 \"all\"\n")
+        .replace("3 0 0 0 1 1 1 1 3 0", "3 0 0 0 1 1 1 2 3 -8 0")
+        .replacen("1 0 0 0 1 1 1 1 1 0\n$EndEntities", "1 0 0 0 1 1 1 2 1 9 0\n$EndEntities", 1)
+        .replace("4 18 1 18", "4 21 1 21")
+        .replace("1 3 1 4\n", "1 3 1 6\n19 12 11\n20 14 15\n")
+        .replace("2 1 3 8\n", "2 1 3 9\n21 7 6 1 2\n");
+    let mesh = from_gmsh("twice.msh", text.as_bytes(), 1.0).unwrap();
+    assert_eq!((mesh.cells.len(), &mesh.groups[..]), (8, &["all+steel".to_string()][..]));
+    assert_eq!((area(&mesh, "top"), area(&mesh, "outline")), ([0.0, 40.0, 0.0], [0.0, 40.0, 0.0]));
+    // A material may belong to either of the groups, but not to both.
+    let group =
+        |name: &str, young| MaterialGroup { name: name.into(), young, poisson: 0.3, ..MaterialGroup::default() };
+    for name in ["steel", "all", "all+steel"] {
+        let material = Material { groups: vec![group(name, 2.0)], ..Material::new(1.0, 0.3) };
+        let laws = material.laws(&mesh).unwrap();
+        let expected = Material::new(2.0, 0.3).laws(&mesh).unwrap();
+        assert_eq!(laws, expected, "{name}");
+    }
+    let material = Material { groups: vec![group("all", 2.0), group("steel", 3.0)], ..Material::new(1.0, 0.3) };
+    let fault = material.laws(&mesh).unwrap_err();
+    assert_eq!((fault.key.as_str(), fault.message.contains("`all` and `steel`")), ("material.group[1].name", true));
 }
 
 /// A name that ends nowhere is none.

@@ -57,6 +57,11 @@ const KEYS_AND_TYPES: &[Fault] = &[
     ("[\"x\", \"y\"]", "[\"x\" \"y\"]", "fix =", &["comma"], MEND),
     ("poisson = 0.3", "poisson = 0.3\npoisson = 0.2", "poisson = 0.2", &["duplicate key"], MEND),
     ("210e9", "1e999", "young =", &["overflowed"], MEND),
+    ("poisson = 0.3", "poisson = 0,3", "poisson =", &["expected"], "write 0.3, with a point"),
+    ("210e9", "210,5e9  # Pa", "young =", &["expected"], "write 210.5e9, with a point"),
+    ("gap = 1e-5", "gap = -0,001", "obstacle =", &["expected"], "write -0.001, with a point"),
+    ("210e9", "\"2,1e11\"", "young =", &["string \"2,1e11\"", "a number"], "write 2.1e11, with a point"),
+    ("[1.0, 1.0]", "[1,0", "size =", &["expected"], MEND),
     ("\"block\"", "\"ball\"", "\"ball\"", &["unknown variant `ball`", "`block`"], LISTED),
     (
         "\"strain\"",
@@ -183,6 +188,22 @@ fn files_that_cannot_be_read() {
         assert!(message.starts_with(&format!("{}: the scene cannot be read: ", path.display())), "{message}");
         message
     };
+    // Files of other kinds are known, whether they are text or not.
+    let other = folder.join("other.toml");
+    for (bytes, what, help) in [
+        (&b"$MeshFormat\n4.1 0 8\n"[..], "a mesh of Gmsh", "names this mesh under [mesh]"),
+        (b"** part\n*HEADING\n*NODE\n1, 0, 0, 0\n", "an input of Abaqus or CalculiX", "MSH 4.1"),
+        (b"    -1\n  2411\n", "a mesh in the format UNV", "MSH 4.1"),
+        (b"solid part\n facet normal 0 0 1\n", "a surface in the format STL", "an obstacle of the kind \"surface\""),
+        (b"<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\">\n", "a file of VTK", "MSH 4.1"),
+        (b"{\n  \"status\": \"converged\"\n}\n", "a file in the format JSON", "TOML file"),
+        (b"\x89HDF\r\n\x1a\n\x00\xff", "a file in the format HDF5", "stickslip solve"),
+    ] {
+        fs::write(&other, bytes).unwrap();
+        let error = Scene::read(&other, &["material.poisson=0.2".parse().unwrap()]).unwrap_err();
+        assert_eq!(error.to_string(), format!("{}: it is {what}, not a scene", other.display()));
+        assert!(error.help().unwrap().to_string().contains(help), "{what}");
+    }
     let missing = refusal(&folder.join("missing.toml"));
     let directory = refusal(&folder);
     let not_text = refusal(&binary);

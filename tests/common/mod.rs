@@ -15,6 +15,8 @@ pub mod vtu;
 #[cfg(feature = "cli")]
 pub mod whole;
 
+use std::io::Write;
+
 use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
@@ -22,6 +24,12 @@ use stickslip::problem::{ContactProblem, Increment, Parts, State};
 use stickslip::run::Run;
 use stickslip::scene::Scene;
 use stickslip::sparse::{Csc, Symmetric, SystemMatrix};
+
+/// Says that the running test has tested nothing, and why; standard output would be hidden.
+pub fn skipped(why: &str) {
+    let thread = std::thread::current();
+    let _ = writeln!(std::io::stderr(), "skipped: {}: {why}", thread.name().unwrap_or_default());
+}
 
 /// The paper's block with overrides.
 pub fn block(overrides: &[&str]) -> Scene {

@@ -21,6 +21,12 @@ impl Random {
     }
 }
 
+/// A number from (-1, 1) by a congruence, whose low bits are left out.
+pub fn draw(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
 /// The matrix with these rows, one or more non-zero entries each.
 pub fn rows(columns: usize, rows: impl IntoIterator<Item = Vec<(usize, f64)>>) -> Csr {
     Csr::from_rows(columns, rows).unwrap()

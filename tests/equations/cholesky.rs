@@ -3,6 +3,7 @@
 #![cfg(any(feature = "umfpack", feature = "faer"))]
 #![allow(clippy::unwrap_used)]
 
+use crate::common::random::draw;
 use stickslip::linear::{Cholesky, LinearError};
 use stickslip::sparse::{Csc, Symmetric};
 
@@ -14,12 +15,6 @@ const BACKENDS: &[Factor] = &[
     #[cfg(feature = "faer")]
     Cholesky::faer,
 ];
-
-/// A reproducible draw from (-1, 1).
-fn draw(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-}
 
 fn vector(n: usize, mut seed: u64) -> Vec<f64> {
     (0..n).map(|_| draw(&mut seed)).collect()

@@ -1,5 +1,5 @@
 //! Exchange files: what is read of them, what is refused, and increments of scenes that come back from them.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // What is skipped is said.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -263,6 +263,83 @@ fn damaged_bytes_do_no_harm() {
     }
 }
 
+/// `bytes` with the numbers at `place`, of eight bytes each, replaced.
+fn with_words(bytes: &[u8], place: usize, words: &[u64]) -> Vec<u8> {
+    let mut changed = bytes.to_vec();
+    for (k, word) in words.iter().enumerate() {
+        changed[place + 8 * k..place + 8 * (k + 1)].copy_from_slice(&word.to_le_bytes());
+    }
+    changed
+}
+
+/// A file may begin with a block of the user, whether its addresses know of it or not.
+#[test]
+fn a_file_may_begin_with_something_else() {
+    let bytes = problem("global.hdf5").to_fclib().unwrap();
+    let plain = ProblemFile::from_bytes("plain", &bytes).unwrap().to_fclib().unwrap();
+    for block in [512, 1024, 4096] {
+        // The base address, that of free space, the end.
+        let (end, base) = (bytes.len() as u64, block as u64);
+        let moved = with_words(&bytes, 24, &[base, u64::MAX, end + base]);
+        for after in [&bytes, &moved] {
+            let whole = [&vec![b' '; block][..], after].concat();
+            let file = ProblemFile::from_bytes("block", &whole).unwrap();
+            assert_eq!(file.to_fclib().unwrap(), plain);
+            let message = refused("cut", &whole[..whole.len() - 8]).unwrap();
+            assert!(message.contains("shorter than it says"), "{message}");
+        }
+    }
+    let elsewhere = [&[b' '; 500][..], &bytes].concat();
+    assert!(refused("f", &elsewhere).is_some());
+}
+
+/// The file `bytes` as it is while nothing was written into its dataset with these `values`.
+fn unwritten(bytes: &[u8], values: &[f64]) -> Vec<u8> {
+    let values: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let place = bytes.windows(values.len()).position(|window| window == values).unwrap() as u64;
+    // A layout of version 3, in a row, at this address.
+    let layout = [&[3, 1][..], &place.to_le_bytes()].concat();
+    let at = bytes.windows(layout.len()).position(|window| window == layout).unwrap();
+    with_words(bytes, at + 2, &[u64::MAX])
+}
+
+/// Tools make datasets that they never write: these are as good as left out, where they may be left out.
+#[test]
+fn optional_datasets_need_not_be_written() {
+    for name in ["global.hdf5", "local.hdf5", "constrained.hdf5"] {
+        let file = problem(name);
+        let answer = solve(&file.problem, None).unwrap().solution;
+        let guess = |factor: f64| {
+            let times = |values: &[f64]| values.iter().map(|value| factor * value + 1e-3 * factor).collect();
+            Solution { v: times(&answer.v), r: times(&answer.r), u: times(&answer.u) }
+        };
+        let (solution, guesses) = (Some(guess(7.0)), vec![guess(2.0), guess(3.0)]);
+        let bytes = ProblemFile { solution, guesses, ..file }.to_fclib().unwrap();
+        let read = |bytes: &[u8]| ProblemFile::from_bytes(name, bytes).unwrap();
+        let bodies = match &read(&bytes).problem {
+            Problem::Global(problem) => problem.unknowns() - problem.constraints(),
+            Problem::Local(_) => 0,
+        };
+        let arrays = |solution: &Solution| {
+            let (v, l) = solution.v.split_at(bodies);
+            [v, l, &solution.r, &solution.u].map(<[f64]>::to_vec)
+        };
+        for values in arrays(&guess(2.0)).into_iter().filter(|values| !values.is_empty()) {
+            let without = read(&unwritten(&bytes, &values));
+            assert_eq!((without.guesses, without.solution), (vec![guess(3.0)], Some(guess(7.0))), "{name}");
+        }
+        for values in arrays(&guess(7.0)).into_iter().filter(|values| !values.is_empty()) {
+            let without = read(&unwritten(&bytes, &values));
+            assert_eq!((without.guesses.len(), without.solution), (2, None), "{name}");
+        }
+    }
+    // What a problem cannot do without is named.
+    let file = problem("local.hdf5");
+    let q = local(&file).q().to_vec();
+    let message = refused("f", &unwritten(&file.to_fclib().unwrap(), &q)).unwrap();
+    assert!(message.contains("dataset fclib_local/vectors/q: its values were never written"), "{message}");
+}
+
 /// Wrong types, contradicting sizes, huge dimensions, each with its message.
 #[test]
 fn every_fault_has_its_words() {
@@ -362,7 +439,7 @@ fn units_and_order_do_not_matter() {
 fn the_cases_at_hand_are_read_and_judged() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/cases");
     let Ok(entries) = fs::read_dir(&folder) else {
-        println!("skipped: there is no folder of cases beside the tree");
+        common::skipped("there is no folder of cases beside the tree");
         return;
     };
     let (mut solved, mut all) = (0, 0);

@@ -2,6 +2,7 @@
 //! own, in whatever units and order; what is not is never called so.
 #![allow(clippy::unwrap_used)]
 
+use crate::common::random::draw;
 use proptest::prelude::*;
 use stickslip::contact::{KktErrors, KktScales};
 use stickslip::local::{CascadeSettings, LocalProblem, LocalStatus, SOLVED, Solved, solve};
@@ -60,20 +61,10 @@ impl Numbers {
     }
 }
 
-/// Numbers between -1 and 1.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-}
-
 /// Planks on top of each other, each on four points of the one below, pushed sideways: of the 3 forces at each point six are enough.
 /// With `noise` in the velocities of the planks.
 fn planks(levels: usize, mu: f64, push: f64, noise: f64, seed: u64) -> Numbers {
-    let mut random = Random(seed);
+    let mut random = seed;
     let (height, arm, mass) = (0.2, 0.7, 0.5);
     let inertia = [0.3, 0.3, 0.5];
     // A row for each direction of each point: its plank's and the lower plank's velocity and turn.
@@ -96,7 +87,7 @@ fn planks(levels: usize, mu: f64, push: f64, noise: f64, seed: u64) -> Numbers {
     }
     let compliance = |k: usize| if k % 6 < 3 { 1.0 / mass } else { 1.0 / inertia[k % 6 - 3] };
     let velocities: Vec<f64> =
-        (0..6 * levels).map(|k| [push, 0.3 * push, -0.05, 0.0, 0.0, 0.0][k % 6] + noise * random.next()).collect();
+        (0..6 * levels).map(|k| [push, 0.3 * push, -0.05, 0.0, 0.0, 0.0][k % 6] + noise * draw(&mut random)).collect();
     let q = rows.iter().map(|row| row.iter().map(|&(k, h)| h * velocities[k]).sum()).collect();
     let mut w = Vec::new();
     for (i, a) in rows.iter().enumerate() {
@@ -112,10 +103,10 @@ fn planks(levels: usize, mu: f64, push: f64, noise: f64, seed: u64) -> Numbers {
 }
 
 fn permutation(n: usize, seed: u64) -> Vec<usize> {
-    let mut random = Random(seed);
+    let mut random = seed;
     let mut place: Vec<usize> = (0..n).collect();
     for i in (1..n).rev() {
-        place.swap(i, (f64::midpoint(random.next(), 1.0) * i as f64).round() as usize);
+        place.swap(i, (f64::midpoint(draw(&mut random), 1.0) * i as f64).round() as usize);
     }
     place
 }
@@ -168,23 +159,23 @@ proptest! {
 /// of the whole body. So signs and directions are those of `ContactProblem`.
 #[test]
 fn the_body_has_the_same_solution() {
-    let mut random = Random(3);
+    let mut random = 3;
     for case in 0..20 {
         let (nodes, dimension) = (6, 2 + case % 2);
         let n = nodes * dimension;
         // A definite stiffness that couples neighbours.
         let mut triplets = Vec::new();
         for i in 0..n {
-            triplets.push((i, i, 3.0 + random.next()));
+            triplets.push((i, i, 3.0 + draw(&mut random)));
             if i >= dimension {
-                triplets.push((i, i - dimension, -1.0 + 0.3 * random.next()));
+                triplets.push((i, i - dimension, -1.0 + 0.3 * draw(&mut random)));
             }
         }
         let stiffness = Symmetric::from_triplets(n, &triplets).unwrap();
-        let mu: Vec<f64> = (0..nodes).map(|_| 0.4 + 0.3 * random.next()).collect();
-        let force: Vec<f64> = (0..n).map(|i| if i % dimension == 0 { 1.0 } else { 2.0 * random.next() }).collect();
-        let gap: Vec<f64> = (0..nodes).map(|_| 0.05 * random.next()).collect();
-        let mut last: Vec<f64> = (0..2 * nodes).map(|_| 0.1 * random.next()).collect();
+        let mu: Vec<f64> = (0..nodes).map(|_| 0.4 + 0.3 * draw(&mut random)).collect();
+        let force: Vec<f64> = (0..n).map(|i| if i % dimension == 0 { 1.0 } else { 2.0 * draw(&mut random) }).collect();
+        let gap: Vec<f64> = (0..nodes).map(|_| 0.05 * draw(&mut random)).collect();
+        let mut last: Vec<f64> = (0..2 * nodes).map(|_| 0.1 * draw(&mut random)).collect();
         if dimension == 2 {
             last[nodes..].fill(0.0);
         }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
+use crate::common::random::Random;
 use stickslip::fem::{Elasticity, Element, RigidMotion, assemble};
 use stickslip::formulation::{Layout, SlackLayout};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, System};
@@ -134,18 +135,6 @@ fn r_does_not_matter() {
         for (a, b) in found.p_n.iter().chain(&found.p_t).zip(expected.p_n.iter().chain(&expected.p_t)) {
             assert!((a - b).abs() <= 1e-9 * largest, "{factor:e}: {a} {b}");
         }
-    }
-}
-
-/// Splitmix64, in [0, 1).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 

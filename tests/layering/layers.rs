@@ -127,6 +127,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "linear",
             "loading",
             "local",
+            "memory",
             "nonlinear",
             "problem",
             "report",

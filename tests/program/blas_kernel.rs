@@ -15,6 +15,7 @@ use serde_json::Value;
 use stickslip::linear::blas::{Blas, Vectors, better_kernel, kernel_names, may_run_here};
 
 use crate::common::program::{Folder, assert_exit, json, small, stderr, stdout};
+use crate::common::skipped;
 
 /// The program without what the environment of the tests says of kernels.
 fn stickslip() -> Command {
@@ -23,9 +24,13 @@ fn stickslip() -> Command {
     command
 }
 
-/// Whether there are kernels to choose among. Elsewhere there is nothing to test.
+/// Whether there are kernels to choose among. Elsewhere there is nothing to test, which is said.
 fn selectable() -> bool {
-    Blas::loaded().unwrap().selectable && Vectors::of_processor() >= Some(Vectors::Avx2)
+    let selectable = Blas::loaded().unwrap().selectable && Vectors::of_processor() >= Some(Vectors::Avx2);
+    if !selectable {
+        skipped("there are no kernels to choose among");
+    }
+    selectable
 }
 
 fn run(scene: &str, environment: &[(&str, &str)], args: &[&str]) -> Output {

@@ -144,3 +144,28 @@ fn friction_beyond_what_surfaces_have_is_questioned() {
     assert_eq!(questioned("friction = \"40 * x\""), [true; 2]);
     assert_eq!(questioned("friction = 1.5"), [false; 2]);
 }
+
+/// What the reader of a mesh has left out or turned is told.
+#[test]
+fn check_tells_what_was_changed_in_a_mesh_file() {
+    let upright = |line: &str| match line.split_whitespace().collect::<Vec<_>>()[..] {
+        [x, y, "0"] if x.ends_with('0') && y.ends_with('0') => format!("{x} 0 {y}\n"),
+        _ => format!("{line}\n"),
+    };
+    let quads: String = include_str!("../../data/meshes/plate_quads_mm.msh").lines().map(upright).collect();
+    let with_centre = edit(&quads, "1 15 1 15\n", "2 16 1 16\n0 1 0 1\n16\n5 5 5\n");
+    let text = edit(&without(&small(), "[mesh]", "[material]"), "\"right\"", "\"top\"");
+    let at = text.find("[material]").unwrap();
+    let table = "[mesh]\nkind = \"gmsh\"\nfile = \"upright.msh\"\nscale = 0.001\n";
+    let (folder, scene) = Folder::with_scene(&[&text[..at], table, &text[at..]].concat());
+    std::fs::write(folder.join("upright.msh"), with_centre).unwrap();
+    let output = stickslip(&["check", &scene]);
+    assert_exit(&output, 0);
+    for told in [
+        "0.04 m x 0.02 m over all",
+        "\n             1 node is left out: no element of the body has it\n",
+        "\n             the mesh lies in the x-z plane of its file: x is x here, z is y\n",
+    ] {
+        assert!(stdout(&output).contains(told), "{}", stdout(&output));
+    }
+}

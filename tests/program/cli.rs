@@ -316,6 +316,23 @@ fn the_uniqueness_is_told_where_it_is_asked_for() {
     assert!(json(&output).get("critical_friction").is_none());
 }
 
+/// A file in the place of the command is answered with the command.
+#[test]
+fn a_file_without_a_command() {
+    for (file, tip) in [
+        ("part.toml", Some("did you mean: stickslip run part.toml")),
+        ("contacts.hdf5", Some("did you mean: stickslip solve contacts.hdf5")),
+        ("part.step", None),
+    ] {
+        let output = stickslip(&[file, "--json"]);
+        assert_exit(&output, 2);
+        let said = json(&output)["message"].as_str().unwrap().to_string();
+        assert!(said.contains("unrecognized subcommand"), "{said}");
+        assert_eq!(said.contains("did you mean"), tip.is_some(), "{said}");
+        assert!(tip.is_none_or(|tip| said.contains(tip)), "{said}");
+    }
+}
+
 /// What is chosen is told, and solves as if it had been named.
 #[test]
 fn the_linear_algebra_is_chosen_where_that_is_asked_for() {

@@ -20,9 +20,37 @@ fn schema(of: &str) -> Value {
     json(&output)
 }
 
+/// The keywords that are checked.
+const CHECKED: [&str; 16] = [
+    "type",
+    "enum",
+    "const",
+    "minimum",
+    "exclusiveMinimum",
+    "maximum",
+    "exclusiveMaximum",
+    "minItems",
+    "maxItems",
+    "required",
+    "properties",
+    "additionalProperties",
+    "items",
+    "$ref",
+    "anyOf",
+    "oneOf",
+];
+/// Those that say nothing of values, and `allOf`.
+const REMARKS: [&str; 9] =
+    ["$schema", "$id", "$defs", "$comment", "title", "description", "default", "format", "allOf"];
+
 /// As much of a validator as the two schemas need: the faults of `value`, each with its place.
 fn faults(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> {
     let mut found = Vec::new();
+    // A keyword that is not checked below, and is no remark, would pass everything.
+    for keyword in schema.as_object().into_iter().flatten().map(|(keyword, _)| keyword) {
+        let is_known = CHECKED.contains(&keyword.as_str()) || REMARKS.contains(&keyword.as_str());
+        assert!(is_known, "the schema has the keyword `{keyword}`, which is not checked");
+    }
     let mut fault = |what: &str| found.push(format!("{at}: {what}"));
     let within = |key: &str, good: fn(f64, f64) -> bool| match (schema.get(key), value.as_f64()) {
         (Some(bound), Some(number)) => good(number, bound.as_f64().unwrap()),

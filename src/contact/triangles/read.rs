@@ -3,6 +3,7 @@
 use std::io;
 use std::path::Path;
 
+use crate::input::FileKind;
 use crate::mesh::{GmshError, faces};
 
 /// Why the file of a surface was refused.
@@ -73,7 +74,10 @@ fn parse(file: &str, bytes: &[u8]) -> Result<Vec<Corners>, SurfaceError> {
                 message,
             })
         }
-        _ => Err(unsound("the file is neither STL, ASCII or binary and complete, nor of Gmsh".to_string())),
+        _ => {
+            let it = FileKind::of(bytes).map_or(String::new(), |kind| format!("{}: ", kind.name()));
+            Err(unsound(format!("the file is {it}neither STL, ASCII or binary and complete, nor of Gmsh")))
+        }
     }
 }
 

@@ -1,16 +1,41 @@
-//! Datasets of numbers as FCLIB needs them: there, of the right length, finite.
+//! Datasets as FCLIB needs them: there, of the right length, finite. Nothing is read before its length is known to fit the problem.
 
-use crate::exchange::Hdf5Error;
 use crate::exchange::error::of_dataset;
+use crate::exchange::hdf5::{Dataset, File};
 use crate::fault::Fault;
 
-/// The values of the dataset at `path`, which must be there.
-pub(super) fn need<T>(path: &str, read: Result<Option<T>, Hdf5Error>) -> Result<T, Fault> {
-    match read {
-        Ok(Some(values)) => Ok(values),
-        Ok(None) => Err(Fault::new(format!("dataset {path}"), "it is not there", "write it, as FCLIB does")),
-        Err(error) => Err(of_dataset(path, &error)),
+/// The dataset at `path`, if it is there and something was written into it.
+pub(super) fn written<'a>(file: &File<'a>, path: &str) -> Result<Option<Dataset<'a>>, Fault> {
+    let dataset = file.dataset(path).map_err(|error| of_dataset(path, &error))?;
+    Ok(dataset.filter(Dataset::is_written))
+}
+
+/// The dataset at `path`, which must be there.
+pub(super) fn need<'a>(file: &File<'a>, path: &str) -> Result<Dataset<'a>, Fault> {
+    match file.dataset(path).map_err(|error| of_dataset(path, &error))? {
+        Some(dataset) => Ok(dataset),
+        None => Err(Fault::new(format!("dataset {path}"), "it is not there", "write it, as FCLIB does")),
     }
+}
+
+/// An error unless `dataset`, at `path`, has `expected` values, for the reason `why`.
+pub(super) fn has_length(dataset: &Dataset<'_>, path: &str, expected: usize, why: &str) -> Result<(), Fault> {
+    if dataset.count() == expected { Ok(()) } else { Err(length(path, expected, dataset.count(), why)) }
+}
+
+/// The one integer at `path`.
+pub(super) fn one(file: &File<'_>, path: &str) -> Result<i64, Fault> {
+    let dataset = need(file, path)?;
+    has_length(&dataset, path, 1, "it is one number")?;
+    match dataset.integers(1).map_err(|error| of_dataset(path, &error))?[..] {
+        [value] => Ok(value),
+        ref values => Err(length(path, 1, values.len(), "it is one number")),
+    }
+}
+
+/// All numbers of `dataset`, at `path`, which must be finite.
+pub(super) fn numbers(dataset: &Dataset<'_>, path: &str) -> Result<Vec<f64>, Fault> {
+    finite(path, dataset.numbers(dataset.count()).map_err(|error| of_dataset(path, &error))?)
 }
 
 /// The fault of the dataset at `path` that has `found` values where `expected` are needed, and why.

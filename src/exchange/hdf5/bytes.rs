@@ -19,20 +19,23 @@ impl Default for Sizes {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bytes<'a> {
     all: &'a [u8],
+    /// Where the addresses of the file count from.
+    base: usize,
     place: usize,
     end: usize,
     pub(super) sizes: Sizes,
 }
 
 impl<'a> Bytes<'a> {
-    pub(super) fn new(all: &'a [u8], sizes: Sizes) -> Self {
-        Bytes { all, place: 0, end: all.len(), sizes }
+    pub(super) fn new(all: &'a [u8], base: usize, sizes: Sizes) -> Self {
+        Bytes { all, base, place: base, end: all.len(), sizes }
     }
 
-    /// The same at another place of the file, to the end of this.
+    /// The bytes from an address of the file on, to its end.
     pub(super) fn at(self, address: u64) -> Result<Self, Hdf5Error> {
-        match usize::try_from(address) {
-            Ok(place) if place <= self.all.len() => Ok(Bytes { place, end: self.all.len(), ..self }),
+        let place = usize::try_from(address).ok().and_then(|address| address.checked_add(self.base));
+        match place {
+            Some(place) if place <= self.all.len() => Ok(Bytes { place, end: self.all.len(), ..self }),
             _ => Err(self.damaged("an address is beyond the end of the file")),
         }
     }
@@ -44,9 +47,9 @@ impl<'a> Bytes<'a> {
         Ok(Bytes { place, end: self.place, ..*self })
     }
 
-    /// Where it is in the file.
-    pub(super) fn place(&self) -> usize {
-        self.place
+    /// The address of the next byte.
+    pub(super) fn address(&self) -> u64 {
+        (self.place - self.base) as u64
     }
 
     /// How many bytes are left.

@@ -80,43 +80,71 @@ fn unshuffled(bytes: &[u8], size: usize) -> Vec<u8> {
     whole.chain(bytes[count * size..].iter().copied()).collect()
 }
 
-/// The `length` bytes of a dataset of one dimension, elements of `size` bytes, whose layout goes on in `layout`.
-pub(super) fn chunked(
-    file: Bytes<'_>,
-    mut layout: Bytes<'_>,
-    filters: &Filters,
-    length: usize,
+/// Larger chunks are taken only where the dataset, or the file, is of that order of size. Chunks that fit the cache of HDF5 are of this
+/// size at most, unless somebody has asked for others.
+const USUAL_CHUNK: usize = 1 << 20;
+/// A dataset that may grow has chunks with room for a multiple of what it holds.
+const ROOM_TO_GROW: usize = 16;
+
+/// How a dataset of one dimension is stored.
+pub(super) struct Chunks {
+    tree: u64,
+    /// How many elements a chunk has.
+    elements: usize,
+    /// The bytes of an element.
     size: usize,
-) -> Result<Vec<u8>, Hdf5Error> {
-    if layout.u8()? != 2 {
-        return Err(Hdf5Error::Unsupported { what: "a dataset of several dimensions in chunks".to_string() });
-    }
-    let tree = layout.offset()?;
-    let elements = layout.u32()?;
-    let chunk = elements.saturating_mul(size);
-    if chunk == 0 || layout.u32()? != size {
-        return Err(layout.damaged("the chunks of a dataset have no size"));
-    }
-    let mut found = Vec::new();
-    if length > 0 {
-        if layout.is_undefined(tree) {
-            return Err(Hdf5Error::NotWritten);
+    filters: Filters,
+}
+
+impl Chunks {
+    /// The chunks of a dataset with elements of `size` bytes, whose layout goes on in `layout`; `None` where none was ever written.
+    pub(super) fn read(mut layout: Bytes<'_>, filters: Filters, size: usize) -> Result<Option<Self>, Hdf5Error> {
+        if layout.u8()? != 2 {
+            return Err(Hdf5Error::Unsupported { what: "a dataset of several dimensions in chunks".to_string() });
         }
+        let tree = layout.offset()?;
+        let elements = layout.u32()?;
+        if elements == 0 || layout.u32()? != size {
+            return Err(layout.damaged("the chunks of a dataset have no size"));
+        }
+        Ok(if layout.is_undefined(tree) { None } else { Some(Chunks { tree, elements, size, filters }) })
+    }
+
+    /// The bytes of the first `count` elements, of which those that were not written have the bytes `fill`.
+    pub(super) fn bytes(&self, file: Bytes<'_>, count: usize, fill: &[u8]) -> Result<Vec<u8>, Hdf5Error> {
+        let Chunks { tree, elements, size, .. } = *self;
+        let (chunk, needed) = (elements.saturating_mul(size), count.saturating_mul(size));
+        if needed == 0 {
+            return Ok(Vec::new());
+        }
+        if chunk > needed.saturating_mul(ROOM_TO_GROW).max(file.file_length()).max(USUAL_CHUNK) {
+            let what = format!("a dataset of {needed} bytes in chunks of {chunk} bytes");
+            return Err(Hdf5Error::Unsupported { what });
+        }
+        let mut found = Vec::new();
         collect(file, tree, LEVELS, &mut found)?;
-    }
-    found.sort_by_key(|stored| stored.first);
-    let mut bytes = Vec::new();
-    for (k, Stored { first, mask, bytes: stored, here }) in found.iter().enumerate() {
-        if *first != (k as u64).saturating_mul(elements as u64) {
-            return Err(here.damaged("a chunk of a dataset is missing"));
+        found.sort_by_key(|stored| stored.first);
+        let elements = elements as u64;
+        if let Some(pair) = found.windows(2).find(|pair| pair[1].first - pair[0].first < elements) {
+            return Err(pair[1].here.damaged("the chunks of a dataset overlap"));
         }
-        bytes.extend(filters.undo(stored, *mask, chunk, size, here)?);
+        if let Some(stored) = found.iter().find(|stored| stored.first % elements != 0) {
+            return Err(stored.here.damaged("a chunk begins within another"));
+        }
+        let mut bytes = Vec::new();
+        let firsts = (0..count as u64).step_by(elements as usize);
+        for first in firsts {
+            match found.binary_search_by_key(&first, |stored| stored.first) {
+                Ok(k) => {
+                    let Stored { mask, bytes: stored, here, .. } = &found[k];
+                    bytes.extend(self.filters.undo(stored, *mask, chunk, size, here)?);
+                }
+                Err(_) => bytes.extend(fill.repeat(elements.min(count as u64 - first) as usize)),
+            }
+        }
+        bytes.truncate(needed);
+        Ok(bytes)
     }
-    if bytes.len() < length {
-        return Err(layout.damaged("a dataset has fewer values than its size says"));
-    }
-    bytes.truncate(length);
-    Ok(bytes)
 }
 
 /// A chunk as it stands in the file.

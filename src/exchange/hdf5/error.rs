@@ -1,5 +1,7 @@
 //! Why bytes are no HDF5 file, or not one that is read here.
 
+use crate::memory::in_words;
+
 /// Why bytes are no HDF5 file, or not one that is read here.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -15,6 +17,14 @@ pub enum Hdf5Error {
     /// A dataset was made, but nothing was ever written into it.
     #[error("its values were never written")]
     NotWritten,
+    /// The values need more memory than there is.
+    #[error("its values need {} of memory, but {} are left", in_words(*.needed), in_words(*.room))]
+    NoRoom {
+        /// Bytes that are needed.
+        needed: u64,
+        /// Bytes that are left.
+        room: u64,
+    },
     /// A part of the format that exchange files do without.
     #[error("{what} cannot be read here")]
     Unsupported {
@@ -37,6 +47,7 @@ impl Hdf5Error {
         match self {
             Hdf5Error::Damaged { .. } => "fetch or write the file again; h5dump tells how far it can be read",
             Hdf5Error::NotWritten => "write them, or leave the dataset out",
+            Hdf5Error::NoRoom { .. } => "look at the sizes in the file, or use a machine with more memory",
             Hdf5Error::Unsupported { .. } => {
                 "write it again in the layout that FCLIB has: h5repack --filter=NONE --layout=CONTI OLD NEW"
             }

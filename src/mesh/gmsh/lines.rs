@@ -17,10 +17,6 @@ impl<'a> Lines<'a> {
         Lines { file, rest: text.lines().enumerate(), number: 1 }
     }
 
-    pub(super) fn number(&self) -> usize {
-        self.number
-    }
-
     fn advance(&mut self) -> Option<&'a str> {
         for (k, line) in self.rest.by_ref() {
             self.number = k + 1;

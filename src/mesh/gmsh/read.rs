@@ -1,10 +1,12 @@
 //! The text of a Gmsh file, format MSH 4.1 (ASCII), as plain lists.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::str::FromStr;
 
 use super::lines::Lines;
 use super::{ElementKind, GmshError};
+use crate::input::FileKind;
+use crate::vector::{dot, minus, norm};
 
 /// Elements of one kind on one entity of the geometry.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,8 +16,6 @@ pub(super) struct Block {
     pub groups: Vec<String>,
     /// Gmsh's element number and the nodes, as indices into [`File::nodes`].
     pub elements: Vec<(usize, Vec<usize>)>,
-    /// The line the block begins on.
-    pub line: usize,
 }
 
 /// What a file says.
@@ -27,6 +27,67 @@ pub(super) struct File {
     pub numbers: Vec<usize>,
     pub blocks: Vec<Block>,
 }
+
+impl File {
+    /// Removes the nodes that no element of this `dimension` has, such as the centres of arcs; how many they were. An element of
+    /// fewer dimensions has the used node in the same place instead, if there is one, and otherwise a node beyond the end.
+    pub(super) fn leave_out_unused_nodes(&mut self, dimension: usize) -> usize {
+        let mut used = vec![false; self.nodes.len()];
+        let cells = self.blocks.iter().filter(|block| block.kind.dimension() == dimension);
+        cells.flat_map(|block| &block.elements).flat_map(|(_, nodes)| nodes).for_each(|&node| used[node] = true);
+        let kept = used.iter().filter(|used| **used).count();
+        let unused = used.len() - kept;
+        if unused == 0 {
+            return 0;
+        }
+        let twins = self.twins(&used);
+        let (mut next_used, mut next_unused) = (0, kept);
+        let mut places: Vec<usize> = used
+            .iter()
+            .map(|&used| {
+                let next = if used { &mut next_used } else { &mut next_unused };
+                *next += 1;
+                *next - 1
+            })
+            .collect();
+        for (unused, twin) in twins {
+            places[unused] = places[twin];
+        }
+        let mut used_nodes = used.iter();
+        self.nodes.retain(|_| used_nodes.next() == Some(&true));
+        let mut used_nodes = used.iter();
+        self.numbers.retain(|_| used_nodes.next() == Some(&true));
+        let nodes = self.blocks.iter_mut().flat_map(|block| &mut block.elements).flat_map(|(_, nodes)| nodes);
+        nodes.for_each(|node| *node = places[*node]);
+        unused
+    }
+
+    /// The nodes that are not `used`, each with the used node in the same place: curves that were copied have nodes of their own. A
+    /// place where several bodies have a node tells nothing.
+    fn twins(&self, used: &[bool]) -> Vec<(usize, usize)> {
+        let bound = |c: usize, pick: fn(f64, f64) -> f64| self.nodes.iter().map(|x| x[c]).reduce(pick).unwrap_or(0.0);
+        let size = (0..3).map(|c| bound(c, f64::max) - bound(c, f64::min)).fold(0.0, f64::max);
+        let near = SAME_PLACE * size;
+        // Along a direction of no lattice few nodes are side by side.
+        let along = |node: usize| dot(self.nodes[node], [0.742, 0.534, 0.406]);
+        let mut order: Vec<(f64, usize)> = (0..used.len()).filter(|&k| used[k]).map(|k| (along(k), k)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let twin = |node: usize| {
+            let place = along(node);
+            let from = order.partition_point(|(other, _)| *other < place - near);
+            let beside = order[from..].iter().take_while(|(other, _)| *other <= place + near);
+            let mut there = beside
+                .filter(|(_, other)| norm(minus(self.nodes[*other], self.nodes[node])) <= near)
+                .map(|(_, other)| *other);
+            there.next().filter(|_| there.next().is_none())
+        };
+        (0..used.len()).filter(|&k| !used[k]).filter_map(|k| Some((k, twin(k)?))).collect()
+    }
+}
+
+/// Nodes that are no farther apart, as a share of the size of all, are in one place: coordinates are written with about sixteen
+/// digits, and nine leave room for what made them.
+pub(super) const SAME_PLACE: f64 = 1e-9;
 
 /// Which sections were there, in the order in which a file must have them.
 #[derive(Default)]
@@ -40,10 +101,14 @@ type Entity = (usize, i64);
 
 /// Reads `bytes`; `name` stands for the file in messages.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<File, GmshError> {
+    if let Some(kind) = FileKind::of(bytes).filter(|kind| *kind != FileKind::Gmsh) {
+        let message = format!("it is {}, but a mesh in the format MSH 4.1 of Gmsh is needed", kind.name());
+        return Err(GmshError { file: name.to_string(), line: 1, message, help: kind.as_mesh().to_string() });
+    }
     // A binary file says so in its first lines, before the first byte that is not text.
     let text = String::from_utf8_lossy(bytes);
     let mut lines = Lines::new(name, &text);
-    format(&mut lines)?;
+    format(&mut lines, name)?;
     let (mut file, mut seen) = (File::default(), Seen::default());
     let mut names = HashMap::new();
     let mut groups: HashMap<Entity, Vec<String>> = HashMap::new();
@@ -87,10 +152,13 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<File, GmshError> {
     }
 }
 
-fn format(lines: &mut Lines<'_>) -> Result<(), GmshError> {
-    let help = "export the mesh with: gmsh -2 part.geo -format msh41, in space -3 (in Gmsh: File, Export, \"Version 4 ASCII\")";
+fn format(lines: &mut Lines<'_>, name: &str) -> Result<(), GmshError> {
+    let export = "export the mesh with: gmsh -2 part.geo -format msh41, in space -3 (in Gmsh: File, Export, \"Version 4 ASCII\")";
+    let convert = format!("convert the file with: gmsh {name} -save -format msh41 -o new.msh");
+    let help = format!("{convert}, or {export}");
     if lines.section()?.as_deref() != Some("MeshFormat") {
-        return Err(lines.error("the file does not begin with $MeshFormat: it is no Gmsh mesh", help));
+        let message = "the file does not begin with $MeshFormat: it is no Gmsh mesh, or one of an older format";
+        return Err(lines.error(message, help));
     }
     let line = lines.next("MeshFormat")?;
     let mut words = line.split_whitespace();
@@ -99,7 +167,7 @@ fn format(lines: &mut Lines<'_>) -> Result<(), GmshError> {
         return Err(lines.error(format!("the file has the format MSH {version}, but only MSH 4.1 is read"), help));
     }
     if words.next() != Some("0") {
-        let help = "export it as ASCII: gmsh -2 part.geo -format msh41, in space -3 (with Mesh.Binary = 0)";
+        let help = format!("{convert}, or {export}, with Mesh.Binary = 0");
         return Err(lines.error("the file is binary, but only ASCII is read", help));
     }
     lines.end("MeshFormat")
@@ -210,14 +278,13 @@ fn elements(
     let mut read = 0_usize;
     for _ in 0..blocks {
         let [dimension, entity, kind, here] = lines.numbers::<4, i64>(section)?;
-        let line = lines.number();
         let kind = ElementKind::from_gmsh(kind).map_err(|name| {
             let help = "mesh with triangles or tetrahedra of first or second order (Mesh.ElementOrder = 2), or with quadrilaterals, \
                         hexahedra or prisms of the first";
             lines.error(format!("the mesh has elements of the type {name}, which is not supported"), help)
         })?;
         let groups = groups.get(&(dimension as usize, entity)).cloned().unwrap_or_default();
-        let mut elements = Vec::new();
+        let (mut elements, mut listed) = (Vec::new(), HashSet::new());
         for _ in 0..here {
             let text = lines.next(section)?;
             let words: Option<Vec<usize>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
@@ -234,10 +301,18 @@ fn elements(
                 let help = "export the mesh again from Gmsh";
                 lines.error(format!("element {number} names the node {node}, which $Nodes does not have"), help)
             })?;
-            elements.push((number, nodes));
             read += 1;
+            // The older formats of Gmsh list an element of several groups once for each, and files converted from them still do.
+            let repeated = groups.len() > 1 && {
+                let mut key = nodes.clone();
+                key.sort_unstable();
+                !listed.insert(key)
+            };
+            if !repeated {
+                elements.push((number, nodes));
+            }
         }
-        file.blocks.push(Block { kind, groups, elements, line });
+        file.blocks.push(Block { kind, groups, elements });
     }
     if read != count {
         let message = format!("$Elements announces {count} elements, but has {read}");

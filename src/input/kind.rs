@@ -1,0 +1,148 @@
+//! What a file is, by its first bytes: for files that are named where another kind is expected.
+
+/// The kinds of files that people have at hand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FileKind {
+    /// A mesh of Gmsh, of any version.
+    Gmsh,
+    /// Keywords of Abaqus, which CalculiX reads, too.
+    Abaqus,
+    /// The universal format of I-DEAS.
+    Unv,
+    /// Bulk data of Nastran.
+    Nastran,
+    Stl,
+    /// VTK's formats, with or without XML.
+    Vtk,
+    Hdf5,
+    Json,
+    /// A geometry without a mesh.
+    Step,
+}
+
+/// So many bytes tell what a file is.
+const HEAD: usize = 4096;
+
+impl FileKind {
+    /// The kind of a file with these `bytes`; `None` if it is none of these.
+    pub(crate) fn of(bytes: &[u8]) -> Option<Self> {
+        if bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
+            return Some(FileKind::Hdf5);
+        }
+        let triangles = bytes.get(80..84).map(|count| [0, 1, 2, 3].map(|k| count[k])).map(u32::from_le_bytes);
+        if triangles.is_some_and(|count| bytes.len() as u64 == 84 + 50 * u64::from(count)) {
+            return Some(FileKind::Stl);
+        }
+        let head = String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD)]);
+        let lines: Vec<&str> = head.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+        let first = *lines.first()?;
+        let has_line = |starts: &[&str]| lines.iter().any(|line| starts.iter().any(|start| line.starts_with(start)));
+        let keyword = lines.iter().find(|line| !line.starts_with("**")).and_then(|line| line.strip_prefix('*'));
+        if ["$MeshFormat", "$Comments", "$NOD"].contains(&first) {
+            Some(FileKind::Gmsh)
+        } else if keyword.is_some_and(|word| word.starts_with(|c: char| c.is_ascii_alphabetic())) {
+            Some(FileKind::Abaqus)
+        } else if first == "-1" && lines.get(1).is_some_and(|line| line.parse::<u32>().is_ok()) {
+            Some(FileKind::Unv)
+        } else if first.starts_with("solid") && has_line(&["facet"]) {
+            Some(FileKind::Stl)
+        } else if first.starts_with("# vtk DataFile") || has_line(&["<VTKFile"]) {
+            Some(FileKind::Vtk)
+        } else if first.starts_with("ISO-10303-21") {
+            Some(FileKind::Step)
+        } else if first.starts_with('{') {
+            Some(FileKind::Json)
+        } else if has_line(&["BEGIN BULK", "CEND", "GRID,", "GRID "]) {
+            Some(FileKind::Nastran)
+        } else {
+            None
+        }
+    }
+
+    /// What such a file is, in words.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            FileKind::Gmsh => "a mesh of Gmsh",
+            FileKind::Abaqus => "an input of Abaqus or CalculiX",
+            FileKind::Unv => "a mesh in the format UNV",
+            FileKind::Nastran => "a mesh of Nastran",
+            FileKind::Stl => "a surface in the format STL",
+            FileKind::Vtk => "a file of VTK",
+            FileKind::Hdf5 => "a file in the format HDF5",
+            FileKind::Json => "a file in the format JSON",
+            FileKind::Step => "a geometry in the format STEP",
+        }
+    }
+
+    /// What to do with such a file where a scene is expected.
+    pub(crate) fn as_scene(self) -> &'static str {
+        match self {
+            FileKind::Gmsh => {
+                "write a scene, a TOML file that names this mesh under [mesh]; `stickslip init gmsh --out FOLDER` shows one"
+            }
+            FileKind::Stl => {
+                "write a scene, a TOML file that names this file as an obstacle of the kind \"surface\"; `stickslip init block` shows one"
+            }
+            FileKind::Hdf5 => "a problem of FCLIB is solved by `stickslip solve FILE`",
+            FileKind::Json => "a scene is a TOML file; `stickslip init block` shows one",
+            FileKind::Abaqus | FileKind::Unv | FileKind::Nastran | FileKind::Vtk | FileKind::Step => {
+                "write a scene, a TOML file that names a mesh in the format MSH 4.1; `stickslip init gmsh --out FOLDER` shows both"
+            }
+        }
+    }
+
+    /// What to do with such a file where a mesh in the format MSH 4.1 is expected.
+    pub(crate) fn as_mesh(self) -> &'static str {
+        match self {
+            FileKind::Gmsh | FileKind::Unv => "convert it: gmsh OLD -save -format msh41 -o NEW.msh",
+            FileKind::Nastran | FileKind::Vtk => {
+                "convert it: gmsh OLD -save -format msh41 -o NEW.msh; it has the names of groups only if the file has them"
+            }
+            FileKind::Abaqus => {
+                "Gmsh cannot convert it: write the mesh as UNV from the program that made it, then gmsh PART.unv -save -format \
+                 msh41 -o PART.msh; from Gmsh itself, gmsh -3 PART.geo -format msh41 (in the plane -2)"
+            }
+            FileKind::Step => {
+                "a geometry has to be meshed: merge it in a .geo file with physical groups, then gmsh -3 PART.geo -format msh41"
+            }
+            FileKind::Stl => "a surface can be an obstacle of the kind \"surface\"; a body needs volume elements",
+            FileKind::Hdf5 | FileKind::Json => "export the mesh with: gmsh -2 part.geo -format msh41, in space -3",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FileKind;
+
+    #[test]
+    fn files_are_known_by_their_first_bytes() {
+        let mut binary = vec![b' '; 84 + 50];
+        binary[80..84].copy_from_slice(&1_u32.to_le_bytes());
+        let kinds: [(&[u8], FileKind); 15] = [
+            (b"$MeshFormat\n2.2 0 8\n", FileKind::Gmsh),
+            (b"$NOD\n3\n", FileKind::Gmsh),
+            (b"** made by hand\n*HEADING\n", FileKind::Abaqus),
+            (b"*Node, nset=all\n", FileKind::Abaqus),
+            (b"    -1\n  2411\n", FileKind::Unv),
+            (b"SOL 101\nCEND\nBEGIN BULK\n", FileKind::Nastran),
+            (b"$ Created by Gmsh\nGRID,1,0,0.,0.,0.\n", FileKind::Nastran),
+            (b"solid a\n facet normal 0 0 1\n", FileKind::Stl),
+            (&binary, FileKind::Stl),
+            (b"# vtk DataFile Version 3.0\n", FileKind::Vtk),
+            (b"<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\">\n", FileKind::Vtk),
+            (b"\x89HDF\r\n\x1a\n", FileKind::Hdf5),
+            (b"{ \"status\": \"converged\" }", FileKind::Json),
+            (b"ISO-10303-21;\nHEADER;\n", FileKind::Step),
+            (b"\n\n{", FileKind::Json),
+        ];
+        for (bytes, kind) in kinds {
+            assert_eq!(FileKind::of(bytes), Some(kind), "{}", String::from_utf8_lossy(bytes));
+        }
+        for text in
+            ["", "title = \"solid facet\"\n[mesh]\n", "# a comment\nyoung = 1", "2 1 0 2 2", "x,gap\n0,1\n", "solid a"]
+        {
+            assert_eq!(FileKind::of(text.as_bytes()), None, "{text}");
+        }
+    }
+}
