@@ -61,7 +61,7 @@ const KEYS_AND_TYPES: &[Fault] = &[
     ("210e9", "210,5e9  # Pa", "young =", &["expected"], "write 210.5e9, with a point"),
     ("gap = 1e-5", "gap = -0,001", "obstacle =", &["expected"], "write -0.001, with a point"),
     ("210e9", "\"2,1e11\"", "young =", &["string \"2,1e11\"", "a number"], "write 2.1e11, with a point"),
-    ("[1.0, 1.0]", "[1,0", "size =", &["expected"], MEND),
+    ("[1.0, 1.0]", "[1,0", "elements =", &["expected"], MEND),
     ("\"block\"", "\"ball\"", "\"ball\"", &["unknown variant `ball`", "`block`"], LISTED),
     (
         "\"strain\"",
