@@ -232,18 +232,7 @@ impl Model {
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
-        let passages = Passages::new(&mesh, pairs.all.iter().map(|pair| &pair.mortar));
-        let passed_by = alone.iter().map(|contact| {
-            let past = |contact: &ContactNode| {
-                moved.iter().any(|moved| {
-                    let [_, t, o] = moved.beyond_contact(&rows, &dofs, &carrying, contact);
-                    t != 0.0 || o != 0.0
-                })
-            };
-            motions::passes(contact, mesh.dimension, &obstacles, past)
-        });
-        let passed_by = passed_by.collect();
-        let beside_the_end = recovery::beside_the_end(&mesh, &contacts, &contact_boundaries);
+        let past = |contact: &ContactNode| support::moves_past(&moved, &rows, &dofs, &carrying, contact);
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &pairs.ties(&dofs));
         let shared = match &sharing {
             Some((share, body)) => body.stiffness(&contacts, share)?,
@@ -269,6 +258,9 @@ impl Model {
             problem.with_tangents_alone(tangents, map(&alone, |contact| &contact.tangents[1]))?
         };
         Ok(Model {
+            passed_by: motions::passed_by(&alone, mesh.dimension, &obstacles, past),
+            passages: Passages::new(&mesh, pairs.all.iter().map(|pair| &pair.mortar)),
+            beside_the_end: recovery::beside_the_end(&mesh, &contacts, &contact_boundaries),
             description: laid_out,
             mesh,
             materials,
@@ -287,9 +279,6 @@ impl Model {
             thermal,
             statics,
             recovery,
-            beside_the_end,
-            passages,
-            passed_by,
         })
     }
 

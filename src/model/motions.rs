@@ -86,9 +86,19 @@ fn of_first(
 /// Drifts of a smaller share of a motion are rounding.
 const DRIFTS: f64 = 1e-9;
 
+/// What [`passes`] says of each of `contacts`.
+pub(super) fn passed_by(
+    contacts: &[ContactNode],
+    dimension: usize,
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    others: impl Fn(&ContactNode) -> bool,
+) -> Vec<bool> {
+    contacts.iter().map(|contact| passes(contact, dimension, obstacles, &others)).collect()
+}
+
 /// Whether an obstacle, or by `others` what is in front of it, moves past a contact node along a tangential direction in which it has no
 /// row, for supports hold it there. `others` looks at the tangents of the node that it is given.
-pub(super) fn passes(
+fn passes(
     contact: &ContactNode,
     dimension: usize,
     obstacles: &[(PlacedObstacle, ObstacleMotion)],

@@ -239,6 +239,18 @@ impl Moved {
     }
 }
 
+/// Whether supports move what a contact node is made of along its tangents.
+pub(super) fn moves_past(
+    all: &[Moved],
+    rows: &HeldRows,
+    dofs: &Dofs,
+    carrying: &Carrying,
+    contact: &ContactNode,
+) -> bool {
+    let along = |moved: &Moved| moved.beyond_contact(rows, dofs, carrying, contact);
+    all.iter().map(along).any(|[_, t, o]| t != 0.0 || o != 0.0)
+}
+
 /// The displacement (m) of `node` along what is held there with the components `values` along unit vectors, of which
 /// those that follow from others are left out.
 fn solved(dofs: &Dofs, node: usize, values: &[([f64; 3], f64)]) -> [f64; 3] {

@@ -174,7 +174,7 @@ impl Validity {
                 None => self.faceted.push(faceted),
             }
         }
-        if let Some((k, share)) = model.friction_left_out(state, &increment.mu)
+        if let Some((k, share)) = model.friction_left_out(state, increment.mu)
             && self.friction_left_out.is_none_or(|(_, worst, _)| share > worst)
         {
             self.friction_left_out = Some((k, share, record.time));
