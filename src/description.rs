@@ -109,7 +109,7 @@ pub struct Contact {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Against {
     /// Rigid obstacles, at least one. A node meets the one that is nearest when the history begins, of those that its outside
-    /// faces; it never feels another.
+    /// faces; of those with the same normal the one that is nearest at the time.
     Obstacles(Vec<Obstacle>),
     /// Another boundary, of another body as a rule.
     Boundary(Opposite),

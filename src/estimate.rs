@@ -3,6 +3,7 @@
 //! The numbers are estimates, free of units and without a reference; doc/estimates.md says where they come from and how far
 //! they were right.
 
+mod corner;
 mod discretisation;
 mod graph;
 mod hertz;

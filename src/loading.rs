@@ -291,6 +291,9 @@ impl Loading {
             let nodes = drift[motion.nodes.clone()].iter_mut();
             nodes.zip(&motion.drift).for_each(|(d, rate)| *d += distance * rate.get(k).unwrap_or(&0.0));
         }
+        for bend in self.bends.iter().filter(|_| k < 2) {
+            bend.add_drift(t, k, &mut drift[bend.nodes.clone()]);
+        }
         drift
     }
 
@@ -399,6 +402,7 @@ mod tests {
             nodes: 0..2,
             times: vec![1.0, 1.5, 3.5],
             gap: vec![vec![0.0, 0.5], vec![1.0, 4.0], vec![-3.0, 0.0]],
+            drift: vec![vec![[0.0; 2], [0.0; 2]], vec![[0.0; 2], [0.0, 2.0]], vec![[4.0, 0.0], [0.0, 2.0]]],
         };
         let loading = Loading { bends: vec![bend], ..loading };
         for (t, expected) in
@@ -410,5 +414,12 @@ mod tests {
         assert_eq!(loading.largest_interference(), 2.0);
         loading.gap_at(9.0, &mut gap);
         assert_eq!(gap[0], -2.0);
+        let before = Loading { bends: Vec::new(), ..loading.clone() };
+        for (t, added) in [(1.0, [[0.0; 2]; 2]), (1.25, [[0.0; 2], [0.0, 1.0]]), (9.0, [[4.0, 0.0], [0.0, 2.0]])] {
+            for k in 0..2 {
+                let [with, without] = [&loading, &before].map(|loading| loading.drift_at(t, k));
+                assert_eq!([with[0] - without[0], with[1] - without[1]], added.map(|of_node| of_node[k]), "{t}");
+            }
+        }
     }
 }

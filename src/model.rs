@@ -10,6 +10,7 @@ mod energy;
 mod load;
 mod meridian;
 mod motions;
+mod nearest;
 mod pair;
 mod pair_state;
 mod place;
@@ -18,11 +19,13 @@ mod recovery;
 mod shared;
 mod stress;
 mod support;
+mod unseen;
 
 pub use balance::{Balance, Wrench};
 pub use pair::Pair;
 pub use pair_state::{Faceted, Slid};
 pub use shared::{Body, Share};
+pub use unseen::{BetweenNodes, Overlap};
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -49,6 +52,8 @@ use carrying::Carrying;
 use contact::Contacts;
 use discrete::Discrete;
 use load::FreeStrain;
+use motions::Motions;
+use nearest::Nearest;
 use recovery::Recovery;
 use support::Moved;
 
@@ -71,6 +76,8 @@ pub struct Model {
     pub contact_boundaries: Vec<ContactBoundary>,
     /// The obstacles in front of these boundaries, and how they move.
     pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
+    /// Which of several obstacles each contact node meets.
+    nearest: Nearest,
     /// The boundaries in front of each other.
     pub pairs: Vec<Pair>,
     /// The algebraic problem.
@@ -189,7 +196,12 @@ impl Model {
         leave_out_dependent(&mut contacts, &mu, &dofs);
         let alone = contacts.clone();
         share_edges(&mut contacts, &mu, &dofs);
-        let (mut motions, bends) = motions::motions(&contacts, &obstacles, &description.times)?;
+        let gap = |contact: &ContactNode| {
+            contact.obstacle().map_or(contact.facing.gap, |k| contact.gap_at_rest(&obstacles[k].0))
+        };
+        let gap: Vec<f64> = contacts.iter().map(gap).collect();
+        let Motions { rates: mut motions, bends, nearest } =
+            motions::motions(&contacts, &obstacles, &gap, &description.times)?;
         let map = |contacts: &[ContactNode], row: fn(&ContactNode) -> &Row| {
             Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))
         };
@@ -217,10 +229,6 @@ impl Model {
         }
         let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&carrying, &springs)).collect();
         let statics = Statics::new(&mesh, rows.clone(), support::shares(&holdings, &rows), beds, &forces, &on_springs);
-        let gap = |contact: &ContactNode| {
-            contact.obstacle().map_or(contact.facing.gap, |k| contact.gap_at_rest(&obstacles[k].0))
-        };
-        let gap = contacts.iter().map(gap).collect();
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
@@ -269,6 +277,7 @@ impl Model {
             contacts,
             contact_boundaries,
             obstacles,
+            nearest,
             pairs: pairs.all,
             problem,
             loading,

@@ -205,7 +205,7 @@ fn told(comparison: &Comparison, result: &MeshResult) -> Told {
     Told {
         seconds: comparison.seconds(&result.mesh),
         across: estimates.and_then(|estimates| estimates.heaviest()?.nodes_across),
-        peak: share(Estimates::peak_error),
+        peak: share(|estimates| estimates.peak_error),
         norm: share(|estimates| estimates.discretisation),
         locking: share(|estimates| estimates.locking),
     }

@@ -27,7 +27,7 @@ const MEASURES: [Measure; 4] = [
     Measure {
         name: "peak pressure",
         error: |errors| errors.peak,
-        estimate: Some(Estimates::peak_error),
+        estimate: Some(|estimates| estimates.peak_error),
         targets: [1e-1, 1e-2],
     },
 ];

@@ -59,6 +59,7 @@ pub fn coupled_nodes(
             normal: Row::new(),
             tangents: [Row::new(), Row::new()],
             counterpart: Counterpart::Boundary(coupled),
+            others: Vec::new(),
             facing,
             frame,
             weight: row.weight,

@@ -8,7 +8,7 @@ use crate::mesh::{Boundary, Mesh};
 use crate::vector::{dot, norm};
 
 /// A node of a boundary in front of an obstacle.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Meeting {
     /// The number of the node in the mesh.
     pub node: usize,
@@ -16,6 +16,8 @@ pub struct Meeting {
     pub obstacle: usize,
     /// What the node sees of it.
     pub facing: Facing,
+    /// The obstacles that press the node along the same normal. The node meets whichever is nearest at the time.
+    pub others: Vec<usize>,
 }
 
 /// A node whose distance from an obstacle nobody can tell, at the beginning or later.
@@ -34,9 +36,40 @@ pub struct Unclear {
 /// A normal counts as pointing out of the body if it leans to the node's by less than a right angle, but for rounding.
 const ALONG: f64 = 1e-9;
 
+/// A distance that is shorter by less, as a share of the size of the boundary, is shorter by rounding.
+const ROUNDING: f64 = 1e-12;
+
+impl Meeting {
+    /// The obstacle that is nearest to the node at `x` (m) at time `t` (s), and the gap, m.
+    pub fn nearest(&self, obstacles: &[(PlacedObstacle, ObstacleMotion)], x: [f64; 3], t: f64) -> (usize, f64) {
+        nearest(obstacles, (self.obstacle, &self.facing), &self.others, x, t)
+    }
+}
+
+/// The obstacle that is nearest to a node at `x` (m) at time `t` (s), and the gap, m: the one that it `met` first, unless one of
+/// the `others` is nearer. An obstacle that is not in front of the node is as far as the boundary is long.
+pub fn nearest(
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    (met, facing): (usize, &Facing),
+    others: &[usize],
+    x: [f64; 3],
+    t: f64,
+) -> (usize, f64) {
+    let gap = |k: usize, facing: &Facing| {
+        let (obstacle, motion) = &obstacles[k];
+        let is_in_front = obstacle.is_plane() || motion.is_in_front(obstacle, t, x, facing);
+        if is_in_front { motion.exact_gap(obstacle, t, x, facing) } else { obstacle.extent() }
+    };
+    others.iter().fold((met, gap(met, facing)), |(nearest, distance), &k| {
+        let other = gap(k, &obstacles[k].0.seen_from(x));
+        if other < distance - ROUNDING * obstacles[k].0.extent() { (k, other) } else { (nearest, distance) }
+    })
+}
+
 /// The nodes of `boundary` that some obstacle of `obstacles` reaches between 0 and the end, each with the one that it meets: of
 /// those to which it shows its outside the one that is nearest when the history begins. A node that none reaches then meets the
-/// one that comes nearest at `times` (s) or where a motion has a kink. The others stay open whatever happens.
+/// one that comes nearest at `times` (s) or where a motion has a kink. Of obstacles with one normal a node meets the nearest at
+/// each time. Nodes that no obstacle ever reaches are left out: they stay open.
 ///
 /// # Errors
 /// A node that no obstacle reaches, but of which one cannot tell that it never does, and one inside an obstacle that has turned
@@ -93,13 +126,16 @@ pub fn meetings(
         if let Some(unclear) = swallowed(&(obstacle, facing)) {
             return Err(unclear);
         }
-        met.push(Meeting { node, obstacle, facing: obstacles[obstacle].0.in_front(facing) });
+        let facing = obstacles[obstacle].0.in_front(facing);
+        let presses_alike = |k: &usize| *k != obstacle && obstacles[*k].0.presses_as(&obstacles[obstacle].0);
+        let others = facings.iter().map(|(k, _)| *k).filter(presses_alike).collect();
+        met.push(Meeting { node, obstacle, facing, others });
     }
     Ok(met)
 }
 
 /// For each node of `boundary` the sum of the area vectors of its facets.
-fn outsides(mesh: &Mesh, boundary: &Boundary) -> HashMap<usize, [f64; 3]> {
+pub(crate) fn outsides(mesh: &Mesh, boundary: &Boundary) -> HashMap<usize, [f64; 3]> {
     let mut sums: HashMap<usize, [f64; 3]> = HashMap::new();
     for facet in &boundary.facets {
         let area = mesh.area_vector(facet);

@@ -45,6 +45,8 @@ pub struct ContactNode {
     pub tangents: [Row; 2],
     /// What it is in front of.
     pub counterpart: Counterpart,
+    /// The obstacles that press the node along the same normal, by their numbers: it meets whichever is nearest at the time.
+    pub others: Vec<usize>,
     /// What the node sees of the obstacle, or of the other body; the tangents are those of `C_t` and `C_o`, 0 where there is none.
     pub facing: Facing,
     /// The obstacle's own tangents, along which results are told: they are the same for all nodes in front of a plane.
@@ -155,7 +157,7 @@ pub fn contact_nodes(
         edges.extend(mesh.bent_edges(facet).into_iter().map(|[a, middle, b]| (middle, [a, b])));
     }
     (met.iter())
-        .map(|&Meeting { node, obstacle, mut facing }| {
+        .map(|&Meeting { node, obstacle, mut facing, ref others }| {
             let frame = facing.tangents;
             let tangents = tangents(&dofs.held(node).collect::<Vec<_>>(), &facing);
             facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
@@ -173,6 +175,7 @@ pub fn contact_nodes(
                 normal: Row::new(),
                 tangents: none,
                 counterpart: Counterpart::Obstacle(obstacle),
+                others: others.clone(),
                 facing,
                 frame,
                 weight,
@@ -207,7 +210,7 @@ impl ContactNode {
         ContactNode { normal, tangents, ..self }
     }
 
-    /// The number of the obstacle that it meets, if it is in front of one.
+    /// The number of the obstacle that it meets at first, if it is in front of one.
     pub fn obstacle(&self) -> Option<usize> {
         match self.counterpart {
             Counterpart::Obstacle(k) => Some(k),
@@ -329,10 +332,14 @@ pub fn unreachable(
 ) -> Option<usize> {
     let touching = TOUCHING * mesh.size();
     let caught = met.iter().find(|met| {
-        let Meeting { node, obstacle, facing } = met;
-        let (obstacle, motion) = &obstacles[*obstacle];
-        row(dofs, *node, facing.normal).is_empty()
-            && motion.smallest_gap(obstacle, mesh.nodes[*node], facing, times, |t| moved(met, t)) < -touching
+        let x = mesh.nodes[met.node];
+        let smallest = |k: usize, facing: &Facing| {
+            let (obstacle, motion) = &obstacles[k];
+            motion.smallest_gap(obstacle, x, facing, times, |t| moved(met, t))
+        };
+        row(dofs, met.node, met.facing.normal).is_empty()
+            && (smallest(met.obstacle, &met.facing) < -touching
+                || met.others.iter().any(|&k| smallest(k, &obstacles[k].0.seen_from(x)) < -touching))
     });
     caught.map(|met| met.node)
 }

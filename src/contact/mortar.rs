@@ -175,8 +175,15 @@ impl Mortar {
         };
         let rows = sums.into_iter().map(row).collect::<Result<Vec<MortarRow>, MortarFault>>()?;
         if rows.is_empty() {
-            let [slave, master] = [slave, master].map(|side| side.name.clone());
-            return Err(MortarFault::SlaveHeld { slave, master });
+            let is_held = |(node, normal): (&usize, &[f64; 3])| normals::is_held(*normal, &supports.held(*node));
+            let faced = slave.facets.iter().zip(&covers.facets).filter(|(_, cover)| cover.share > 0.0);
+            let meets = faced.flat_map(|(facet, _)| facet).filter_map(|node| normals.get_key_value(node)).any(is_held);
+            return Err(if meets {
+                let [slave, master] = [slave, master].map(|side| side.name.clone());
+                MortarFault::SlaveHeld { slave, master }
+            } else {
+                cover::nothing_in_front(mesh, [slave, master], search)
+            });
         }
         Ok(Mortar {
             rows,

@@ -187,7 +187,22 @@ impl ObstacleMotion {
         histories.flatten().map(|point| point[0]).chain([0.0]).chain(times.iter().copied())
     }
 
-    fn moves(&self) -> bool {
+    /// Whether the obstacle is in front of a node at `x` (m) at time `t` (s).
+    pub(super) fn is_in_front(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> bool {
+        !self.distance(obstacle, t, x, facing).is_nan()
+    }
+
+    /// How far (m) the surface has moved past a node at `x` (m) until time `t` (s), along the tangents of `facing`.
+    pub(crate) fn drift(&self, t: f64, x: [f64; 3], facing: &Facing) -> [f64; 2] {
+        let motions = self.rates(&[x], std::slice::from_ref(facing));
+        let sum = |k: usize| {
+            motions.iter().map(|(of, history)| of[0].drift[k] * piecewise_linear(history, t).unwrap_or(0.0)).sum()
+        };
+        [0, 1].map(sum)
+    }
+
+    /// Whether it is ever elsewhere than at first.
+    pub(crate) fn moves(&self) -> bool {
         self.rotation.is_some() || !self.translations.is_empty()
     }
 
@@ -249,6 +264,12 @@ impl ObstacleMotion {
         }
         let at = |t: f64| positions.iter().zip(facings).map(|(x, facing)| self.bend(obstacle, t, *x, facing)).collect();
         Some(times.iter().map(|t| at(*t)).collect())
+    }
+
+    /// Where the direction `n` in the obstacle at rest has turned to at time `t` (s).
+    pub(crate) fn forth(&self, t: f64, n: [f64; 3]) -> [f64; 3] {
+        let Some(Turning { axis, history, .. }) = &self.rotation else { return n };
+        turned(n, *axis, piecewise_linear(history, t).unwrap_or(0.0))
     }
 
     /// Where `x` (m) was in the obstacle before it moved until time `t`, and what the direction `n` was.

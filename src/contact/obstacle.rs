@@ -178,7 +178,7 @@ impl PlacedObstacle {
     }
 
     /// What a node at `x` (m) sees that is of the edge of one in front of the obstacle, see [`PlacedObstacle::in_front`].
-    pub(super) fn seen_from(&self, x: [f64; 3]) -> Facing {
+    pub(crate) fn seen_from(&self, x: [f64; 3]) -> Facing {
         self.in_front(self.at(x))
     }
 
@@ -200,6 +200,24 @@ impl PlacedObstacle {
         self.surface.along(self.normal, x, n, reference)
     }
 
+    /// The distance (m) from a point at `x` (m) in the obstacle at rest that came from `reference` to the nearest point, negative
+    /// inside, and the unit vector in which that is; of a field of gaps along its normal. NaN beyond the rim of a surface that ends.
+    pub fn nearest(&self, x: [f64; 3], reference: [f64; 3]) -> (f64, [f64; 3]) {
+        match self.surface {
+            Surface::Formula(_) | Surface::Table(_) => (self.distance(x, self.normal, reference), self.normal),
+            _ => self.surface.nearest(self.normal, x),
+        }
+    }
+
+    /// Whether it ends somewhere aside: a body beside it is not in front of it.
+    pub fn is_bounded(&self) -> bool {
+        match self.surface {
+            Surface::Round { radius, .. } => radius > 0.0,
+            Surface::Triangles(_) => true,
+            _ => false,
+        }
+    }
+
     /// The size of its boundary, m.
     pub fn extent(&self) -> f64 {
         self.extent
@@ -208,6 +226,11 @@ impl PlacedObstacle {
     /// Whether gaps are measured along one normal.
     pub fn has_one_normal(&self) -> bool {
         self.direction == GapDirection::Normal
+    }
+
+    /// Whether it presses every node along the same normal as the `other` obstacle does.
+    pub(crate) fn presses_as(&self, other: &PlacedObstacle) -> bool {
+        self.has_one_normal() && other.has_one_normal() && norm(minus(self.normal, other.normal)) <= SKEW
     }
 
     /// Whether its surface is a plane.
@@ -272,12 +295,17 @@ impl PlacedObstacle {
         self.surface.inward([self.normal, t, o], x, (gap, n), 1e-6 * self.extent)
     }
 
-    /// The number of triangles of a surface.
-    pub fn triangles(&self) -> Option<usize> {
+    /// Its surface, if that is of triangles.
+    pub(super) fn surface_of_triangles(&self) -> Option<&Triangles> {
         match &self.surface {
-            Surface::Triangles(triangles) => Some(triangles.count()),
+            Surface::Triangles(triangles) => Some(triangles),
             _ => None,
         }
+    }
+
+    /// The number of triangles of a surface.
+    pub fn triangles(&self) -> Option<usize> {
+        self.surface_of_triangles().map(Triangles::count)
     }
 }
 

@@ -3,8 +3,8 @@
 /// The smallest and the largest coordinate along each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bounds {
-    low: [f64; 3],
-    high: [f64; 3],
+    pub low: [f64; 3],
+    pub high: [f64; 3],
 }
 
 /// A tree of boxes, each around the two that follow from it.

@@ -4,11 +4,13 @@
 //! in a rim; beyond the rim there is nothing.
 
 mod read;
+mod rim;
 
 use std::collections::HashMap;
 use std::path::Path;
 
 pub use read::SurfaceError;
+pub use rim::Hole;
 
 use super::tree::{Bounds, Tree};
 use crate::vector::{cross, dot, minus, norm, plus, unit};
@@ -148,6 +150,11 @@ impl Triangles {
     /// The number of triangles.
     pub(super) fn count(&self) -> usize {
         self.corners.len()
+    }
+
+    /// The longest side of the box around all, m.
+    pub(super) fn extent(&self) -> f64 {
+        self.extent
     }
 
     /// The unit vector out of the obstacle at a triangle.

@@ -36,13 +36,13 @@ impl HertzContact {
         HertzContact { half_width, peak_pressure: 1.5 * force / (PI * half_width * half_width) }
     }
 
-    /// What the forces `p_n` (N) on the `closed` contact nodes of a surface make under the obstacle before its node `peak`, where
+    /// What the forces `p_n` (N) at `time` (s) on the `closed` contact nodes of a surface make under the obstacle before its node `peak`, where
     /// that is a cylinder or a sphere and the body is flat.
-    pub(super) fn under(model: &Model, p_n: &[f64], closed: &[usize], peak: usize) -> Option<Self> {
-        let obstacle = model.contacts[peak].obstacle()?;
+    pub(super) fn under(model: &Model, time: f64, p_n: &[f64], closed: &[usize], peak: usize) -> Option<Self> {
+        let met = |i: usize| model.met(i, time).map(|(k, _)| k);
+        let obstacle = met(peak)?;
         let Round { radius, centre, axis } = model.obstacles[obstacle].0.roundness()?;
-        let nodes: Vec<usize> =
-            closed.iter().copied().filter(|&i| model.contacts[i].obstacle() == Some(obstacle)).collect();
+        let nodes: Vec<usize> = closed.iter().copied().filter(|&i| met(i) == Some(obstacle)).collect();
         let force: f64 = nodes.iter().map(|&i| p_n[i]).sum();
         let modulus = modulus(model, model.contacts[peak].node)?;
         if model.mesh.geometry == Geometry::Axisymmetric {

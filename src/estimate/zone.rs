@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::corner::Corners;
 use super::graph::ContactGraph;
 use super::hertz::HertzContact;
 use crate::contact::ContactStatus;
@@ -44,9 +45,10 @@ pub struct ContactEstimate {
     pub peak_error: Option<f64>,
     /// That of the width of the zone: `4 / n^1.5`.
     pub width_error: Option<f64>,
-    /// The share of the force on the nodes at the edge of the zone that bears most.
+    /// The share of the force of the zone with the largest pressure that is on the nodes at its edge.
     pub edge_share: f64,
-    /// Whether the pressure is largest at the edge, as under a punch, and so that of the mesh.
+    /// Whether the pressure is largest where the zone ends at a corner of the body or of the obstacle, as under a punch, and so that of
+    /// the mesh.
     pub singular_edge: bool,
     /// Where the zone ends with the boundary: how many times as long as the elements inside, or as short, those beyond are.
     pub edge_ratio: Option<f64>,
@@ -111,9 +113,6 @@ const EDGE_FROM: usize = 4;
 /// A pressure that is larger at the edge by less is not singular but uniform, to rounding and to the roughness of meshes.
 const UNIFORM: f64 = 0.1;
 
-/// A smaller share of the force at the edge is not worth a word, however large the pressure is there.
-const NEGLIGIBLE: f64 = 0.01;
-
 /// The largest error of the peak pressure of a zone that is `n` nodes across, as a share.
 pub fn peak_error(n: usize) -> f64 {
     2.0 / (n as f64).powf(1.5)
@@ -154,14 +153,23 @@ impl ContactEstimate {
         let mean = beside.iter().map(|&j| pressure(j)).sum::<f64>() / beside.len() as f64;
         let mirrored = graph.is_mirrored(peak) && model.mesh.dimension == 2 && mean > 0.0;
         let off = if mirrored { peak_pressure / mean - 1.0 } else { scatter };
-        let peak_error = nodes_across.map(|n| match peak_error(n) {
+        let (around_peak, across_peak) = zones.iter().find(|(zone, _)| zone.contains(&peak))?;
+        let peak_error = across_peak.map(|n| match peak_error(n) {
             of_width if n >= SCATTER_FROM => of_width.max(off),
             of_width => of_width,
         });
         let is_edge = |i: &usize| depths.get(i) == Some(&1) || graph.is_at_the_rim(*i);
-        let (edge, inside): (Vec<usize>, Vec<usize>) = heaviest.iter().partition(|i| is_edge(i));
+        let (edge, inside): (Vec<usize>, Vec<usize>) = around_peak.iter().partition(|i| is_edge(i));
         let most = |nodes: &[usize]| nodes.iter().map(|&i| pressure(i)).fold(0.0, f64::max);
-        let wide = nodes_across.map_or(heaviest.len() >= EDGE_FROM, |n| n >= EDGE_FROM);
+        let wide = across_peak.map_or(around_peak.len() >= EDGE_FROM, |n| n >= EDGE_FROM);
+        let grows_outwards = !inside.is_empty() && most(&edge) > (1.0 + UNIFORM) * most(&inside);
+        let singular_edge = wide && (grows_outwards || scatter > UNIFORM) && {
+            let corners = Corners::new(model, graph, time);
+            let is_closed = |i: usize| p_n[i] > 0.0;
+            let ends_here = |i: &usize| is_edge(i) && corners.is_at(*i, is_closed);
+            // Beside a corner, too, pressures are those of the mesh.
+            ends_here(&peak) || !grows_outwards && beside.iter().any(ends_here)
+        };
         Some(ContactEstimate {
             boundary: surface.name.clone(),
             time,
@@ -174,19 +182,16 @@ impl ContactEstimate {
             element_size: element_size(model, graph, peak),
             peak_pressure,
             patch_pressure,
-            peak_of: PeakOf::zone(model, *nodes_across),
+            peak_of: PeakOf::zone(model, *across_peak),
             scatter,
             peak_error,
             width_error: nodes_across.map(|n| 2.0 * self::peak_error(n)),
-            edge_share: sum(&edge) / sum(heaviest),
-            singular_edge: wide
-                && !inside.is_empty()
-                && sum(&edge) > NEGLIGIBLE * sum(heaviest)
-                && most(&edge) > (1.0 + UNIFORM) * most(&inside),
+            edge_share: sum(&edge) / sum(around_peak),
+            singular_edge,
             edge_ratio: edge_ratio(model, graph, heaviest),
             stick: nodes_across.and_then(|n| stick_zone(model, heaviest, statuses, n)),
             hertz: (nodes_across.is_some_and(|n| n <= NOTHING))
-                .then(|| HertzContact::under(model, p_n, &closed, peak))
+                .then(|| HertzContact::under(model, time, p_n, &closed, peak))
                 .flatten(),
         })
     }

@@ -6,12 +6,15 @@ use super::PER_NODE;
 use crate::problem::ProblemError;
 use crate::problem::error::{expect_finite, expect_increasing, expect_length};
 
-/// What the rates of a [`super::Motion`] leave out of the gaps, as an obstacle that is round passes or one that is oblique turns.
+/// What the rates of a [`super::Motion`] leave out of the gaps, as an obstacle that is round passes, one that is oblique turns, or
+/// another one comes nearer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bend {
     pub(super) nodes: Range<usize>,
     pub(super) times: Vec<f64>,
     pub(super) gap: Vec<Vec<f64>>,
+    /// What they leave out of the motion of the surface along both tangents; nothing where that is all of it.
+    pub(super) drift: Vec<Vec<[f64; 2]>>,
 }
 
 impl Bend {
@@ -30,7 +33,22 @@ impl Bend {
             expect_length(&name, nodes.len(), row.len(), PER_NODE)?;
             expect_finite(&name, row)?;
         }
-        Ok(Bend { nodes, times, gap })
+        Ok(Bend { nodes, times, gap, drift: Vec::new() })
+    }
+
+    /// The same, which also adds to how far the surface has moved past the nodes along both tangents, m: a row of `drift` for each
+    /// time.
+    ///
+    /// # Errors
+    /// When there is not a row for each time and a pair for each node, or a number is not finite.
+    pub fn with_drift(self, drift: Vec<Vec<[f64; 2]>>) -> Result<Self, ProblemError> {
+        expect_length("drift", self.times.len(), drift.len(), "one row for each time")?;
+        for (k, row) in drift.iter().enumerate() {
+            let name = format!("drift[{k}]");
+            expect_length(&name, self.nodes.len(), row.len(), PER_NODE)?;
+            expect_finite(&name, row.as_flattened())?;
+        }
+        Ok(Bend { drift, ..self })
     }
 
     /// The times, s.
@@ -61,16 +79,33 @@ impl Bend {
 
     /// Adds what belongs to time `t` to the `gap` of its nodes.
     pub(super) fn add(&self, t: f64, gap: &mut [f64]) {
-        let Some(last) = self.times.len().checked_sub(1) else { return };
+        let Some((k, share)) = self.place(t) else { return };
+        for (i, g) in gap.iter_mut().enumerate() {
+            *g += between(share, self.gap[k][i], || self.gap[k + 1][i]);
+        }
+    }
+
+    /// Adds what belongs to time `t` to the `drift` of its nodes along their first (`axis` = 0) or second tangents.
+    pub(super) fn add_drift(&self, t: f64, axis: usize, drift: &mut [f64]) {
+        let Some((k, share)) = self.place(t).filter(|_| !self.drift.is_empty()) else { return };
+        for (i, d) in drift.iter_mut().enumerate() {
+            *d += between(share, self.drift[k][i][axis], || self.drift[k + 1][i][axis]);
+        }
+    }
+
+    /// The row before time `t`, and how far it is to the next one, as a share.
+    fn place(&self, t: f64) -> Option<(usize, f64)> {
+        let last = self.times.len().checked_sub(1)?;
         let after = self.times.partition_point(|time| *time <= t);
-        let (k, share) = match (after.checked_sub(1), self.times.get(after)) {
+        Some(match (after.checked_sub(1), self.times.get(after)) {
             (Some(k), Some(next)) => (k, (t - self.times[k]) / (next - self.times[k])),
             (Some(_), None) => (last, 0.0),
             (None, _) => (0, 0.0),
-        };
-        for (i, g) in gap.iter_mut().enumerate() {
-            let here = self.gap[k][i];
-            *g += if share > 0.0 { here + share * (self.gap[k + 1][i] - here) } else { here };
-        }
+        })
     }
+}
+
+/// The value that is a `share` of the way from `here` to the next one.
+fn between(share: f64, here: f64, next: impl Fn() -> f64) -> f64 {
+    if share > 0.0 { here + share * (next() - here) } else { here }
 }

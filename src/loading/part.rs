@@ -18,8 +18,13 @@ impl Loading {
         };
         let bend = |bend: &Bend| {
             let (places, nodes) = part(&bend.nodes, nodes);
-            let row = |row: &Vec<f64>| nodes.iter().map(|i| row[i - bend.nodes.start]).collect();
-            Bend { gap: bend.gap.iter().map(row).collect(), nodes: places, times: bend.times.clone() }
+            let of = |i: &usize| i - bend.nodes.start;
+            Bend {
+                gap: bend.gap.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
+                drift: bend.drift.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
+                nodes: places,
+                times: bend.times.clone(),
+            }
         };
         Loading {
             cases: self.cases.clone(),
@@ -56,6 +61,7 @@ mod tests {
         let motion =
             Motion::new(1..4, vec![-1.0, -0.5, 2.0], vec![[0.0, 2.0], [1.0, 0.0], [3.0, 1.0]], history).unwrap();
         let bend = Bend::new(0..2, vec![0.0, 2.0], vec![vec![0.0, 0.5], vec![1.0, 4.0]]).unwrap();
+        let bend = bend.with_drift(vec![vec![[0.0; 2]; 2], vec![[1.0, 2.0], [3.0, 4.0]]]).unwrap();
         let friction = FrictionHistory::new(5, vec![(vec![0.1, 0.2, 0.3, 0.4, 0.5], Vec::new())]).unwrap();
         let all = Loading::new(Vec::new(), vec![1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
         let all = all.with_motions(vec![motion], vec![bend]).unwrap().with_friction(Some(friction)).unwrap();

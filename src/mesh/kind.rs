@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::rules::{self, Rule};
 
-/// The kinds of cells. Their nodes are in the order of VTK (but for prisms, which are those of Gmsh): first the corners, then, in cells of second order, the nodes at
-/// the middles of the edges.
+/// The kinds of cells. Their nodes are in the order of VTK: first the corners, then, in cells of second order, the nodes at the middles
+/// of the edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CellKind {
@@ -65,8 +65,6 @@ pub(super) struct Properties {
     pub gmsh_order: &'static [usize],
     /// VTK's number of the type.
     pub vtk: u8,
-    /// For each node in the order of VTK its place here.
-    pub vtk_order: &'static [usize],
 }
 
 const AROUND_A_TRIANGLE: &[&[usize]] = &[&[1, 2], &[2, 0], &[0, 1]];
@@ -84,7 +82,6 @@ const TRIANGLE: Properties = Properties {
     gmsh: 2,
     gmsh_order: &[0, 1, 2],
     vtk: 5,
-    vtk_order: &[0, 1, 2],
 };
 
 const QUADRILATERAL: Properties = Properties {
@@ -100,7 +97,6 @@ const QUADRILATERAL: Properties = Properties {
     gmsh: 3,
     gmsh_order: &[0, 1, 2, 3],
     vtk: 9,
-    vtk_order: &[0, 1, 2, 3],
 };
 
 const TETRAHEDRON: Properties = Properties {
@@ -116,7 +112,6 @@ const TETRAHEDRON: Properties = Properties {
     gmsh: 4,
     gmsh_order: &[0, 1, 2, 3],
     vtk: 10,
-    vtk_order: &[0, 1, 2, 3],
 };
 
 const HEXAHEDRON: Properties = Properties {
@@ -132,7 +127,6 @@ const HEXAHEDRON: Properties = Properties {
     gmsh: 5,
     gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7],
     vtk: 12,
-    vtk_order: &[0, 1, 2, 3, 4, 5, 6, 7],
 };
 
 const PRISM: Properties = Properties {
@@ -149,8 +143,6 @@ const PRISM: Properties = Properties {
     gmsh: 6,
     gmsh_order: &[0, 1, 2, 3, 4, 5],
     vtk: 13,
-    // The first three run the other way round than those of a hexahedron.
-    vtk_order: &[0, 2, 1, 3, 5, 4],
 };
 
 const TRIANGLE6: Properties = Properties {
@@ -166,7 +158,6 @@ const TRIANGLE6: Properties = Properties {
     gmsh: 9,
     gmsh_order: &[0, 1, 2, 3, 4, 5],
     vtk: 22,
-    vtk_order: &[0, 1, 2, 3, 4, 5],
 };
 
 const TETRAHEDRON10: Properties = Properties {
@@ -184,7 +175,6 @@ const TETRAHEDRON10: Properties = Properties {
     gmsh: 11,
     gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
     vtk: 24,
-    vtk_order: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9],
 };
 
 /// The corners of the cube [-1, 1]³; those of the square are the first four, without ζ.
@@ -305,10 +295,5 @@ impl CellKind {
     /// VTK's number of the kind.
     pub fn vtk(self) -> u8 {
         self.properties().vtk
-    }
-
-    /// For each node in the order of VTK its place in a cell here.
-    pub(crate) fn vtk_order(self) -> &'static [usize] {
-        self.properties().vtk_order
     }
 }

@@ -67,6 +67,8 @@ pub struct Balance {
     pub contact: Wrench,
     /// What all of these leave, a force or a moment, relative to the sum of the sizes of the forces on its nodes.
     pub closure: f64,
+    /// What the forces leave, without their moments, relative to that sum.
+    pub force_closure: f64,
     /// That sum, N.
     pub size: f64,
 }
@@ -202,17 +204,26 @@ impl Model {
     /// of rows: on boundaries of second order these are made of other nodes, too.
     pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: &[f64]) -> f64 {
         let contact = &self.contacts[i];
-        let Some(k) = contact.obstacle() else { return self.of_node_from_rows(i, |j| of_rows[j]) };
+        let Some((k, facing)) = self.met(i, t) else { return self.of_node_from_rows(i, |j| of_rows[j]) };
         if contact.ends.is_none() {
             return of_rows[i];
         }
         let (obstacle, motion) = &self.obstacles[k];
-        motion.exact_gap(obstacle, t, contact.position, &contact.facing) - self.beyond(i, t)
+        motion.exact_gap(obstacle, t, contact.position, &facing) - self.beyond(i, t)
     }
 
     /// The force (N) of the body on the obstacle, or on the body in front of it, at contact node `i`, for the contact forces of `state`.
     pub(crate) fn contact_force(&self, state: &State, i: usize) -> [f64; 3] {
         force_along(&self.contacts[i].facing, [state.p_n[i], state.p_t[i], state.p_o[i]])
+    }
+
+    /// The force (N) of all nodes in the rows of contact node `i` on what is in front of its body. On boundaries of second order these
+    /// have normals of their own.
+    pub(crate) fn force_of_row(&self, state: &State, i: usize) -> [f64; 3] {
+        if self.contacts[i].ends.is_none() {
+            return self.contact_force(state, i);
+        }
+        self.forces_of_rows(state, i).fold([0.0; 3], |sum, (_, force)| plus(sum, 1.0, force))
     }
 
     /// The force (N) that each node in the rows of contact node `i` exerts on what is in front of its body.
@@ -300,19 +311,19 @@ impl Model {
         let loads: Vec<Wrench> = loads.iter().zip(factors).map(|(load, factor)| load.whole.times(factor)).collect();
         let mut left: Wrench = loads.iter().chain(&supports).chain(&springs).copied().sum();
         left += contact;
-        let closure = self.left_of(left) / size;
-        Balance { loads, supports, springs, contact, closure: if size > 0.0 { closure } else { 0.0 }, size }
+        let [closure, force_closure] = self.left_of(left).map(|left| if size > 0.0 { left / size } else { 0.0 });
+        Balance { loads, supports, springs, contact, closure, force_closure, size }
     }
 
-    /// The size of a force, or of a moment about the middle of the body by its size.
-    fn left_of(&self, left: Wrench) -> f64 {
+    /// The size of a force, or of a moment about the middle of the body by its size; and that of the force alone.
+    fn left_of(&self, left: Wrench) -> [f64; 2] {
         if self.mesh.geometry == Geometry::Axisymmetric {
             // What leads away from the axis is in balance with itself.
-            return left.force[1].abs();
+            return [left.force[1].abs(); 2];
         }
         let middle = self.mesh.bounds().map(|(lowest, highest)| 0.5 * (lowest + highest));
         let moment = minus(left.moment, cross(middle, left.force));
-        norm(left.force).max(norm(moment) / self.mesh.size())
+        [norm(left.force).max(norm(moment) / self.mesh.size()), norm(left.force)]
     }
 }
 

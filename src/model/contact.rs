@@ -149,7 +149,8 @@ impl Contacts {
             let mu = friction(contact, &units, &node, k)?;
             own_mu.push(mu);
             let met = node.obstacle().unwrap_or(0);
-            let node = ContactNode { counterpart: Counterpart::Obstacle(first + met), ..node };
+            let others = node.others.iter().map(|k| first + k).collect();
+            let node = ContactNode { counterpart: Counterpart::Obstacle(first + met), others, ..node };
             own.nodes.push(self.add_node(node, mu, &contact.boundary, &description.system(3), k)?);
         }
         refuse_idle_history(contact, &own_mu, k)?;
@@ -214,8 +215,12 @@ impl Contacts {
                 motion.exact_gap(obstacle, 0.0, node.position, &node.facing)
             })
         };
-        let nearest = if gap(&node) < gap(earlier) { node } else { earlier.clone() };
-        self.nodes[same] = ContactNode { weight, ..nearest };
+        let (nearest, other) = if gap(&node) < gap(earlier) { (&node, earlier) } else { (earlier, &node) };
+        let own = nearest.obstacle().map(|k| &self.obstacles[k].0);
+        let presses_alike = |k: &usize| own.is_some_and(|own| self.obstacles[*k].0.presses_as(own));
+        let further = other.obstacle().into_iter().chain(other.others.iter().copied()).filter(presses_alike);
+        let others = nearest.others.iter().copied().chain(further).collect();
+        self.nodes[same] = ContactNode { others, weight, ..nearest.clone() };
         Ok(same)
     }
 }
@@ -319,7 +324,14 @@ fn met(
         };
         return Err(at_obstacle(0, message, help));
     }
-    if let Some(j) = (0..obstacles.len()).find(|j| met.iter().all(|met| met.obstacle != *j)) {
+    let is_met_later = |j: usize| {
+        let comes_nearest = |met: &Meeting| {
+            met.others.contains(&j) && times.iter().any(|t| met.nearest(obstacles, mesh.nodes[met.node], *t).0 == j)
+        };
+        met.iter().any(comes_nearest)
+    };
+    let is_met = |j: usize| met.iter().any(|met| met.obstacle == j) || is_met_later(j);
+    if let Some(j) = (0..obstacles.len()).find(|j| !is_met(*j)) {
         let (message, help) = match obstacles.len() {
             1 => (
                 format!("the obstacle is in front of no node of `{name}`, now or later"),

@@ -1,18 +1,45 @@
 //! What moving obstacles do to the gaps and drifts of contact nodes.
 
+use super::nearest::Nearest;
 use crate::contact::{ContactNode, Facing, ObstacleMotion, PlacedObstacle, Rates, Term};
-use crate::loading::{Bend, Motion};
+use crate::loading::{Bend, Loading, Motion};
 use crate::problem::ProblemError;
 use crate::vector::cross;
 
-/// What the motions of `obstacles` do to the contact nodes: rates times histories, and what these leave out at `times` (s). A
-/// node that meets another obstacle has zeros.
+/// What the motions of obstacles do to the contact nodes.
+pub(super) struct Motions {
+    /// Rates times histories.
+    pub rates: Vec<Motion>,
+    /// What these leave out at the ends of the increments.
+    pub bends: Vec<Bend>,
+    /// Which obstacle each node meets.
+    pub nearest: Nearest,
+}
+
+/// What the motions of `obstacles` do to the contact nodes, which have these gaps at rest (m), at `times` (s).
 pub(super) fn motions(
+    contacts: &[ContactNode],
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    gap: &[f64],
+    times: &[f64],
+) -> Result<Motions, ProblemError> {
+    let times: Vec<f64> = [0.0].into_iter().chain(times.iter().copied()).collect();
+    let (rates, mut bends) = of_first(contacts, obstacles, &times)?;
+    if contacts.iter().all(|contact| contact.others.is_empty()) {
+        return Ok(Motions { rates, bends, nearest: Nearest::default() });
+    }
+    let loading = Loading::new(Vec::new(), gap.to_vec())?.with_motions(rates.clone(), bends.clone())?;
+    let (nearest, bend) = Nearest::new(contacts, obstacles, &times, &loading)?;
+    bends.extend(bend);
+    Ok(Motions { rates, bends, nearest })
+}
+
+/// What the motion of the obstacle that each node met first does to it. A node that met another obstacle has zeros.
+fn of_first(
     contacts: &[ContactNode],
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     times: &[f64],
 ) -> Result<(Vec<Motion>, Vec<Bend>), ProblemError> {
-    let times: Vec<f64> = [0.0].into_iter().chain(times.iter().copied()).collect();
     let (mut motions, mut bends) = (Vec::new(), Vec::new());
     for (k, (obstacle, motion)) in obstacles.iter().enumerate() {
         let met: Vec<usize> = (0..contacts.len()).filter(|&i| contacts[i].obstacle() == Some(k)).collect();
@@ -38,7 +65,7 @@ pub(super) fn motions(
             rows(&rates, &mut |i, rates| (gap[i], drift[i]) = (rates.gap, rates.drift));
             motions.push(Motion::new(first..last + 1, gap, drift, history)?);
         }
-        if let Some(of_nodes) = motion.bends(obstacle, &positions, &facings, &times) {
+        if let Some(of_nodes) = motion.bends(obstacle, &positions, &facings, times) {
             let of_rows = |(t, of_nodes): (&f64, Vec<f64>)| {
                 let mut gap = vec![0.0; last + 1 - first];
                 let mut rest = &of_nodes[..];
@@ -50,7 +77,7 @@ pub(super) fn motions(
                 gap
             };
             let table = times.iter().zip(of_nodes).map(of_rows).collect();
-            bends.push(Bend::new(first..last + 1, times.clone(), table)?);
+            bends.push(Bend::new(first..last + 1, times.to_vec(), table)?);
         }
     }
     Ok((motions, bends))

@@ -13,7 +13,7 @@ impl Model {
         let displacements = self.strained(t, &state.u);
         let interference = self.loading.largest_interference();
         let worst = self.obstacles.iter().enumerate().filter_map(|(k, (obstacle, motion))| {
-            let met = (0..self.contacts.len()).filter(|&i| self.contacts[i].obstacle() == Some(k));
+            let met = (0..self.contacts.len()).filter(|&i| self.met(i, t).is_some_and(|(met, _)| met == k));
             let deformed = met.map(|i| DeformedNode {
                 node: self.contacts[i].node,
                 position: self.contacts[i].position,
@@ -23,7 +23,7 @@ impl Model {
                 closed: statuses[i] != ContactStatus::Open,
             });
             let deformed: Vec<_> = deformed.collect();
-            range_left(obstacle, motion, t, interference.max(self.pressed_in(k, state)), &deformed)
+            range_left(obstacle, motion, t, interference.max(self.pressed_in(k, t, state)), &deformed)
         });
         worst.max_by(|a, b| a.share.total_cmp(&b.share))
     }
@@ -31,9 +31,9 @@ impl Model {
     /// How far (m) the contact forces on obstacle `k` press the body in, if rather less: their sum over the stiffness of a node with
     /// all others held. In two dimensions that is about E, as of a contact of any width; in three it grows with the width, that is
     /// with the root of the number of nodes.
-    fn pressed_in(&self, k: usize, state: &State) -> f64 {
-        let pressed =
-            (0..self.contacts.len()).filter(|&i| self.contacts[i].obstacle() == Some(k) && state.p_n[i] > 0.0);
+    pub(super) fn pressed_in(&self, k: usize, t: f64, state: &State) -> f64 {
+        let on_this = |i: usize| self.met(i, t).is_some_and(|(met, _)| met == k);
+        let pressed = (0..self.contacts.len()).filter(|&i| state.p_n[i] > 0.0 && on_this(i));
         let shares: Vec<f64> = pressed.map(|i| state.p_n[i] / self.problem.own_stiffness(i)).collect();
         let width = if self.mesh.dimension == 3 { (shares.len() as f64).sqrt() } else { 1.0 };
         let sum: f64 = shares.iter().filter(|share| share.is_finite()).sum();
@@ -44,9 +44,8 @@ impl Model {
     /// front of a body that of its own surface where a direction is given, otherwise NaN.
     pub fn slope(&self, i: usize, t: f64) -> f64 {
         let contact = &self.contacts[i];
-        let Some((obstacle, motion)) = contact.obstacle().map(|k| &self.obstacles[k]) else {
-            return self.slope_in_pair(i);
-        };
-        motion.slope(obstacle, t, contact.position, &contact.facing)
+        let Some((k, facing)) = self.met(i, t) else { return self.slope_in_pair(i) };
+        let (obstacle, motion) = &self.obstacles[k];
+        motion.slope(obstacle, t, contact.position, &facing)
     }
 }

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::warnings::{Warning, WarningKind};
 use crate::history::Step;
-use crate::model::{Balance, Model, Wrench};
+use crate::model::{Balance, Model, Pair, Wrench};
+use crate::units::Quantity;
 
 /// What acts on the body beside contact, at the end of an increment. Loads, supports and springs act on the body, contact forces
 /// ([`super::ForceRecord`]) on the obstacles: the first three less the last is what `balance` measures.
@@ -25,6 +26,9 @@ pub struct BalanceRecord {
     /// What all forces on the body leave of each other, as a force or as a moment about its middle by its size, relative to the
     /// sum of the sizes of the forces on its nodes.
     pub balance: f64,
+    /// What the forces leave without their moments, relative to that sum.
+    #[serde(skip)]
+    pub of_forces: f64,
     /// That sum, N.
     #[serde(skip)]
     pub size: f64,
@@ -47,7 +51,7 @@ impl BalanceRecord {
     /// The balance at the end of a step.
     pub fn new(model: &Model, step: &Step<'_>) -> Self {
         let (index, time) = (step.record.index, step.record.time);
-        let Balance { loads, supports, springs, closure, size, .. } = model.balanced(time, step.state);
+        let Balance { loads, supports, springs, closure, force_closure, size, .. } = model.balanced(time, step.state);
         let (description, units) = (model.description(), model.units());
         let acting = |names: Vec<String>, wrenches: Vec<Wrench>| {
             names.into_iter().zip(wrenches).map(|(at, wrench)| Acting::new(at, wrench, model.mesh.dimension)).collect()
@@ -59,6 +63,7 @@ impl BalanceRecord {
             springs: acting(description.springs.iter().map(|bed| bed.place(&units)).collect(), springs),
             loads: acting(description.loads.iter().map(|load| load.action.place(&units)).collect(), loads),
             balance: closure,
+            of_forces: force_closure,
             size,
         }
     }
@@ -72,8 +77,8 @@ const BALANCED: f64 = 100.0;
 pub struct BalanceWatch {
     /// The largest sum of the sizes of forces, N.
     largest: f64,
-    /// The most that forces have left of each other, N, and when, s.
-    worst: Option<[f64; 2]>,
+    /// The most that forces have left of each other, as a force or a moment and as a force alone, N, and when, s.
+    worst: Option<[f64; 3]>,
 }
 
 impl BalanceWatch {
@@ -81,24 +86,39 @@ impl BalanceWatch {
     pub fn see(&mut self, record: &BalanceRecord) {
         let left = record.balance * record.size;
         self.largest = self.largest.max(record.size);
-        if self.worst.is_none_or(|[worst, _]| left >= worst || left.is_nan()) {
-            self.worst = Some([left, record.time]);
+        if self.worst.is_none_or(|[worst, ..]| left >= worst || left.is_nan()) {
+            self.worst = Some([left, record.of_forces * record.size, record.time]);
         }
     }
 
-    /// The warning where forces as large as those of this run leave more of each other than the `tolerance` lets expect: beside
-    /// what the stiffness makes of large displacements they are lost in its rounding, which the errors of a state cannot tell.
-    pub(super) fn unbalanced(&self, tolerance: f64) -> Option<Warning> {
-        let [left, time] = self.worst?;
+    /// The warning where forces as large as those of this run leave more of each other than the `tolerance` lets expect. Beside what the
+    /// stiffness makes of large displacements they are lost in its rounding, which the errors of a state cannot tell. Where bodies
+    /// are in front of each other and the forces balance, but not their moments, the gap between the bodies is the reason.
+    pub(super) fn unbalanced(&self, model: &Model, tolerance: f64) -> Option<Warning> {
+        let [left, of_forces, time] = self.worst?;
         let share = left / self.largest;
-        (share > BALANCED * tolerance).then(|| Warning {
-            kind: WarningKind::Unbalanced,
-            message: format!(
+        if share <= BALANCED * tolerance {
+            return None;
+        }
+        let apart = |pair: &Pair| pair.mortar.gaps.iter().map(|gap| gap.gap.abs()).fold(0.0, f64::max);
+        let widest = model.pairs.iter().max_by(|a, b| apart(a).total_cmp(&apart(b)));
+        let message = match widest.filter(|_| of_forces <= BALANCED * tolerance * self.largest) {
+            Some(pair) => format!(
+                "at t = {time} s the moments of all forces leave {share:.1e} of their sizes, though the forces balance: `{}` and `{}`, whose meshes \
+                 are up to {:.2e} {} apart, act on each other along lines that are as far apart, and nothing balances the moment of that; let the two \
+                 meet without a gap, on plane facets or with nodes at the same places",
+                pair.slave,
+                pair.master.name,
+                model.units().of_si(Quantity::Length, apart(pair)),
+                model.units().name(Quantity::Length)
+            ),
+            None => format!(
                 "at t = {time} s all forces on the body leave {share:.1e} of their sizes: they are so small beside the stiffness and the \
                  displacements of the body that rounding counts, and may be as wrong; let the body move less, or let supports, \
                  and not contact or springs, carry it along"
             ),
-        })
+        };
+        Some(Warning { kind: WarningKind::Unbalanced, message })
     }
 }
 

@@ -96,8 +96,8 @@ impl ContactLine {
                 _ => boundary
                     .nodes
                     .iter()
-                    .filter_map(|&i| model.contacts[i].obstacle())
-                    .map(|k| model.obstacle_key(k))
+                    .filter_map(|&i| model.met(i, step.record.time))
+                    .map(|(k, _)| model.obstacle_key(k))
                     .collect(),
             },
             units: model.units(),
@@ -247,7 +247,7 @@ pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &S
             gap: model.nodal_gap(i, step.record.time, gap) - relative,
             slip_t,
             slip_o,
-            force: model.contact_force(state, i),
+            force: model.force_of_row(state, i),
             mu: step.increment.mu[i],
             status: step.statuses[i],
         }

@@ -21,6 +21,11 @@ use crate::units::{Quantity, UnitSystem};
 pub struct Estimates {
     /// Of each contact surface that ever touched.
     pub contact: Vec<ContactEstimate>,
+    /// What the mesh can tell of the surface with the largest contact pressure of all increments, when that was reached.
+    #[serde(skip)]
+    pub peak: Option<ContactEstimate>,
+    /// The largest error of that pressure, as a share; none where the whole surface is in contact.
+    pub peak_error: Option<f64>,
     /// By what share the body is too stiff because elements lock, about, when its strain energy was largest: within a factor of
     /// two where it is below 1; none where no cell can lock.
     pub locking: Option<f64>,
@@ -146,7 +151,7 @@ impl EstimateWatch {
                 heaviest.statuses.extend_from_slice(step.statuses);
             }
         }
-        Peak::see(&mut self.seen.peak, model, &self.graph, self.peak_of, step.record.time, step.state);
+        Peak::see(&mut self.seen.peak, model, &self.graph, self.peak_of, step);
         let (energy, time) = (step.record.strain_energy, step.record.time);
         match &mut self.seen.strained {
             Some(strained) if !is_as_large(energy, strained.energy) => {}
@@ -177,7 +182,10 @@ impl EstimateWatch {
             let Heaviest { force, time, state, statuses } = heaviest;
             (*force > 0.0).then(|| ContactEstimate::new(model, &self.graph, k, *time, state, statuses)).flatten()
         };
+        let peak = self.seen.peak.as_ref().and_then(|peak| peak.estimate(model, &self.graph));
         Estimates {
+            peak_error: peak.as_ref().and_then(|peak| peak.peak_error),
+            peak,
             contact: self.seen.heaviest.iter().enumerate().filter_map(contact).collect(),
             locking: elements.as_ref().and_then(|elements| elements.locking),
             discretisation: elements
@@ -197,11 +205,6 @@ impl Estimates {
         self.contact.iter().max_by(|a, b| a.force.total_cmp(&b.force))
     }
 
-    /// The error of its peak pressure, as a share.
-    pub fn peak_error(&self) -> Option<f64> {
-        self.heaviest()?.peak_error
-    }
-
     /// The error that increments leave in the tangential forces, as a share: the larger of what the run and its companion tell, for each
     /// sees nodes that the other does not.
     pub fn force_error(&self) -> Option<f64> {
@@ -215,7 +218,11 @@ impl Estimates {
         let units = model.units();
         let simplices = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
         let sound = self.contact.iter().filter(|contact| !validity.has_faceted_gaps(model, &contact.boundary));
-        let contact = sound.flat_map(|contact| of_contact(contact, &units, simplices));
+        let contact = sound.flat_map(|contact| {
+            // Of the peak that is reported the estimate of its own time counts.
+            let peak = self.peak.as_ref().filter(|peak| peak.boundary == contact.boundary).unwrap_or(contact);
+            [of_zone(contact, &units), of_peak(peak, &units, simplices), of_ends(contact)].concat()
+        });
         let locking = self.locking.and_then(|share| Warning::of_locking(model, share));
         contact.chain(locking).chain(self.discretisation.and_then(coarse)).chain(self.rough(model)).collect()
     }
@@ -242,14 +249,19 @@ impl Estimates {
     }
 }
 
-fn of_contact(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) -> Vec<Warning> {
+/// The surface and the time of an estimate.
+fn at(contact: &ContactEstimate) -> String {
+    format!("`{}` at t = {} s", contact.boundary, contact.time)
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
+}
+
+/// What the widths of the zones say.
+fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Vec<Warning> {
     let length = |x: f64| told(units, Quantity::Length, x);
-    let stress = |x: f64| told(units, Quantity::Stress, x);
-    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-    let at = format!("`{}` at t = {} s", contact.boundary, contact.time);
-    let mut warnings = Vec::new();
-    let mut warn = |kind, message| warnings.push(Warning { kind, message });
-    let n = contact.nodes_across;
+    let at = at(contact);
     if contact.unresolved_share > ISOLATED || contact.isolated_share > ISOLATED {
         let bears = if contact.isolated_share > ISOLATED {
             format!("{} of the force is on nodes without a closed neighbour", percent(contact.isolated_share))
@@ -262,71 +274,71 @@ fn of_contact(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) ->
                 "; for this force Hertz has a half-width of {} and a peak of {}; elements there are {size}, make them {} \
                  (8 across)",
                 length(half_width),
-                stress(peak_pressure),
+                told(units, Quantity::Stress, peak_pressure),
                 length(0.25 * half_width)
             ),
             None => format!("; elements there are {size}, make them smaller until 8 nodes are across"),
         };
-        warn(
-            WarningKind::ContactUnresolved,
-            format!("{at}: {bears}: pressure and contact width mean nothing there{finer}"),
-        );
-    } else if let Some(n) = n.filter(|&n| n < FINE) {
-        let (peak, width) = (peak_error(n), 2.0 * peak_error(n));
-        warn(
-            WarningKind::ContactCoarse,
-            format!(
-                "{at}: the contact zone is {n} nodes wide: its peak pressure may be {} off, its width {}; halve the \
-                 elements there for {}",
-                percent(peak),
-                percent(width),
-                percent(peak_error(2 * n - 1))
-            ),
-        );
+        let message = format!("{at}: {bears}: pressure and contact width mean nothing there{finer}");
+        return vec![Warning { kind: WarningKind::ContactUnresolved, message }];
     }
-    if let Some(n) = n.filter(|&n| n > 4)
-        && contact.scatter > SMOOTH.max(peak_error(n))
-        && !contact.singular_edge
-    {
-        let trust = if simplices { "trust the latter" } else { "refine the mesh there" };
-        warn(
-            WarningKind::PeakScatter,
-            format!(
-                "{at}: neighbouring nodes differ: the peak of {} is {} above its mean over neighbours, {}; {trust}",
-                stress(contact.peak_pressure),
-                percent(contact.scatter),
-                stress(contact.patch_pressure)
-            ),
-        );
-    }
+    let Some(n) = contact.nodes_across.filter(|&n| n < FINE) else { return Vec::new() };
+    let (peak, width) = (peak_error(n), 2.0 * peak_error(n));
+    let message = format!(
+        "{at}: the contact zone is {n} nodes wide: its peak pressure may be {} off, its width {}; halve the \
+         elements there for {}",
+        percent(peak),
+        percent(width),
+        percent(peak_error(2 * n - 1))
+    );
+    vec![Warning { kind: WarningKind::ContactCoarse, message }]
+}
+
+/// What the largest pressure says beside those around it.
+fn of_peak(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) -> Vec<Warning> {
+    let stress = |x: f64| told(units, Quantity::Stress, x);
+    let at = at(contact);
     if contact.singular_edge {
-        warn(
-            WarningKind::SingularEdge,
-            format!(
-                "{at}: the pressure is singular at the edge ({} of the force on its nodes): its peak is that of the mesh; \
-                 use forces, and pressures inside",
-                percent(contact.edge_share)
-            ),
+        let message = format!(
+            "{at}: the pressure is singular at the edge ({} of the force on its nodes): its peak is that of the mesh; \
+             use forces, and pressures inside",
+            percent(contact.edge_share)
         );
+        return vec![Warning { kind: WarningKind::SingularEdge, message }];
     }
+    let n = contact.nodes_across;
+    if n.is_some_and(|n| n <= 4) || contact.scatter <= SMOOTH.max(n.map_or(0.0, peak_error)) {
+        return Vec::new();
+    }
+    let trust = if simplices { "trust the latter" } else { "refine the mesh there" };
+    let message = format!(
+        "{at}: neighbouring nodes differ: the peak of {} is {} above its mean over neighbours, {}; {trust}",
+        stress(contact.peak_pressure),
+        percent(contact.scatter),
+        stress(contact.patch_pressure)
+    );
+    vec![Warning { kind: WarningKind::PeakScatter, message }]
+}
+
+/// What the ends of the contact and of its sticking part say.
+fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
+    let at = at(contact);
+    let mut warnings = Vec::new();
     if let Some(ratio) = contact.edge_ratio.filter(|ratio| *ratio > UNEVEN) {
-        warn(
-            WarningKind::UnevenElements,
-            format!(
-                "{at}: the contact reaches the end of its boundary, where elements beyond are {ratio:.0} times as long, or \
-                 as short, as those inside: pressures inside may be several percent off; let elements grow slowly there"
-            ),
+        let message = format!(
+            "{at}: the contact reaches the end of its boundary, where elements beyond are {ratio:.0} times as long, or \
+             as short, as those inside: pressures inside may be several percent off; let elements grow slowly there"
         );
+        warnings.push(Warning { kind: WarningKind::UnevenElements, message });
     }
-    if let (Some(stick), Some(n)) = (contact.stick, n.filter(|&n| (FINE..FINE_FOR_STICK).contains(&n))) {
-        warn(
-            WarningKind::StickZoneCoarse,
-            format!(
-                "{at}: the zone that sticks is known to one element: its width is {:.2} ± {:.2} of that of the contact, {n} \
-                 nodes wide",
-                stick.ratio, stick.uncertainty
-            ),
+    let n = contact.nodes_across.filter(|n| (FINE..FINE_FOR_STICK).contains(n));
+    if let (Some(stick), Some(n)) = (contact.stick, n) {
+        let message = format!(
+            "{at}: the zone that sticks is known to one element: its width is {:.2} ± {:.2} of that of the contact, {n} \
+             nodes wide",
+            stick.ratio, stick.uncertainty
         );
+        warnings.push(Warning { kind: WarningKind::StickZoneCoarse, message });
     }
     warnings
 }

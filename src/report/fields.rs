@@ -49,11 +49,7 @@ pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
     let of_cells = error.map_or_else(|| vec![0.0; mesh.cells.len()], |error| error.of_cells);
     cell_fields.push(real("discretisation_error", 1, of_cells));
     cell_fields.extend(ranks(model).map(|ranks| whole(RANK, ranks)));
-    let cells = mesh
-        .cells
-        .iter()
-        .map(|cell| (cell.kind.vtk_order().iter().map(|&k| cell.nodes[k]).collect(), cell.kind.vtk()))
-        .collect();
+    let cells = mesh.cells.iter().map(|cell| (cell.nodes.clone(), cell.kind.vtk())).collect();
     Grid { units: model.units(), points: mesh.nodes.clone(), cells, point_fields, cell_fields }
 }
 

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{ContactGraph, PeakOf};
+use crate::contact::ContactStatus;
+use crate::estimate::{ContactEstimate, ContactGraph, PeakOf};
+use crate::history::Step;
 use crate::model::Model;
 use crate::problem::State;
 
@@ -34,19 +36,19 @@ pub(super) struct Peak {
     at: [usize; 2],
     /// s.
     time: f64,
-    /// The normal contact forces then, N.
-    p_n: Vec<f64>,
+    /// The contact forces then; displacements are left out.
+    state: State,
+    statuses: Vec<ContactStatus>,
 }
 
 impl Peak {
-    /// The larger one of `before` and what a `state` at `time` (s) has, by the pressures `of` nodes or patches.
+    /// The larger one of `before` and what `step` has, by the pressures `of` nodes or patches.
     pub(super) fn see(
         before: &mut Option<Self>,
         model: &Model,
         graph: &ContactGraph,
         of: PeakOf,
-        time: f64,
-        state: &State,
+        Step { record, state, statuses, .. }: &Step<'_>,
     ) {
         let pressures = match of {
             PeakOf::Nodes => model.contact_pressures(state),
@@ -63,9 +65,10 @@ impl Peak {
         if let (pressure, Some(at)) = largest
             && is_as_large(pressure, so_far)
         {
-            let mut p_n = before.take().map_or(Vec::new(), |peak| peak.p_n);
-            p_n.clone_from(&state.p_n);
-            *before = Some(Peak { pressure: pressure.max(so_far), at, time, p_n });
+            let State { p_n, p_t, p_o, .. } = state;
+            let state = State { p_n: p_n.clone(), p_t: p_t.clone(), p_o: p_o.clone(), ..State::default() };
+            let (pressure, time, statuses) = (pressure.max(so_far), record.time, statuses.to_vec());
+            *before = Some(Peak { pressure, at, time, state, statuses });
         }
     }
 
@@ -73,13 +76,21 @@ impl Peak {
     pub(super) fn fits(&self, model: &Model) -> bool {
         let [boundary, i] = self.at;
         let nodes = model.contact_boundaries.get(boundary).map(|boundary| &boundary.nodes);
-        nodes.is_some_and(|nodes| nodes.contains(&i)) && self.p_n.len() == model.contacts.len()
+        nodes.is_some_and(|nodes| nodes.contains(&i))
+            && self.state.p_n.len() == model.contacts.len()
+            && self.statuses.len() == model.contacts.len()
+    }
+
+    /// What the mesh can tell of the contact surface that it is on, at that time.
+    pub(super) fn estimate(&self, model: &Model, graph: &ContactGraph) -> Option<ContactEstimate> {
+        let surface = graph.surfaces().iter().position(|surface| surface.nodes.contains(&self.at[1]))?;
+        ContactEstimate::new(model, graph, surface, self.time, &self.state, &self.statuses)
     }
 
     /// What there is to tell of it.
     pub(super) fn told(&self, model: &Model, graph: &ContactGraph) -> LargestPressure {
         let [boundary, i] = self.at;
-        let peak_of = PeakOf::at(model, graph, &self.p_n, i);
+        let peak_of = PeakOf::at(model, graph, &self.state.p_n, i);
         LargestPressure {
             pressure: peak_of.map(|_| self.pressure),
             peak_of,

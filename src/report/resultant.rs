@@ -87,15 +87,15 @@ pub struct ForceRecord {
 }
 
 impl Resultant {
-    /// The resultants of a `state`, one for each boundary with contact.
-    pub fn all(model: &Model, state: &State) -> Vec<Self> {
-        model.contact_boundaries.iter().map(|boundary| Resultant::of(model, state, boundary)).collect()
+    /// The resultants of a `state` at time `t` (s), one for each boundary with contact.
+    pub fn all(model: &Model, t: f64, state: &State) -> Vec<Self> {
+        model.contact_boundaries.iter().map(|boundary| Resultant::of(model, t, state, boundary)).collect()
     }
 
-    fn of(model: &Model, state: &State, boundary: &ContactBoundary) -> Self {
+    fn of(model: &Model, t: f64, state: &State, boundary: &ContactBoundary) -> Self {
         let (force, moment, sums) = total(model, state, boundary.parts(&model.contacts));
         let name = boundary.name.clone();
-        let obstacles = OnObstacle::all(model, state, boundary);
+        let obstacles = OnObstacle::all(model, t, state, boundary);
         Resultant { boundary: name, force, moment, sums, obstacles, opposite: OfOpposite::of(model, state, boundary) }
     }
 }
@@ -111,13 +111,14 @@ impl OfOpposite {
 impl OnObstacle {
     /// One for each obstacle in front of `boundary`, and for each other that a node meets which is of another boundary, too; none
     /// if there is only one in front.
-    fn all(model: &Model, state: &State, boundary: &ContactBoundary) -> Vec<Self> {
+    fn all(model: &Model, t: f64, state: &State, boundary: &ContactBoundary) -> Vec<Self> {
         if boundary.obstacles.len() < 2 {
             return Vec::new();
         }
-        let met = boundary.nodes.iter().filter_map(|&i| model.contacts[i].obstacle());
+        let met_by = |i: usize| model.met(i, t).map(|(k, _)| k);
+        let met = boundary.nodes.iter().filter_map(|&i| met_by(i));
         let on = |k: usize| {
-            let parts = boundary.parts(&model.contacts).filter(|(i, _)| model.contacts[*i].obstacle() == Some(k));
+            let parts = boundary.parts(&model.contacts).filter(|(i, _)| met_by(*i) == Some(k));
             let (force, moment, sums) = total(model, state, parts);
             OnObstacle { obstacle: model.obstacle_key(k), force, moment, sums }
         };
@@ -170,6 +171,9 @@ impl ForceRecord {
     /// The records of a step, one for each boundary with contact.
     pub fn all(model: &Model, step: &Step<'_>) -> Vec<Self> {
         let (index, time) = (step.record.index, step.record.time);
-        Resultant::all(model, step.state).into_iter().map(|resultant| ForceRecord { index, time, resultant }).collect()
+        Resultant::all(model, time, step.state)
+            .into_iter()
+            .map(|resultant| ForceRecord { index, time, resultant })
+            .collect()
     }
 }

@@ -270,7 +270,7 @@ impl RunReport {
         warnings.extend(exact_path::curved_gaps(solver.method, model, outcome));
         warnings.extend(exact_path::jumps(&outcome.jumps));
         warnings.extend(facts.leap.map(|leap| leap.warning()));
-        warnings.extend(facts.balance.unbalanced(solver.tolerance));
+        warnings.extend(facts.balance.unbalanced(model, solver.tolerance));
         warnings.extend(facts.missing);
         let blas = Blas::loaded();
         warnings.extend(blas.as_ref().and_then(Warning::of_blas));
@@ -327,7 +327,7 @@ impl RunReport {
             },
             end: ComponentSums::of(model, &outcome.state, (0..model.contacts.len()).map(|i| (i, 1.0))),
             pairs: PairRecord::all_at(model, outcome.reached, &outcome.state),
-            boundaries: Resultant::all(model, &outcome.state),
+            boundaries: Resultant::all(model, outcome.reached, &outcome.state),
             forces: facts.forces,
             reactions: facts.reactions,
             critical_friction: facts.critical_friction,

@@ -2,12 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::largest::is_as_large;
 use super::warnings::{Warning, WarningKind};
-use crate::contact::{ContactStatus, Passed, RangeLeft};
+use crate::contact::{ContactStatus, Passed, RangeLeft, TOLERATED_SHARE};
 use crate::fem::RigidMotion;
 use crate::history::{Status, Step};
 use crate::mesh::Boundary;
-use crate::model::{Faceted, Model, Pair, Slid};
+use crate::model::{BetweenNodes, Faceted, Model, Overlap, Pair, Slid};
 use crate::uniqueness::{NeutralMotion, neutral_motions};
 use crate::units::Quantity;
 use crate::vector::norm;
@@ -46,6 +47,12 @@ pub struct Validity {
     pub friction_left_out: Option<(usize, f64, f64)>,
     /// Where bodies slid furthest past each other, by the size of their facets, if they slid at all, and the time, s.
     pub slid: Option<(Slid, f64)>,
+    /// The contact node that was deepest inside an obstacle that it does not meet, if one was, and the time, s.
+    pub overlap: Option<(Overlap, f64)>,
+    /// Where an obstacle is most different between nodes when contact forces were largest, if it is, and the time, s.
+    pub between: Option<(BetweenNodes, f64)>,
+    /// How far contact forces have pressed the body in, m.
+    pressed: f64,
     /// The motion that the first equilibrium that is one of many leaves open, if there was any, and its time, s.
     pub neutral: Option<(NeutralMotion, f64)>,
     /// The contact node that touched the obstacle where that leant most against the node's normal, and the slope.
@@ -78,6 +85,9 @@ impl Validity {
             faceted: Vec::new(),
             friction_left_out: None,
             slid: None,
+            overlap: None,
+            between: None,
+            pressed: 0.0,
             neutral: None,
             steepest: None,
             touched,
@@ -91,6 +101,8 @@ impl Validity {
         self.touched.len() == contacts
             && is_contact(self.steepest.map(|(i, _)| i))
             && is_contact(self.slid.map(|(slid, _)| slid.contact))
+            && is_contact(self.overlap.map(|(overlap, _)| overlap.contact))
+            && self.overlap.is_none_or(|(overlap, _)| overlap.obstacle < model.obstacles.len())
             && self.beyond.is_none_or(|(pair, ..)| pair < model.pairs.len())
             && self.passed.is_none_or(|(passed, _)| passed.node < model.mesh.nodes.len())
             && self.faceted.iter().all(|faceted| faceted.pair < model.pairs.len())
@@ -139,6 +151,16 @@ impl Validity {
             && self.slid.is_none_or(|(worst, _)| slid.share > worst.share)
         {
             self.slid = Some((slid, record.time));
+        }
+        if let Some(overlap) = model.overlap(record.time, state)
+            && self.overlap.is_none_or(|(deepest, _)| overlap.depth > deepest.depth)
+        {
+            self.overlap = Some((overlap, record.time));
+        }
+        let pressed = model.pressed(record.time, state);
+        if is_as_large(pressed, self.pressed) {
+            self.pressed = pressed.max(self.pressed);
+            self.between = model.between_nodes(record.time, state, statuses).map(|between| (between, record.time));
         }
         if let Some((k, share)) = model.beyond_the_end(state)
             && self.beyond.is_none_or(|(_, worst, _)| share > worst)
@@ -260,6 +282,16 @@ impl Validity {
             );
             warn(WarningKind::FrictionLeftOut, message);
         }
+        if let Some((overlap, time)) =
+            self.overlap.filter(|(overlap, _)| overlap.depth > TOLERATED_SHARE * self.pressed)
+        {
+            warn(WarningKind::ObstacleNotMet, not_met(model, overlap, time, self.pressed));
+        }
+        if let Some((between, time)) =
+            self.between.as_ref().filter(|(between, _)| between.missed > TOLERATED_SHARE * self.pressed)
+        {
+            warn(WarningKind::ObstacleBetweenNodes, between_nodes(model, between, *time, self.pressed));
+        }
         if let Some((slid, time)) = self.slid.filter(|(slid, _)| slid.share > ACROSS_FACETS) {
             let message = format!(
                 "the contact node at {} has slid by {:.2e} {unit} at t = {time} s, {:.0} % of the facet in front of it, but stays in \
@@ -340,6 +372,50 @@ fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<Strin
          one of many solutions, which may differ {room} before another node touches; stresses are the same in all; add a \
          support to make them unique"
     ))
+}
+
+/// How large `length` (m) is beside how far contact forces have `pressed` the body in (m).
+fn beside(length: f64, pressed: f64) -> String {
+    if pressed > 0.0 {
+        format!("{:.0} % of what contact forces press in", 100.0 * length / pressed)
+    } else {
+        "where nothing else presses".to_string()
+    }
+}
+
+fn not_met(model: &Model, overlap: Overlap, time: f64, pressed: f64) -> String {
+    let Overlap { contact, obstacle, depth } = overlap;
+    let units = model.units();
+    let (place, unit) = (units.place(model.contacts[contact].position), units.name(Quantity::Length));
+    let key = model.obstacle_key(obstacle);
+    let boundary = model.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&obstacle));
+    let own = boundary.is_some_and(|boundary| boundary.nodes.contains(&contact));
+    let cure = match (own, boundary) {
+        (false, Some(boundary)) => format!("which is in front of `{}` only; list it for the node's boundary, too", boundary.name),
+        _ => "which it does not meet: of obstacles with different normals a node meets the one that was nearest at first; give \
+              these obstacles one `normal`, with direction = \"normal\", or each a boundary of its own"
+            .to_string(),
+    };
+    format!(
+        "the contact node at {place} is {:.2e} {unit} inside {key} at t = {time} s, {}, {cure}",
+        units.of_si(Quantity::Length, depth),
+        beside(depth, pressed)
+    )
+}
+
+fn between_nodes(model: &Model, between: &BetweenNodes, time: f64, pressed: f64) -> String {
+    let BetweenNodes { boundary, position, missed, size } = between;
+    let units = model.units();
+    let (unit, told) = (units.name(Quantity::Length), |x: f64| units.of_si(Quantity::Length, x));
+    format!(
+        "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at {}, its distance at t = {time} s is \
+         {:.2e} {unit} off the distances at the nodes, {}; pressures may be as wrong; make the elements there, which are {:.2e} {unit} long, \
+         smaller than these details",
+        units.place(*position),
+        told(*missed),
+        beside(*missed, pressed),
+        told(*size)
+    )
 }
 
 fn out_of_range(model: &Model, left: &RangeLeft) -> String {

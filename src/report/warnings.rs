@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::contact::holes_in_front_of;
 use crate::description::Action;
 use crate::estimate::expected_locking;
 use crate::fem::Element;
@@ -34,6 +35,8 @@ pub enum WarningKind {
     IdleLoad,
     /// A coefficient of friction beyond what surfaces have.
     LargeFriction,
+    /// A hole in a surface of triangles in front of a boundary.
+    SurfaceHole,
     /// A boundary that never touches its obstacle.
     NoContact,
     /// Displacements that are not small.
@@ -52,6 +55,10 @@ pub enum WarningKind {
     FrictionLeftOut,
     /// Bodies that slide past each other's facets.
     SlidAcrossFacets,
+    /// A contact node inside an obstacle that it does not meet.
+    ObstacleNotMet,
+    /// An obstacle with details that are finer than the elements.
+    ObstacleBetweenNodes,
     /// An equilibrium that is one of many: contact leaves a motion of the body open.
     NotUnique,
     /// A mesh that is too coarse for the body itself.
@@ -97,6 +104,7 @@ impl WarningKind {
             WarningKind::LayersThroughElements
             | WarningKind::IdleLoad
             | WarningKind::LargeFriction
+            | WarningKind::SurfaceHole
             | WarningKind::SlowBlas => false,
             WarningKind::Locking
             | WarningKind::NoContact
@@ -108,6 +116,8 @@ impl WarningKind {
             | WarningKind::FacetedGaps
             | WarningKind::FrictionLeftOut
             | WarningKind::SlidAcrossFacets
+            | WarningKind::ObstacleNotMet
+            | WarningKind::ObstacleBetweenNodes
             | WarningKind::NotUnique
             | WarningKind::CoarseMesh
             | WarningKind::RoughStresses
@@ -154,6 +164,7 @@ impl Warning {
             (WarningKind::LayersThroughElements, layers_through_elements(model)),
             (WarningKind::IdleLoad, idle_load(model)),
             (WarningKind::LargeFriction, large_friction(model)),
+            (WarningKind::SurfaceHole, surface_hole(model)),
         ];
         let found = messages.into_iter().filter_map(|(kind, message)| Some(Warning { kind, message: message? }));
         expected(model).into_iter().chain(found).collect()
@@ -284,6 +295,31 @@ fn large_friction(model: &Model) -> Option<String> {
         "the friction of `{name}` is up to {mu}, and few surfaces have more than {PLAUSIBLE}: is it in percent? Where nothing is to slide, glue = true \
          ties bodies to each other, and a [[support]] holds one"
     ))
+}
+
+/// That a surface of triangles has a hole in front of its boundary: the first such surface, by its largest hole.
+fn surface_hole(model: &Model) -> Option<String> {
+    let units = model.units();
+    model.contact_boundaries.iter().find_map(|contact| {
+        let boundary = model.mesh.boundary(&contact.name)?;
+        contact.obstacles.clone().find_map(|k| {
+            let holes = holes_in_front_of(&model.mesh, boundary, &model.obstacles[k], model.times());
+            let largest = holes.iter().max_by(|a, b| a.size.total_cmp(&b.size))?;
+            let what = match holes.len() {
+                1 => "a hole".to_string(),
+                count => format!("{count} holes"),
+            };
+            Some(format!(
+                "the surface of {} has {what} in front of `{}`, the largest {:.2e} {} long at {}: nothing presses there; a triangle may be \
+                 missing, or triangles on both sides of a crack may not have the same corners: close it in the file if the part is whole",
+                model.obstacle_key(k),
+                contact.name,
+                units.of_si(Quantity::Length, largest.size),
+                units.name(Quantity::Length),
+                units.place(largest.box_centre())
+            ))
+        })
+    })
 }
 
 fn idle_load(model: &Model) -> Option<String> {

@@ -149,7 +149,7 @@ fn boundaries_that_share_nodes_are_one_contact() {
     assert_eq!((model.contacts.len(), model.problem.mu()), (9, whole.problem.mu()));
     assert!(difference(&parts, &all) < 1e-9);
     let sum = |model: &Model, state: &State| {
-        Resultant::all(model, state).iter().fold([0.0; 2], |sum, one| [0, 1].map(|c| sum[c] + one.force[c]))
+        Resultant::all(model, 2.0, state).iter().fold([0.0; 2], |sum, one| [0, 1].map(|c| sum[c] + one.force[c]))
     };
     let ([x, y], [of_x, of_y]) = (sum(&model, &parts[3]), sum(&whole, &all[3]));
     assert!((x - of_x).abs() < 1e-6 * of_y.abs() && (y - of_y).abs() < 1e-9 * of_y.abs());

@@ -58,5 +58,6 @@ mod turning;
 mod two_bodies;
 mod unit_conversion;
 mod units;
+mod unseen;
 mod verification;
 mod vtu;

@@ -5,7 +5,7 @@
 use std::fs;
 
 use crate::common;
-use crate::common::vtu::{HEXAHEDRON, Piece, QUAD, TETRA, values};
+use crate::common::vtu::{HEXAHEDRON, Piece, QUAD, TETRA, WEDGE, values};
 use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Step, System};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
@@ -156,7 +156,9 @@ fn spanned(corners: [[f64; 3]; 4]) -> f64 {
 
 #[test]
 fn bodies_in_space_read_back_as_they_were_computed() {
-    for (cells, kind, count, corners) in [("hexahedron", HEXAHEDRON, 12, 8), ("tetrahedron", TETRA, 72, 4)] {
+    for (cells, kind, count, corners) in
+        [("hexahedron", HEXAHEDRON, 12, 8), ("prism", WEDGE, 24, 6), ("tetrahedron", TETRA, 72, 4)]
+    {
         let (model, grids) = solve(&cube(cells));
         let read = Piece::read(&grids[1].to_string());
         let points = read.points.as_chunks::<3>().0;
@@ -170,6 +172,11 @@ fn bodies_in_space_read_back_as_they_were_computed() {
             if corners == 4 {
                 // VTK: the first three corners are counterclockwise seen from the fourth.
                 volume += spanned([0, 1, 2, 3].map(at)) / 6.0;
+                continue;
+            }
+            if corners == 6 {
+                // VTK (9.7, vtkCellSizeFilter): the lower triangle counterclockwise seen from the upper one.
+                volume += 0.5 * spanned([0, 1, 2, 3].map(at));
                 continue;
             }
             // VTK: the lower face counterclockwise seen from above, then the upper one in the same order.

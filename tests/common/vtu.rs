@@ -8,6 +8,7 @@ use roxmltree::{Document, Node};
 pub const QUAD: u8 = 9;
 pub const TETRA: u8 = 10;
 pub const HEXAHEDRON: u8 = 12;
+pub const WEDGE: u8 = 13;
 
 /// An array: its name, its numbers to a point or a cell, and all its numbers.
 #[derive(Debug, Clone, PartialEq)]

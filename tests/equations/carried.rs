@@ -47,7 +47,7 @@ fn a_block_comes_to_rest_in_a_corner() {
             for method in METHODS {
                 let outcome = agreed(&model, method, 20);
                 // One tangent lies in the other obstacle's normal: friction at one counts at the other.
-                let on_obstacles = Resultant::all(&model, &outcome.state);
+                let on_obstacles = Resultant::all(&model, outcome.reached, &outcome.state);
                 let sum = |axis: usize| on_obstacles.iter().map(|resultant| resultant.force[axis]).sum::<f64>();
                 let [x, y] = [sum(0), sum(model.mesh.dimension - 1)];
                 assert!((x + force).abs() < 1e-9 * force && (y + force).abs() < 1e-9 * force, "{gap} {force}: {x} {y}");

@@ -92,7 +92,7 @@ fn a_second_obstacle_out_of_reach() {
         let model = Model::new(&scene).unwrap();
         let outcome = run_default(&scene, &model, &mut ());
         assert_eq!(outcome.status, Status::Converged);
-        Resultant::all(&model, &outcome.state)[0].force.clone()
+        Resultant::all(&model, outcome.reached, &outcome.state)[0].force.clone()
     };
     let alone = force("");
     let far = "[[contact]]\nboundary = \"front\"\nfriction = 0.3\nobstacle = { kind = \"plane\", gap = 0.1 }";

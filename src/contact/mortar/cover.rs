@@ -90,9 +90,7 @@ impl Covers {
             covers.facets.push(cover);
         }
         if covers.segments.is_empty() {
-            let (least, at) = least_distance(mesh, [slave, master]);
-            let [slave, master] = [slave, master].map(|side| side.name.clone());
-            return Err(MortarFault::NothingInFront { slave, master, search, least, at: place(mesh, at) });
+            return Err(nothing_in_front(mesh, [slave, master], search));
         }
         Ok(covers)
     }
@@ -199,4 +197,11 @@ pub(super) fn least_gap(
         }
     }
     least
+}
+
+/// That nothing of the second boundary is in front of the first within `search` (m), or next to nothing.
+pub(super) fn nothing_in_front(mesh: &Mesh, sides: [&Boundary; 2], search: f64) -> MortarFault {
+    let (least, at) = least_distance(mesh, sides);
+    let [slave, master] = sides.map(|side| side.name.clone());
+    MortarFault::NothingInFront { slave, master, search, least, at: place(mesh, at) }
 }

@@ -4,7 +4,7 @@ use super::{Lines, pressed, pushed, solve};
 use stickslip::history::{Observer, Solver, Step};
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
-use stickslip::report::ContactLine;
+use stickslip::report::{ContactLine, Resultant};
 use stickslip::run::Run;
 use stickslip::vector::dot;
 
@@ -50,4 +50,20 @@ fn one_peak_in_all_reports() {
     let near = |pressure: f64| (pressure / peak - 1.0).abs() < 1e-9;
     assert!(near(report.largest_pressure.unwrap().pressure.unwrap()));
     assert!(near(report.estimates.contact[0].peak_pressure));
+}
+
+/// The forces of the nodes add up to that on the obstacle, where each node has a normal of its own, too.
+#[test]
+fn forces_of_nodes_add_up() {
+    let scene = pressed("triangle6", "[8, 4]", 0.0, "0", "");
+    let round = "{ kind = \"cylinder\", radius = 0.7, apex = [0.4, 0.99], direction = \"nearest\" }";
+    let scene = scene.with(&[format!("contact.obstacle={round}").parse().unwrap()]).unwrap();
+    let model = Model::new(&scene).unwrap();
+    let mut lines = Lines(&model, Vec::new());
+    let state = solve(&model, &[1.0], scene.solver, &mut lines).state;
+    let [on_obstacle] = &Resultant::all(&model, 1.0, &state)[..] else { panic!() };
+    for axis in 0..2 {
+        let sum: f64 = lines.1[0].points.iter().map(|point| point.force[axis]).sum();
+        assert!((sum - on_obstacle.force[axis]).abs() < 1e-12 * on_obstacle.force[1].abs(), "{sum} {on_obstacle:?}");
+    }
 }

@@ -6,6 +6,7 @@ use stickslip::description::{Axis, Description, Load, Support};
 use stickslip::history::{Method, Solver, Status};
 use stickslip::mesh::{CellKind, MeshSource};
 use stickslip::model::Model;
+use stickslip::report::WarningKind;
 use stickslip::run::Run;
 
 fn solved(description: &Description) -> (Model, Vec<[f64; 3]>) {
@@ -82,4 +83,36 @@ fn supports_carry_what_glue_passes_on() {
             assert!(balance.closure < 1e-12, "{n} {m} {held} {:e}", balance.closure);
         }
     }
+}
+
+/// Glue that carries a shear across a gap leaves its moment, and that is what the warning says; without the gap there is none.
+#[test]
+fn the_moment_across_a_gap_is_told() {
+    for (gap, warned) in [(0.0, false), (0.05, true)] {
+        let lower = (MeshSource::block([1.0, 0.5], [4, 2]), 1e9);
+        let upper = (MeshSource::block([1.0, 0.5], [3, 2]), 1e9);
+        let body = bodies(lower, upper, Some([0.0, 0.5 + gap].into()), vec![1.0])
+            .glued("upper:bottom", "lower:top")
+            .support("lower:bottom", &[Axis::X, Axis::Y])
+            .load(Load::new("upper:top", &[1e5, 0.0]));
+        let model = Model::build(&body).unwrap();
+        let report = Run::of(&model, vec![1.0], Solver::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
+        let told = report.warnings.iter().find(|warning| warning.kind == WarningKind::Unbalanced);
+        assert_eq!(told.is_some(), warned, "{told:?}");
+        let names_gap = |message: &str| message.contains("5.00e-2 m apart") && !message.contains("rounding");
+        assert!(told.is_none_or(|told| names_gap(&told.message)), "{told:?}");
+    }
+}
+
+/// Bodies that next to nothing of each other is in front of are told so, and not that supports hold them.
+#[test]
+fn next_to_nothing_in_front_is_nothing() {
+    let lower = (MeshSource::block([1.0, 0.5], [4, 2]), 1e9);
+    let upper = (MeshSource::block([1.0, 0.5], [3, 2]), 1e9);
+    let body = bodies(lower, upper, Some([1.0 - 1e-9, 0.5].into()), vec![1.0])
+        .pair("upper:bottom", 0.0, "lower:top")
+        .support("lower:bottom", &[Axis::X, Axis::Y])
+        .support("upper:top", &[Axis::X, Axis::Y]);
+    let message = Model::build(&body).unwrap_err().to_string();
+    assert!(message.contains("is in front of") && !message.contains("supports hold"), "{message}");
 }
