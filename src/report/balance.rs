@@ -96,10 +96,10 @@ impl BalanceWatch {
     /// are in front of each other and the forces balance, but not their moments, the gap between the bodies is the reason.
     pub(super) fn unbalanced(&self, model: &Model, tolerance: f64) -> Option<Warning> {
         let [left, of_forces, time] = self.worst?;
-        let share = left / self.largest;
-        if share <= BALANCED * tolerance {
+        if left <= BALANCED * tolerance * self.largest {
             return None;
         }
+        let share = left / self.largest;
         let apart = |pair: &Pair| pair.mortar.gaps.iter().map(|gap| gap.gap.abs()).fold(0.0, f64::max);
         let widest = model.pairs.iter().max_by(|a, b| apart(a).total_cmp(&apart(b)));
         let message = match widest.filter(|_| of_forces <= BALANCED * tolerance * self.largest) {

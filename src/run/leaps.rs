@@ -26,7 +26,7 @@ const MOST: usize = 3;
 
 /// An increment is solved again in so many parts, and the part with the largest change again, so many times in all.
 const PARTS: usize = 8;
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 5;
 
 /// The share of the change that stays in one part of a jump: the rest are the loads, which go on.
 const STAYS: f64 = 0.5;

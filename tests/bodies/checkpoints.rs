@@ -91,8 +91,14 @@ fn bodies_that_contact_holds_friction_that_changes_and_two_bodies_go_on() {
     taken_up(&scene(include_str!("../../data/scenes/held_by_contact.toml"), &small));
     taken_up(&scene(include_str!("../../data/scenes/frictionless.toml"), &small));
     taken_up(&scene(include_str!("../../data/scenes/wedge.toml"), &["time.increments=4"]));
-    taken_up(&scene(include_str!("../../data/scenes/turning_load.toml"), &["time.increments=5"]));
-    taken_up(&scene(include_str!("../../data/scenes/cycles.toml"), &["time.increments=8"]));
+    taken_up(&scene(
+        include_str!("../../data/scenes/turning_load.toml"),
+        &["time.end=0.25", "output.times=[0.25]", "time.increments=4"],
+    ));
+    taken_up(&scene(
+        include_str!("../../data/scenes/cycles.toml"),
+        &["time.end=8", "output.times=[8]", "time.increments=8"],
+    ));
 }
 
 /// On tables that have changed by rank one, and on factors of the last statuses.

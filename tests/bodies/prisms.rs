@@ -175,11 +175,11 @@ fn gmsh_files_with_prisms() {
     assert_eq!(mesh.boundary("2").unwrap().facets, [[0, 1, 4, 3]]);
 }
 
-/// VTK: the normal of the first three points is away from the others, which are in the same order.
+/// VTK computes a positive volume where the normal of the first three points is towards the others, which are in the same order.
 fn check_wedge(points: &[[f64; 3]], nodes: &[usize]) {
     let at = |k: usize| points[nodes[k]];
     let normal = cross(minus(at(1), at(0)), minus(at(2), at(0)));
-    assert!((0..3).all(|k| dot(normal, minus(at(k + 3), at(k))) < 0.0));
+    assert!((0..3).all(|k| dot(normal, minus(at(k + 3), at(k))) > 0.0));
     assert!((0..3).all(|k| (at(k + 3)[0] - at(k)[0]).hypot(at(k + 3)[1] - at(k)[1]) < 1e-12));
 }
 

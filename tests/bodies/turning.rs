@@ -164,6 +164,7 @@ fn kinds(text: &str) -> Vec<WarningKind> {
         WarningKind::ContactCoarse,
         WarningKind::SingularEdge,
         WarningKind::StickZoneCoarse,
+        WarningKind::ObstacleBetweenNodes,
         WarningKind::Locking,
         WarningKind::CoarseMesh,
         WarningKind::IncrementsWork,
