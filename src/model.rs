@@ -7,6 +7,7 @@ mod contact;
 mod discrete;
 mod element;
 mod energy;
+mod holding;
 mod load;
 mod meridian;
 mod motions;

@@ -20,12 +20,13 @@ mod normals;
 mod search;
 mod segment;
 mod side;
+mod supports;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use error::MortarFault;
-pub use normals::Supports;
 pub use side::{SlaveChoice, SlaveReason};
+pub use supports::Supports;
 
 use crate::fem::{bernstein, facet_weights};
 use crate::mesh::{Boundary, Facet, Mesh};
@@ -131,7 +132,7 @@ impl Mortar {
         search::convex(mesh, master)?;
         let search = options.search.unwrap_or_else(|| search::default_search(mesh, [slave, master]));
         let covers = Covers::new(mesh, slave, master, search)?;
-        let still = normals::still(slave, &covers.facets, supports);
+        let still = supports::still(slave, &covers.facets, supports);
         let still_of = |node: usize| still.get(&node).cloned().unwrap_or_default();
         let mut normals = normals::nodal(mesh, slave, &still)?;
         if let Some(direction) = options.direction.map(unit) {

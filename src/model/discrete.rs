@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::holding::{self, Holding};
 use super::pair::{Pair, Pairs};
-use super::support::{self, Holding};
 use super::{ModelError, bodies, element, load, meridian};
 use crate::description::Description;
 use crate::fem::{Dofs, Elasticity, Element, NodalVolumes, Spring};
@@ -30,8 +30,8 @@ impl Discrete {
         let mesh = meridian::meridian(description, description.mesh.made()?)?;
         description.formulas_suit(mesh.dimension)?;
         bodies::keep_apart(description, &mesh)?;
-        let holdings = support::holdings(description, &mesh)?;
-        let dofs = support::dofs(&mesh, &holdings)?;
+        let holdings = holding::holdings(description, &mesh)?;
+        let dofs = holding::dofs(&mesh, &holdings)?;
         let element = element::element(description, &mesh)?;
         let materials = description.material.laws(&mesh)?;
         let mut pairs = Pairs::new(description, &mesh, &dofs, &holdings, &materials)?;

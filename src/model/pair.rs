@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::find;
-use super::support::Holding;
+use super::holding::Holding;
 use crate::contact::{
     ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, Supports, coupled_nodes, relative,
 };

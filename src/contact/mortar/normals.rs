@@ -1,54 +1,12 @@
 //! Normals of the nodes of a boundary, and what supports leave of them.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
-use super::cover::Cover;
 use super::error::{MortarFault, place};
 use super::facet::Kind;
-use crate::fem::{SAME_DIRECTION, facet_normals};
+use crate::fem::facet_normals;
 use crate::mesh::{Boundary, Mesh};
 use crate::vector::{across, cross, dot, minus, norm, unit};
-
-/// What supports do to the nodes of two boundaries. A closure that gives the held directions of a node is one whose supports do not move.
-pub trait Supports {
-    /// Orthonormal directions along which supports hold a node, as of `fem::Dofs::held`.
-    fn held(&self, node: usize) -> Vec<[f64; 3]>;
-
-    /// Whether supports move two nodes, both held along the unit vector `n`, by different displacements along it.
-    fn move_apart(&self, nodes: [usize; 2], n: [f64; 3]) -> bool {
-        let _ = (nodes, n);
-        false
-    }
-}
-
-impl<F: Fn(usize) -> Vec<[f64; 3]>> Supports for F {
-    fn held(&self, node: usize) -> Vec<[f64; 3]> {
-        self(node)
-    }
-}
-
-/// The directions along which neither side can move at each node of `slave`: supports hold the node and at least one of the nodes of the
-/// other side in front of it, and do not move the two apart. A plane of symmetry that cuts both bodies is such a support. Where supports
-/// hold the node alone, the other side still moves past it.
-pub(super) fn still(slave: &Boundary, covers: &[Cover], supports: &dyn Supports) -> BTreeMap<usize, Vec<[f64; 3]>> {
-    let mut fronts = BTreeMap::<usize, BTreeSet<usize>>::new();
-    for (facet, cover) in slave.facets.iter().zip(covers) {
-        for (i, node) in facet.iter().enumerate().filter(|(_, node)| !supports.held(**node).is_empty()) {
-            let in_front = cover.cross.iter().filter(|(_, values)| values[i] != 0.0).map(|(k, _)| *k);
-            fronts.entry(*node).or_default().extend(in_front);
-        }
-    }
-    let of_node = |(node, front): (usize, BTreeSet<usize>)| {
-        let other_is_held = |n: &[f64; 3]| {
-            front.iter().any(|&k| {
-                norm(supports.held(k).into_iter().fold(*n, across)) < SAME_DIRECTION
-                    && !supports.move_apart([node, k], *n)
-            })
-        };
-        (node, supports.held(node).into_iter().filter(other_is_held).collect())
-    };
-    fronts.into_iter().map(of_node).collect()
-}
 
 /// A unit normal that supports leave as much of is that of a node on a plane of symmetry, and rounding or the mesh.
 const SYMMETRIC: f64 = 0.9;
@@ -121,7 +79,7 @@ pub(super) fn is_held(normal: [f64; 3], held: &[[f64; 3]]) -> bool {
 }
 
 /// The mean of the normal of the slave in a node and the opposite of the master's in front of it, `opposite`, as a unit vector; `None`
-/// where they cancel. Neither side is preferred. On a plane of symmetry it has no part across that: `still`, as of [`still`].
+/// where they cancel. Neither side is preferred. On a plane of symmetry it has no part across that: `still`, as of [`super::supports::still`].
 pub(super) fn common(normal: [f64; 3], opposite: [f64; 3], still: &[[f64; 3]]) -> Option<[f64; 3]> {
     let mean = unit(minus(normal, unit(opposite)));
     let symmetric = |n: [f64; 3], h: &[f64; 3]| if dot(n, h).abs() < ALONG_SYMMETRY { across(n, *h) } else { n };
