@@ -45,7 +45,7 @@ use crate::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::problem::{ContactProblem, Parts, ProblemError};
 use crate::scene::{Scene, SceneError};
-use crate::sparse::Csr;
+use crate::sparse::{Csr, Symmetric};
 use crate::timeline::within;
 use crate::units::{Scaling, UnitSystem};
 use balance::Statics;
@@ -139,6 +139,32 @@ impl From<MeshError> for ModelError {
     }
 }
 
+/// The problem of contact nodes: `all`, and as each would be `alone` where they differ at edges.
+fn contact_problem(
+    stiffness: Symmetric,
+    [all, alone]: [&[ContactNode]; 2],
+    mu: Vec<f64>,
+    free_motions: Vec<Vec<f64>>,
+    free: usize,
+) -> Result<ContactProblem, ProblemError> {
+    let map = |contacts: &[ContactNode], row: fn(&ContactNode) -> &Row| {
+        Csr::of_rows(free, contacts.iter().map(|contact| row(contact).iter().copied()))
+    };
+    let problem = ContactProblem::new(Parts {
+        stiffness,
+        c_n: map(all, |contact| &contact.normal),
+        c_t: map(all, |contact| &contact.tangents[0]),
+        c_o: map(all, |contact| &contact.tangents[1]),
+        mu,
+        weight: Some(all.iter().map(|contact| contact.weight).collect()),
+        free_motions: Some(free_motions),
+    })?;
+    if alone == all {
+        return Ok(problem);
+    }
+    problem.with_tangents_alone(map(alone, |contact| &contact.tangents[0]), map(alone, |contact| &contact.tangents[1]))
+}
+
 impl Model {
     /// Discretises what `scene` describes.
     ///
@@ -203,9 +229,6 @@ impl Model {
         let gap: Vec<f64> = contacts.iter().map(gap).collect();
         let Motions { rates: mut motions, bends, nearest } =
             motions::motions(&contacts, &obstacles, &gap, &description.times)?;
-        let map = |contacts: &[ContactNode], row: fn(&ContactNode) -> &Row| {
-            Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))
-        };
         let thin = description.material.plane == Some(Plane::Stress);
         let body = load::Body { description, mesh: &mesh, element, volumes: &volumes, thin, materials: &materials };
         let (mut cases, mut forces, mut thermal) = (Vec::new(), Vec::new(), Vec::new());
@@ -243,21 +266,8 @@ impl Model {
             Some(stiffness) => stiffness,
             None => assemble(&mesh, &dofs, element, law)?,
         };
-        let problem = ContactProblem::new(Parts {
-            stiffness,
-            c_n: map(&contacts, |contact| &contact.normal),
-            c_t: map(&contacts, |contact| &contact.tangents[0]),
-            c_o: map(&contacts, |contact| &contact.tangents[1]),
-            mu,
-            weight: Some(contacts.iter().map(|contact| contact.weight).collect()),
-            free_motions: Some(rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect()),
-        })?;
-        let problem = if alone == contacts {
-            problem
-        } else {
-            let tangents = map(&alone, |contact| &contact.tangents[0]);
-            problem.with_tangents_alone(tangents, map(&alone, |contact| &contact.tangents[1]))?
-        };
+        let free_motions = rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect();
+        let problem = contact_problem(stiffness, [&contacts, &alone], mu, free_motions, dofs.free())?;
         Ok(Model {
             passed_by: motions::passed_by(&alone, mesh.dimension, &obstacles, past),
             passages: Passages::new(&mesh, pairs.all.iter().map(|pair| &pair.mortar)),

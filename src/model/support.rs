@@ -241,6 +241,7 @@ fn pseudo_inverse(directions: impl Iterator<Item = [f64; 3]> + Clone) -> [[f64; 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::axis;
 
     #[test]
     fn forces_belong_to_whom_they_can() {

@@ -254,18 +254,7 @@ impl Validity {
             warn(WarningKind::GapsOutOfRange, out_of_range(model, left));
         }
         if let Some((k, share, time)) = self.beyond.filter(|(_, share, _)| *share > BEYOND_THE_END) {
-            let (slave, master) = (&model.pairs[k].slave, &model.pairs[k].master.name);
-            let cure = if model.pairs[k].mortar.overhangs()[1] {
-                format!("let the mesh of `{slave}` have nodes where `{master}` ends, or smaller elements there")
-            } else {
-                format!("let `{master}` be the slave, or make the elements of `{slave}` smaller there")
-            };
-            let message = format!(
-                "at t = {time} s {:.0} % of the force of `{slave}` on `{master}` is on nodes beyond the end of the other: they press where \
-                 they are, and pull at its inner nodes; {cure}",
-                100.0 * share
-            );
-            warn(WarningKind::BeyondTheEnd, message);
+            warn(WarningKind::BeyondTheEnd, beyond_the_end(&model.pairs[k], share, time));
         }
         if let Some((passed, time)) = &self.passed {
             warn(WarningKind::PassedThrough, passed_through(model, passed, *time));
@@ -309,6 +298,21 @@ impl Validity {
         }
         warnings
     }
+}
+
+/// That a `share` of the force of a pair is beyond the end of the master.
+fn beyond_the_end(pair: &Pair, share: f64, time: f64) -> String {
+    let (slave, master) = (&pair.slave, &pair.master.name);
+    let cure = if pair.mortar.overhangs()[1] {
+        format!("let the mesh of `{slave}` have nodes where `{master}` ends, or smaller elements there")
+    } else {
+        format!("let `{master}` be the slave, or make the elements of `{slave}` smaller there")
+    };
+    format!(
+        "at t = {time} s {:.0} % of the force of `{slave}` on `{master}` is on nodes beyond the end of the other: they press where \
+         they are, and pull at its inner nodes; {cure}",
+        100.0 * share
+    )
 }
 
 /// That a body has come into another.

@@ -92,7 +92,7 @@ impl Case {
         let cells = ["quadrilateral", "triangle", "triangle6"][random.below(3)];
         let elements = 4 + random.below(21);
         let increments = 4 + random.below(17);
-        let mut times: Vec<f64> = (0..1 + random.below(3)).map(|_| random.between(1.05, 1.95)).collect();
+        let mut times: Vec<f64> = (0..=random.below(3)).map(|_| random.between(1.05, 1.95)).collect();
         times.sort_by(f64::total_cmp);
         let mut history = vec![[0.0, 0.0], [1.0, 0.0]];
         history.extend(times.into_iter().map(|time| [time, random.between(-1.0, 1.0)]));

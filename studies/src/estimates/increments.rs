@@ -81,7 +81,7 @@ fn histories() -> Vec<History> {
     let wandering = (1..=WANDERING).map(|k| {
         let share = |j: i32| (k as f64 * 1.324_717_957_f64.powi(-j)).fract();
         let points =
-            |of: &dyn Fn(i32) -> f64| -> String { (1..=3).map(|j| format!(", [{j}, {:.3}]", of(j))).collect() };
+            |of: &dyn Fn(i32) -> f64| (1..=3).map(|j| format!(", [{j}, {:.3}]", of(j))).collect::<Vec<_>>().concat();
         let [pressed, pushed] = [points(&|j| 0.2 + 0.8 * share(j)), points(&|j| 2.0 * share(j + 3) - 1.0)];
         let set = [
             "mesh.elements=[10,10]".to_string(),
