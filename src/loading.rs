@@ -307,20 +307,6 @@ impl Loading {
         times
     }
 
-    /// How much of what drives the body changes between two times (s): the largest change of a load, of the way of an obstacle or of
-    /// friction, each by its largest value over all time.
-    pub(crate) fn change(&self, from: f64, to: f64) -> f64 {
-        let loads = self.cases.iter().filter(|case| case.force.iter().any(|f| *f != 0.0)).map(|case| &case.history);
-        let motions = self.motions.iter().map(|motion| &motion.history);
-        let friction = self.friction.iter().flat_map(|friction| friction.cases.iter().map(|(_, history)| history));
-        let change = |history: &Vec<[f64; 2]>| {
-            let [a, b] = [from, to].map(|t| piecewise_linear(history, t).unwrap_or(1.0));
-            let largest = history.iter().fold(0.0_f64, |m, point| m.max(point[1].abs()));
-            if a == b { 0.0 } else { (b - a).abs() / largest }
-        };
-        loads.chain(motions).chain(friction).map(change).fold(0.0, f64::max)
-    }
-
     /// The times (s) at which a load, the motion of an obstacle or friction changes its rate, ascending.
     pub fn kinks(&self) -> Vec<f64> {
         let loads = self.cases.iter().map(|case| &case.history);

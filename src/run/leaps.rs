@@ -1,9 +1,9 @@
-//! Contact forces that jump: increments in which they change by more than their share of the history, however short these are made.
+//! Contact forces that jump: increments in which they change, however short these are made.
 //!
 //! Where a quasi-static motion ends, an increment leads over its end to one of the states that the laws allow beyond, and every law holds at its
-//! end. So increments that change the contact forces by several times what drives the body changes are solved again in parts, and the part with the
-//! largest change in parts again. What follows the loads has its change spread over the parts; a jump stays in one of them, or has no solution
-//! in increments that are shorter.
+//! end. There friction falls while nodes slip, and so releases energy. So increments in which it does are halved, and the half with most of the
+//! change again. What follows the loads has its change spread over both halves; a jump stays in one of them, or has no solution in increments
+//! that are shorter.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,18 +18,18 @@ use crate::report::Leap;
 /// A change of the contact forces that is a smaller share of their largest is not looked at.
 const LARGE: f64 = 0.02;
 
-/// Changes up to so many times the share of the loads are not looked at: contact that spreads changes forces faster than loads change.
-const STEEP: f64 = 2.0;
+/// Changes of which friction releases a smaller share of the energy are not looked at, see [`released`]. It is 0.05 at most where nodes go on
+/// slipping, and 0.2 to 1 in increments that lead over the end of a motion.
+const RELEASED: f64 = 0.1;
 
-/// So many increments are looked at, the steepest first.
+/// So many increments are looked at, those with the largest share first.
 const MOST: usize = 3;
 
-/// An increment is solved again in so many parts, and the part with the largest change again, so many times in all.
-const PARTS: usize = 8;
-const ROUNDS: usize = 5;
+/// An increment is halved, and the half with most of the change again, so many times in all.
+const ROUNDS: usize = 15;
 
-/// The share of the change that stays in one part of a jump: the rest are the loads, which go on.
-const STAYS: f64 = 0.5;
+/// The share of the change that stays in one half of a jump: the rest are the loads, which go on.
+const STAYS: f64 = 0.6;
 
 /// Watches the contact forces of a history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,7 +38,7 @@ pub(super) struct Leaps {
     may_jump: bool,
     /// The end of the last increment.
     last: Option<End>,
-    /// The steepest increments, the steepest first.
+    /// The increments that may be jumps, those with the largest share of released energy first.
     steepest: Vec<Steep>,
     /// The largest contact forces so far, see [`size`].
     largest: f64,
@@ -49,16 +49,18 @@ pub(super) struct Leaps {
 struct End {
     time: f64,
     state: State,
+    /// The external nodal forces, N.
+    force: Vec<f64>,
 }
 
-/// An increment in which contact forces change much.
+/// An increment in which contact forces change much, and friction releases energy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Steep {
     from: End,
     to: End,
-    /// The change of the contact forces, and the share of what drives the body that changes with it.
+    /// The change of the contact forces, and [`released`].
     change: f64,
-    share: f64,
+    released: f64,
 }
 
 impl Leaps {
@@ -88,21 +90,24 @@ impl Leaps {
         let (problem, state) = (&model.problem, step.state);
         self.largest = self.largest.max(size(problem, state, None));
         let end = End::of(step);
-        let to = End { state: contact_forces(state), ..end };
+        let to = End { state: contact_forces(state), ..end.clone() };
         let Some(from) = self.last.replace(end) else { return };
         let change = size(problem, state, Some(&from.state));
-        let share = model.loading.change(from.time, to.time);
-        if change <= LARGE * self.largest || change <= STEEP * share * self.largest {
+        if change <= LARGE * self.largest {
             return;
         }
-        let place = self.steepest.partition_point(|other| other.change * share > change * other.share);
-        self.steepest.insert(place, Steep { from, to, change, share });
+        let released = released(problem, step, &from);
+        if released <= RELEASED {
+            return;
+        }
+        let place = self.steepest.partition_point(|other| other.released > released);
+        self.steepest.insert(place, Steep { from, to, change, released });
         self.steepest.truncate(MOST);
     }
 
     /// The increments that have to be solved again to tell whether contact forces jump in them.
     fn suspects(&self) -> impl Iterator<Item = &Steep> {
-        self.steepest.iter().filter(|steep| steep.change > LARGE.max(STEEP * steep.share) * self.largest)
+        self.steepest.iter().filter(|steep| steep.change > LARGE * self.largest)
     }
 
     /// Whether there are some.
@@ -144,33 +149,31 @@ impl Steep {
     ) -> Result<Option<(f64, f64, f64)>, Error> {
         let (problem, loading) = (&model.problem, &model.loading);
         let (mut from, mut to, mut change) = (self.from.clone(), self.to.clone(), self.change);
+        let stays = STAYS * self.change;
         for _ in 0..ROUNDS {
-            let part = (to.time - from.time) / PARTS as f64;
-            let times: Vec<f64> = (1..PARTS).map(|k| from.time + k as f64 * part).chain([to.time]).collect();
-            if times[0] <= from.time || times.windows(2).any(|pair| pair[1] <= pair[0]) {
+            let middle = 0.5 * (from.time + to.time);
+            if middle <= from.time || middle >= to.time {
                 break;
             }
             let edge = Edge { problem, loading, settings, time: from.time, state: from.state.clone(), scales };
-            let mut parts = Parts { observer, ends: vec![from] };
-            let status = edge.go_on(&times, &mut parts, means)?;
-            let mut ends = parts.ends;
-            match status {
-                Status::Converged => {}
-                Status::Interrupted | Status::OutOfMemory => return Ok(None),
-                // As a whole it has a solution.
-                _ => ends.push(to.clone()),
+            let mut halves = Halves { observer, problem, stays, ends: vec![from], found: None };
+            let status = edge.go_on(&[middle, to.time], &mut halves, means)?;
+            let Halves { mut ends, found, .. } = halves;
+            if found.is_none() {
+                match status {
+                    Status::Converged | Status::Interrupted | Status::OutOfMemory => return Ok(None),
+                    // It has a solution as a whole, and what is left of it has none in halves.
+                    _ => {
+                        let Some(last) = ends.pop() else { return Ok(None) };
+                        let left = size(problem, &to.state, Some(&last.state));
+                        return Ok((left >= stays).then_some((last.time, to.time, left)));
+                    }
+                }
             }
-            let changes = ends.windows(2).map(|pair| size(problem, &pair[1].state, Some(&pair[0].state)));
-            let Some((k, largest)) = changes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else { return Ok(None) };
-            if largest < STAYS * self.change {
-                return Ok(None);
-            }
-            let has_no_parts = status != Status::Converged && k + 2 == ends.len();
-            (to, change) = (ends.swap_remove(k + 1), largest);
-            from = ends.swap_remove(k);
-            if has_no_parts {
-                break;
-            }
+            (change, to, from) = match (found, ends.pop(), ends.pop()) {
+                (Some(found), Some(to), Some(from)) => (found, to, from),
+                _ => return Ok(None),
+            };
         }
         Ok(Some((from.time, to.time, change)))
     }
@@ -178,17 +181,32 @@ impl Steep {
 
 impl End {
     fn of(step: &Step<'_>) -> Self {
-        End { time: step.record.time, state: step.state.clone() }
+        End { time: step.record.time, state: step.state.clone(), force: step.increment.force.to_vec() }
     }
 }
 
-/// Keeps the ends of increments, and of parts of them.
-struct Parts<'a> {
+/// Keeps the ends of increments, and of parts of them, up to the first change that is as large as that of a jump.
+struct Halves<'a> {
     observer: &'a mut dyn Observer,
+    problem: &'a ContactProblem,
+    stays: f64,
     ends: Vec<End>,
+    /// That change.
+    found: Option<f64>,
 }
 
-impl Observer for Parts<'_> {
+impl Halves<'_> {
+    fn add(&mut self, step: &Step<'_>) {
+        if self.found.is_some() {
+            return;
+        }
+        let last = self.ends.last().map(|last| size(self.problem, step.state, Some(&last.state)));
+        self.found = last.filter(|change| *change >= self.stays);
+        self.ends.push(End::of(step));
+    }
+}
+
+impl Observer for Halves<'_> {
     fn waits_for(&mut self, _index: usize) -> bool {
         false
     }
@@ -198,14 +216,14 @@ impl Observer for Parts<'_> {
     }
 
     fn part(&mut self, part: &Step<'_>) {
-        self.ends.push(End::of(part));
+        self.add(part);
     }
 
     fn increment(&mut self, step: &Step<'_>) -> Flow {
         if step.record.status == Status::Converged {
-            self.ends.push(End::of(step));
+            self.add(step);
         }
-        Flow::Continue
+        if self.found.is_some() { Flow::Stop } else { Flow::Continue }
     }
 }
 
@@ -219,6 +237,29 @@ fn size(problem: &ContactProblem, state: &State, other: Option<&State>) -> f64 {
         change.sum::<f64>() / weight.map_or(1.0, |l| l[i])
     };
     (0..problem.contacts()).map(of_node).sum::<f64>().sqrt()
+}
+
+/// The energy that friction releases in an increment, as a share of the elastic energy of its change of displacements:
+/// `-Σ Δp_T·Δw_T / (Δuᵀ K Δu)`, with the slip `Δw_T` and `Δuᵀ K Δu = Δfᵀ Δu - Σ Δp·Δw` from the balance of forces at both ends.
+///
+/// Friction that opposes a change of slip takes energy, and then it is below 0. Nothing but the loads and friction feeds a jump, and the loads hardly
+/// change in it.
+fn released(problem: &ContactProblem, step: &Step<'_>, from: &End) -> f64 {
+    let (state, before) = (step.state, &from.state);
+    let change: Vec<f64> = state.u.iter().zip(&before.u).map(|(now, before)| now - before).collect();
+    let loads: f64 =
+        step.increment.force.iter().zip(&from.force).zip(&change).map(|((now, before), u)| (now - before) * u).sum();
+    let product = |now: &[f64], before: &[f64], w: &[f64]| {
+        now.iter().zip(before).zip(w).map(|((now, before), w)| (now - before) * w).sum::<f64>()
+    };
+    let tangential =
+        |[w_t, w_o]: [&[f64]; 2]| product(&state.p_t, &before.p_t, w_t) + product(&state.p_o, &before.p_o, w_o);
+    let [w_n, w_t, w_o] = problem.contact_motion(&change);
+    let energy = loads - product(&state.p_n, &before.p_n, &w_n) - tangential([&w_t, &w_o]);
+    let [_, now_t, now_o] = problem.contact_motion(&state.u);
+    let slip = |now: &[f64], last: &[f64]| now.iter().zip(last).map(|(now, last)| now - last).collect::<Vec<f64>>();
+    let slips = [slip(&now_t, step.increment.w_t_last), slip(&now_o, step.increment.w_o_last)];
+    if energy > 0.0 { -tangential([&slips[0], &slips[1]]) / energy } else { 0.0 }
 }
 
 /// What [`size`] needs of a state.
