@@ -65,11 +65,6 @@ impl Bdiff {
         self.rows.r_n[i]
     }
 
-    /// `r` of the tangential rows of node `i`, scaled.
-    pub fn r_t(&self, i: usize) -> f64 {
-        self.rows.r_t[i]
-    }
-
     /// The cases of node `i` at `z`.
     fn case(&self, i: usize, z: &[f64]) -> Case {
         let (data, r_n, r_t) = (&self.data, self.rows.r_n[i], self.rows.r_t[i]);

@@ -6,13 +6,14 @@
 //!
 //! - a node that was open touches after the share `τ = gap / (w_n' - g')` of it and has slid `δ = τ w_T'` by then; one that slips
 //!   and goes on so does stick half way through, `δ = ½ w_T'`; one that touches, and slips in the increment by less than `τ w_T'`, did all of that
-//!   before it touched and sticks `δ = τ w_T' - Δw_T` farther on: its friction is off by `r |δ|`, and by twice itself at most;
+//!   before it touched and sticks `δ = τ w_T' - Δw_T` farther on: its friction is off by that of holding it there, and by twice itself at most;
 //! - that is an error `e = (e_u, e_p)` of the solution, `K e_u + Cᵀ e_p = 0` along the cases at its end: `w_T(e)` is `δ` more
 //!   than before at nodes that begin to stick and stays at those that stick, and slip loses it;
 //! - the work is `Σ μ ½ (p_n0 + p_n1) |Δw_T|` with both forces and the slip corrected by `e`, and with `|δ|` of those that
 //!   stuck. Where nodes slide in a plane, that is all that is done, with `e = 0`; nodes that begin to stick are counted.
 //!
-//! So an increment costs one solve for the rate, with the factors at its start, and one for `e`, with those at its end.
+//! So an increment costs one solve for the rate, with the factors at its start, and one for `e`, with those at its end. One in which
+//! the first nodes touch and slide costs another factorization.
 
 mod begin;
 
@@ -254,28 +255,16 @@ impl IncrementErrors {
         let turned = self.turn(formulation);
         let cases: Vec<(bool, TangentialCase)> =
             (0..self.nodes.len()).map(|i| (formulation.is_closed(i, z), formulation.friction_case(i, z))).collect();
-        let mut sticks = false;
-        // The friction of nodes that stick though the increment has them slide is not carried on: it would take other factors.
-        let mut alone = 0.0_f64;
-        let notable = NOTABLE * self.largest[1].max(friction_of_all(formulation, weight, z));
         let farthest = self.nodes.iter().map(|node| node.distance).fold(0.0, f64::max);
         let begin = |i: usize| {
             let rate = rate.filter(|_| layout.has_friction(i)).map(|rate| rate[i]);
             Begin::of(&self.nodes[i], cases[i].1, formulation.slip(i, z), rate)
         };
         let mut begins: Vec<Begin> = (0..self.nodes.len()).map(begin).collect();
-        let first = begins.iter().filter_map(|begin| begin.touches).fold(f64::INFINITY, f64::min);
+        let alone = self.held_at_first_touch(&cases, &mut begins, turned, weight, formulation, bn, linear, z)?;
+        let mut sticks = false;
         for (i, begin) in begins.iter_mut().enumerate().filter(|(i, _)| layout.has_friction(*i)) {
             let node = &self.nodes[i];
-            if let (TangentialCase::Slip { .. }, true) = (cases[i].1, begin.sticks) {
-                let by_spring = formulation.r_t(i) * length(begin.delta) / weight.map_or(1.0, |l| l[i]).sqrt();
-                // Its friction is within the cone, so that it may be off by the width of that at most: by twice what it is.
-                let most = by_spring.min(2.0 * friction_at(formulation, weight, i, z));
-                // The rate is that of the node that touches first; others may have been held up by it.
-                begin.sticks = begin.touches == Some(first) && most > notable;
-                begin.delta = [0.0; 2];
-                alone = alone.max(if begin.sticks { most } else { 0.0 });
-            }
             sticks |= if self.is_straight { begin.sticks } else { node.begins_to_stick(cases[i].1, farthest, turned) };
             if turned && !node.is_open() {
                 // The rate goes on along the old cases, where it may run the wrong way.
@@ -311,6 +300,53 @@ impl IncrementErrors {
         self.force.copy_from_slice(formulation.force());
         self.gap = (0..layout.contacts()).map(|i| formulation.at_node(i).0).collect();
         Ok(())
+    }
+
+    /// The largest error of the friction of nodes that stick where they touch, though the increment has them slide.
+    ///
+    /// These nodes are those of the first touch: the rate is theirs, and others may have been held up by them. Their error is solved for
+    /// with them held at the places where they touch, and is not carried on, since the cases of later increments are not theirs.
+    #[allow(clippy::too_many_arguments)]
+    fn held_at_first_touch(
+        &self,
+        cases: &[(bool, TangentialCase)],
+        begins: &mut [Begin],
+        turned: bool,
+        weight: Option<&[f64]>,
+        formulation: &mut Bdiff,
+        bn: &mut Bn,
+        linear: &mut Direct,
+        z: &[f64],
+    ) -> Result<f64, LinearError> {
+        let slips = |node: &Node| matches!(node.case, TangentialCase::Slip { .. });
+        // Nodes that slip may stick where loads turn, and then the rate along their cases is that of another way.
+        let is_led = !(turned && self.nodes.iter().any(slips));
+        let first = begins.iter().filter_map(|begin| begin.touches).fold(f64::INFINITY, f64::min);
+        let mut held_cases = cases.to_vec();
+        let mut held = Vec::new();
+        for (i, begin) in begins.iter_mut().enumerate() {
+            if begin.sticks && matches!(cases[i].1, TangentialCase::Slip { .. }) {
+                // A touch that was not seen to come counts as one at the end.
+                if begin.touches == Some(first) && first < 1.0 && is_led {
+                    held_cases[i].1 = TangentialCase::Stick;
+                    held.push(i);
+                } else {
+                    *begin = Begin { sticks: false, delta: [0.0; 2], ..*begin };
+                }
+            }
+        }
+        let error = if held.is_empty() { None } else { self.transport(&held_cases, begins, formulation, bn, linear)? };
+        let notable = NOTABLE * self.largest[1].max(friction_of_all(formulation, weight, z));
+        let mut largest = 0.0_f64;
+        for i in held {
+            let by_place = error.as_ref().map_or(0.0, |error| friction_at(formulation, weight, i, error));
+            // Its friction is within the cone, so that it may be off by the width of that at most: by twice what it is.
+            let most = by_place.min(2.0 * friction_at(formulation, weight, i, z));
+            let sticks = most > notable;
+            begins[i] = Begin { sticks, delta: [0.0; 2], ..begins[i] };
+            largest = largest.max(if sticks { most } else { 0.0 });
+        }
+        Ok(largest)
     }
 
     /// Whether loads change in another direction than in the increment before.

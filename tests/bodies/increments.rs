@@ -87,9 +87,8 @@ fn a_node_that_sticks_where_it_touches_though_its_increment_has_it_slide() {
     let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap();
     assert!((outcome.state.p_t[0] - 0.6).abs() < 1e-12, "{:?}", outcome.state);
     let found = outcome.increment_error.unwrap();
-    // The estimate has `r`, which is 0.15 of the stiffness of a node alone, in place of that stiffness: it is too small here, and a warning.
     let estimate = found.force_error.unwrap() / (0.4 / 0.6);
-    assert!((0.14..1.0).contains(&estimate), "{found:?}");
+    assert!((0.4..2.0).contains(&estimate), "{found:?}");
     assert_eq!((found.work_error, found.sticking_begins, found.fewest), (1.0, 1, Some(1)));
 }
 
