@@ -255,7 +255,7 @@ fn at(contact: &ContactEstimate) -> String {
 }
 
 fn percent(share: f64) -> String {
-    format!("{:.0} %", 100.0 * share)
+    if share > 0.0 && share < 0.005 { "less than 1 %".to_string() } else { format!("{:.0} %", 100.0 * share) }
 }
 
 /// What the widths of the zones say.
