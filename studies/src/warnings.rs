@@ -15,7 +15,7 @@ use crate::estimates::EstimateError;
 /// An error of a quantity beyond this share asks for a warning.
 pub const WRONG: f64 = 0.1;
 
-/// A warning is false where every quantity is better than this share.
+/// A warning is false where every quantity that it speaks of is better than this share.
 pub const RIGHT: f64 = 0.02;
 
 /// The finer mesh has so many times the elements along each side, and the finer history so many times the increments.
@@ -220,24 +220,52 @@ impl Judged {
         self.errors.iter().copied().flatten().reduce(f64::max)
     }
 
-    /// Whether a quantity is wrong and no warning says so.
-    pub fn is_silent(&self) -> bool {
-        self.kinds.is_empty() && self.worst().is_some_and(|worst| worst > WRONG)
+    /// Of each quantity, whether it is wrong and no warning speaks of it.
+    pub fn silent(&self) -> [bool; 3] {
+        [0, 1, 2].map(|quantity| {
+            self.errors[quantity].is_some_and(|error| error > WRONG)
+                && !self.kinds.iter().any(|kind| speaks_of(*kind)[quantity])
+        })
+    }
+
+    /// Whether a warning is false: the quantities that it speaks of can be judged, and are all right.
+    pub fn is_false(&self, kind: WarningKind) -> bool {
+        let worst = self.worst_of(kind);
+        worst.is_some_and(|worst| worst < RIGHT)
+    }
+
+    /// The largest error of what a warning speaks of.
+    fn worst_of(&self, kind: WarningKind) -> Option<f64> {
+        let speaks = speaks_of(kind);
+        let of = (0..3).filter(|quantity| speaks[*quantity]);
+        of.filter_map(|quantity| self.errors[quantity]).reduce(f64::max)
     }
 }
 
-/// Of each kind of warning: how many scenes had it, in how many of them a quantity was wrong, and in how many all were right.
+/// Whether a kind of warning speaks of the peak pressure, of the tangential force, and of the work of friction.
+pub fn speaks_of(kind: WarningKind) -> [bool; 3] {
+    match kind {
+        WarningKind::PeakScatter
+        | WarningKind::SingularEdge
+        | WarningKind::UnevenElements
+        | WarningKind::BeyondTheEnd
+        | WarningKind::RoughStresses => [true, false, false],
+        WarningKind::IncrementsWork => [false, false, true],
+        WarningKind::IncrementsForce | WarningKind::StickZoneCoarse | WarningKind::Jump => [false, true, true],
+        _ => [true; 3],
+    }
+}
+
+/// Of each kind of warning: how many scenes had it, in how many of them a quantity that it speaks of was wrong, and in how many all of
+/// these were right.
 pub fn by_kind(judged: &[Judged]) -> BTreeMap<String, [usize; 3]> {
     let mut table = BTreeMap::new();
-    for (worst, kind) in judged
-        .iter()
-        .filter_map(|case| Some((case.worst()?, &case.kinds)))
-        .flat_map(|(worst, kinds)| kinds.iter().map(move |kind| (worst, kind)))
-    {
-        let counts: &mut [usize; 3] = table.entry(name(*kind)).or_default();
+    for (case, kind) in judged.iter().flat_map(|case| case.kinds.iter().map(move |kind| (case, *kind))) {
+        let Some(worst) = case.worst_of(kind) else { continue };
+        let counts: &mut [usize; 3] = table.entry(name(kind)).or_default();
         counts[0] += 1;
         counts[1] += usize::from(worst > WRONG);
-        counts[2] += usize::from(worst < RIGHT);
+        counts[2] += usize::from(case.is_false(kind));
     }
     table
 }

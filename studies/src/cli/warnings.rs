@@ -26,6 +26,8 @@ pub(super) struct WarningsArgs {
 const HEADER: [&str; 9] =
     ["seed", "contact", "cells", "verdict", "peak error", "force error", "work error", "warnings", "silent"];
 
+const QUANTITIES: [&str; 3] = ["peak", "force", "work"];
+
 pub(super) fn warnings(args: &WarningsArgs) -> miette::Result<Answer> {
     let cases: Vec<Case> = (args.seed..args.seed.saturating_add(args.count)).map(Case::new).collect();
     let describe = |case: &Case| format!("seed {}", case.seed);
@@ -45,13 +47,14 @@ fn row(judged: &Judged) -> Vec<String> {
     let Judged { case, status, errors, kinds } = judged;
     let kinds: Vec<String> = kinds.iter().map(|kind| name(*kind)).collect();
     let errors = errors.map(|error| error.map_or(String::new(), |error| format!("{:.1} %", 100.0 * error)));
-    let silent = if judged.is_silent() { "silent" } else { "" };
+    let silent: Vec<&str> =
+        QUANTITIES.into_iter().zip(judged.silent()).filter_map(|(name, silent)| silent.then_some(name)).collect();
     let head = [case.seed.to_string(), format!("{:?}", case.kind), case.cells.to_string(), status.clone()];
-    head.into_iter().chain(errors).chain([kinds.join(" "), silent.to_string()]).collect()
+    head.into_iter().chain(errors).chain([kinds.join(" "), silent.join(" ")]).collect()
 }
 
 fn kinds(judged: &[Judged]) -> Table {
-    let mut table = Table::new(&["warning", "scenes", "a quantity is wrong", "all are right"]);
+    let mut table = Table::new(&["warning", "scenes", "what it speaks of is wrong", "is right"]);
     for (kind, counts) in by_kind(judged) {
         table.push(std::iter::once(kind).chain(counts.map(|count| count.to_string())).collect());
     }
@@ -62,12 +65,12 @@ fn summary(judged: &[Judged]) -> String {
     let known: Vec<&Judged> = judged.iter().filter(|case| case.worst().is_some()).collect();
     let count = |is: fn(&Judged) -> bool| known.iter().filter(|case| is(case)).count();
     let wrong = count(|case| case.worst().is_some_and(|worst| worst > WRONG));
-    let silent = count(Judged::is_silent);
-    let warned = count(|case| !case.kinds.is_empty());
-    let false_alarms = count(|case| !case.kinds.is_empty() && case.worst().is_some_and(|worst| worst < RIGHT));
+    let silent = count(|case| case.silent().contains(&true));
+    let warnings = known.iter().flat_map(|case| case.kinds.iter().map(|kind| case.is_false(*kind)));
+    let (all, false_alarms) = warnings.fold((0, 0), |(all, some), is_false| (all + 1, some + usize::from(is_false)));
     format!(
-        "{} of {} scenes converged and can be judged. A quantity is more than {:.0} % wrong in {wrong}; {silent} of these have no warning. \
-         {warned} scenes have a warning; in {false_alarms} of these every quantity is right to {:.0} %.",
+        "{} of {} scenes converged and can be judged. A quantity is more than {:.0} % wrong in {wrong}; in {silent} of these no \
+         warning speaks of it. Of {all} warnings {false_alarms} are false: all that they speak of is right to {:.0} %.",
         known.len(),
         judged.len(),
         100.0 * WRONG,
