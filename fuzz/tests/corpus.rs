@@ -32,7 +32,7 @@ fn readers_take_or_refuse() {
 
 #[test]
 fn runs_obey_the_laws_however_they_are_told() {
-    let kinds = stretch(250, runs::check);
+    let kinds = stretch(100, runs::check);
     share(&kinds, "converged and compared", 20);
     share(&kinds, "converged", 20);
 }

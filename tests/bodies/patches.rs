@@ -91,45 +91,54 @@ fn pressed(n: usize, kind: CellKind, approach: f64) -> (RunReport, ContactLine, 
 /// below neither is.
 #[test]
 fn patches_are_the_peak_on_tetrahedra() {
-    for kind in [CellKind::Tetrahedron, CellKind::Tetrahedron10] {
-        let states = [(4, 2e-5), (5, 2e-5), (5, 5e-5), (8, 5e-5)];
-        for &(n, approach) in &states[..if kind.is_quadratic() { 1 } else { 4 }] {
-            let (report, line, fields) = pressed(n, kind, approach);
-            let contact = &report.estimates.contact[0];
-            let thickness = 6.0 * REACH / n as f64;
-            let hertz = Hertz::line(2.0 * contact.force / thickness, RADIUS, YOUNG / (1.0 - NU * NU));
-            let [nodes, patches] = [contact.peak_pressure, contact.patch_pressure].map(|peak| peak / hertz.p0 - 1.0);
-            let across = contact.nodes_across.unwrap();
-            println!(
-                "{kind:?} {n}, a/h {:.1}, {across} across: nodes {:.1} %, patches {:.1} %, said {:.1} %",
-                hertz.a * n as f64 / REACH,
-                100.0 * nodes,
-                100.0 * patches,
-                100.0 * contact.peak_error.unwrap()
-            );
-            // The column and the field are what the estimate is about.
-            let column = line.points.iter().map(|point| point.sigma_patch.unwrap()).fold(0.0, f64::max);
-            assert!((column / contact.patch_pressure - 1.0).abs() < 1e-12);
-            assert!(line.to_csv().lines().next().unwrap().contains("sigma_o,sigma_patch,w_n"));
-            assert!(fields.contains(&"patch_pressure"));
-            let largest = report.largest_pressure.as_ref().unwrap();
-            assert_eq!(largest.peak_of, contact.peak_of);
-            let expected = match kind {
-                CellKind::Tetrahedron if across < 5 => None,
-                CellKind::Tetrahedron => Some((PeakOf::Patches, contact.patch_pressure)),
-                _ => Some((PeakOf::Nodes, contact.peak_pressure)),
-            };
-            assert_eq!(largest.peak_of, expected.map(|(of, _)| of));
-            assert_eq!(largest.pressure.is_some(), expected.is_some());
-            if let (Some(pressure), Some((_, peak))) = (largest.pressure, expected) {
-                assert!((pressure / peak - 1.0).abs() < 1e-9, "{pressure} {peak}");
-            }
-            if across >= 5 {
-                let [best, other] = if kind.is_quadratic() { [nodes, patches] } else { [patches, nodes] };
-                assert!(best.abs() < 0.09 && best.abs() < 0.6 * other.abs(), "{kind:?} {n}: {nodes} {patches}");
-            }
-            let scattered = report.warnings.iter().any(|warning| warning.kind == WarningKind::PeakScatter);
-            assert_eq!(scattered, across >= 5 && !kind.is_quadratic());
+    patches_are_the_peak(CellKind::Tetrahedron, &[(4, 2e-5), (5, 2e-5), (5, 5e-5)]);
+    patches_are_the_peak(CellKind::Tetrahedron10, &[(4, 2e-5)]);
+}
+
+#[test]
+#[ignore = "a minute without optimisation"]
+fn patches_are_the_peak_on_fine_tetrahedra() {
+    patches_are_the_peak(CellKind::Tetrahedron, &[(8, 5e-5)]);
+}
+
+/// In each state, of so many cells along a side and an approach (m).
+fn patches_are_the_peak(kind: CellKind, states: &[(usize, f64)]) {
+    for &(n, approach) in states {
+        let (report, line, fields) = pressed(n, kind, approach);
+        let contact = &report.estimates.contact[0];
+        let thickness = 6.0 * REACH / n as f64;
+        let hertz = Hertz::line(2.0 * contact.force / thickness, RADIUS, YOUNG / (1.0 - NU * NU));
+        let [nodes, patches] = [contact.peak_pressure, contact.patch_pressure].map(|peak| peak / hertz.p0 - 1.0);
+        let across = contact.nodes_across.unwrap();
+        println!(
+            "{kind:?} {n}, a/h {:.1}, {across} across: nodes {:.1} %, patches {:.1} %, said {:.1} %",
+            hertz.a * n as f64 / REACH,
+            100.0 * nodes,
+            100.0 * patches,
+            100.0 * contact.peak_error.unwrap()
+        );
+        // The column and the field are what the estimate is about.
+        let column = line.points.iter().map(|point| point.sigma_patch.unwrap()).fold(0.0, f64::max);
+        assert!((column / contact.patch_pressure - 1.0).abs() < 1e-12);
+        assert!(line.to_csv().lines().next().unwrap().contains("sigma_o,sigma_patch,w_n"));
+        assert!(fields.contains(&"patch_pressure"));
+        let largest = report.largest_pressure.as_ref().unwrap();
+        assert_eq!(largest.peak_of, contact.peak_of);
+        let expected = match kind {
+            CellKind::Tetrahedron if across < 5 => None,
+            CellKind::Tetrahedron => Some((PeakOf::Patches, contact.patch_pressure)),
+            _ => Some((PeakOf::Nodes, contact.peak_pressure)),
+        };
+        assert_eq!(largest.peak_of, expected.map(|(of, _)| of));
+        assert_eq!(largest.pressure.is_some(), expected.is_some());
+        if let (Some(pressure), Some((_, peak))) = (largest.pressure, expected) {
+            assert!((pressure / peak - 1.0).abs() < 1e-9, "{pressure} {peak}");
         }
+        if across >= 5 {
+            let [best, other] = if kind.is_quadratic() { [nodes, patches] } else { [patches, nodes] };
+            assert!(best.abs() < 0.09 && best.abs() < 0.6 * other.abs(), "{kind:?} {n}: {nodes} {patches}");
+        }
+        let scattered = report.warnings.iter().any(|warning| warning.kind == WarningKind::PeakScatter);
+        assert_eq!(scattered, across >= 5 && !kind.is_quadratic());
     }
 }

@@ -288,14 +288,22 @@ fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Lo
 /// than the exact cone, which is why they serve two dimensions.
 #[test]
 fn two_dimensions() {
+    two_dimensions_on(&[10]);
+}
+
+#[test]
+#[ignore = "half a minute without optimisation"]
+fn two_dimensions_on_a_larger_block() {
+    two_dimensions_on(&[20]);
+}
+
+/// On blocks of these sizes and the punch.
+fn two_dimensions_on(sizes: &[usize]) {
     let [mut flat, mut cone] = [Count::default(), Count::default()];
     for mu in ["0.1", "0.4", "0.8"] {
         let friction = format!("contact.friction={mu}");
-        for scene in [
-            common::block(&["mesh.elements=[10,10]", &friction]),
-            common::block(&["mesh.elements=[20,20]", &friction]),
-            punch(&[&friction]),
-        ] {
+        let blocks = sizes.iter().map(|n| common::block(&[&format!("mesh.elements=[{n},{n}]"), &friction]));
+        for scene in blocks.chain([punch(&[&friction])]) {
             let model = Model::new(&scene).unwrap();
             let times = scene.time.all();
             let (thick, loading) = thickened(&model.problem, &model.loading);

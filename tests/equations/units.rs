@@ -141,7 +141,7 @@ fn scenes_in_meganewtons_and_hundredths_of_millimetres() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 20, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 8, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Any units, over 24 decades of stress and 12 of length.
     #[test]
