@@ -33,6 +33,7 @@ mod leaps;
 mod need;
 mod recording;
 mod sharing;
+mod start;
 mod suited;
 mod watch;
 
@@ -286,6 +287,13 @@ impl<'a> Run<'a> {
                 None
             }
         };
+        let start_error = match self.friction_by_start(audience.observer()) {
+            Ok(error) => error,
+            Err(error) => {
+                missing.push(Warning::of_missing("what the first increment does to friction", &error));
+                None
+            }
+        };
         let critical_friction = match last.map(|last| self.critical_friction(&last, &outcome)).transpose() {
             Ok(critical) => critical.flatten(),
             Err(error) => {
@@ -324,6 +332,7 @@ impl<'a> Run<'a> {
             reactions,
             last_reactions,
             leap,
+            start: start_error,
             balance,
             curves,
             critical_friction,

@@ -322,12 +322,16 @@ impl IncrementErrors {
         // Nodes that slip may stick where loads turn, and then the rate along their cases is that of another way.
         let is_led = !(turned && self.nodes.iter().any(slips));
         let first = begins.iter().filter_map(|begin| begin.touches).fold(f64::INFINITY, f64::min);
+        let notable = NOTABLE * self.largest[1].max(friction_of_all(formulation, weight, z));
+        // Friction is within the cone, so that it may be off by the width of that at most: by twice what it is.
+        let width = |formulation: &Bdiff, i: usize| 2.0 * friction_at(formulation, weight, i, z);
         let mut held_cases = cases.to_vec();
         let mut held = Vec::new();
         for (i, begin) in begins.iter_mut().enumerate() {
             if begin.sticks && matches!(cases[i].1, TangentialCase::Slip { .. }) {
                 // A touch that was not seen to come counts as one at the end.
-                if begin.touches == Some(first) && first < 1.0 && is_led {
+                let is_first = begin.touches == Some(first) && first < 1.0;
+                if is_first && is_led && width(formulation, i) > notable {
                     held_cases[i].1 = TangentialCase::Stick;
                     held.push(i);
                 } else {
@@ -336,12 +340,10 @@ impl IncrementErrors {
             }
         }
         let error = if held.is_empty() { None } else { self.transport(&held_cases, begins, formulation, bn, linear)? };
-        let notable = NOTABLE * self.largest[1].max(friction_of_all(formulation, weight, z));
         let mut largest = 0.0_f64;
         for i in held {
             let by_place = error.as_ref().map_or(0.0, |error| friction_at(formulation, weight, i, error));
-            // Its friction is within the cone, so that it may be off by the width of that at most: by twice what it is.
-            let most = by_place.min(2.0 * friction_at(formulation, weight, i, z));
+            let most = by_place.min(width(formulation, i));
             let sticks = most > notable;
             begins[i] = Begin { sticks, delta: [0.0; 2], ..begins[i] };
             largest = largest.max(if sticks { most } else { 0.0 });

@@ -1,11 +1,12 @@
 //! What a state does to bodies in front of each other.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
 use super::Model;
 use crate::contact::{ContactBoundary, ContactStatus, Passed};
+use crate::mesh::Facet;
 use crate::problem::State;
 
 /// A contact node that has slid past the facets that were in front of it.
@@ -40,16 +41,34 @@ impl Model {
             if rows.iter().all(|row| row.bulge == 0.0) || !self.pairs[pair].is_measured() {
                 return None;
             }
+            let inside = self.inside_of_contact(pair, state);
             let (mut force, mut bulge, mut closed) = (0.0, 0.0, 0.0);
             for (contact, p_n) in self.contacts.iter().zip(&state.p_n) {
                 let Some(coupled) = contact.coupled().filter(|coupled| coupled.pair == pair) else { continue };
                 force += p_n;
-                bulge += p_n * coupled.bulge.abs();
+                bulge += if inside.contains(&contact.node) { p_n * coupled.bulge.abs() } else { 0.0 };
                 closed += p_n * contact.facing.gap.abs();
             }
             (force > 0.0).then(|| Faceted { pair, force, bulge: bulge / force, closed: closed / force })
         };
         (0..self.pairs.len()).filter_map(of_pair).collect()
+    }
+
+    /// The nodes of the slave of a pair all of whose facets are pressed at every node. A facet that is open at one end is curved away from the
+    /// contact: its curve does not press.
+    fn inside_of_contact(&self, pair: usize, state: &State) -> BTreeSet<usize> {
+        let pressed: BTreeSet<usize> = self
+            .contacts
+            .iter()
+            .zip(&state.p_n)
+            .filter(|(_, p_n)| **p_n > 0.0)
+            .map(|(contact, _)| contact.node)
+            .collect();
+        let Some(slave) = self.mesh.boundary(&self.pairs[pair].slave) else { return BTreeSet::new() };
+        let is_pressed = |facet: &&Facet| facet.nodes.iter().all(|node| pressed.contains(node));
+        let of = |open: bool| slave.facets.iter().filter(move |facet| is_pressed(facet) != open);
+        let open: BTreeSet<usize> = of(true).flat_map(|facet| facet.nodes.iter().copied()).collect();
+        of(false).flat_map(|facet| facet.nodes.iter().copied()).filter(|node| !open.contains(node)).collect()
     }
 
     /// The share of the largest possible friction of each contact boundary at nodes that supports hold along a direction in which what is in

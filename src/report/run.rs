@@ -240,6 +240,8 @@ pub struct Facts<'a> {
     pub last_reactions: Option<BalanceRecord>,
     /// Where contact forces jump, if they do.
     pub leap: Option<Leap>,
+    /// What the first increment does to the friction at its end, where loads or interference are there before it.
+    pub start: Option<f64>,
     /// What is left of the balance.
     pub balance: BalanceWatch,
     /// The history as it is drawn.
@@ -263,10 +265,14 @@ impl RunReport {
         warnings.retain(|warning| warning.kind != WarningKind::Locking || facts.estimates.locking.is_none());
         warnings.extend(validity.warnings(model));
         warnings.extend(facts.estimates.warnings(model, validity));
-        let increments = facts.estimates.increments.iter();
-        warnings.extend(
-            increments.flat_map(|found| increment_warnings::warnings(found, outcome.tally.increments, &model.units())),
-        );
+        let companion = facts.estimates.companion;
+        let known = increment_warnings::Known {
+            found: facts.estimates.increments.as_ref(),
+            companion: companion.and_then(|companion| Some((companion.error?, companion.increments))),
+            start: facts.start,
+            increments: outcome.tally.increments,
+        };
+        warnings.extend(increment_warnings::warnings(&known, &model.units()));
         warnings.extend(exact_path::curved_gaps(solver.method, model, outcome));
         warnings.extend(exact_path::jumps(&outcome.jumps));
         warnings.extend(facts.leap.map(|leap| leap.warning()));

@@ -1,0 +1,69 @@
+//! Loads and interference that are there at t = 0.
+//!
+//! The first increment leads from the unloaded body to its own end, and takes what is there at t = 0 together with what changes until then. So
+//! friction at its end depends on how long it is. How much is told by a history of two increments: the first, which is as short as rounding allows,
+//! takes what is there at t = 0, and the second what changes.
+
+use super::{Run, RunError};
+use crate::formulation::Layout;
+use crate::history::{HistorySettings, Method, Observer, Status};
+use crate::model::Model;
+use crate::problem::State;
+
+use super::companion::Quiet;
+
+/// The end of the increment that takes what is there at t = 0, as a share of the first increment.
+const AT_ONCE: f64 = 1e-9;
+
+impl Run<'_> {
+    /// How far friction at the end of the first increment is from that after an increment of its own for what is there at t = 0, as a share of what
+    /// contact can bear, both as the root of `Σ |p|² / l`. `None` where nothing is there, nothing changes, or a history of both fails.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on.
+    pub(super) fn friction_by_start(&self, observer: &mut dyn Observer) -> Result<Option<f64>, RunError> {
+        let Some(&first) = self.times.first() else { return Ok(None) };
+        if matches!(self.solver.method, Method::Events { .. }) || !begins_loaded(&self.model, first) {
+            return Ok(None);
+        }
+        let settings = HistorySettings { keeps_records: false, ..self.settings()? };
+        let mut last = |times: &[f64]| -> Result<Option<State>, RunError> {
+            let mut quiet = Quiet { observer: &mut *observer, numbers: &[], states: Vec::new() };
+            let outcome = self.history_with(self.system(), times, &settings, &mut quiet)?;
+            Ok((outcome.status == Status::Converged).then_some(outcome.state))
+        };
+        let Some(together) = last(&[first])? else { return Ok(None) };
+        let Some(apart) = last(&[AT_ONCE * first, first])? else { return Ok(None) };
+        Ok(difference(&self.model, &together, &apart))
+    }
+}
+
+/// Whether a contact with friction has loads or interference at t = 0, and something changes until the time `first` (s).
+fn begins_loaded(model: &Model, first: f64) -> bool {
+    let (problem, loading) = (&model.problem, &model.loading);
+    let layout = Layout::new(problem);
+    if !(0..layout.contacts()).any(|i| layout.has_friction(i)) {
+        return false;
+    }
+    let forces = [0.0, first].map(|t| {
+        let mut force = vec![0.0; problem.displacements()];
+        loading.force(t, &mut force);
+        force
+    });
+    let gaps = [0.0, first].map(|t| loading.gaps_at(t));
+    let drifts = [0.0, first].map(|t| [0, 1].map(|k| loading.drift_at(t, k)));
+    let is_loaded = forces[0].iter().any(|f| *f != 0.0) || gaps[0].iter().any(|gap| *gap < 0.0);
+    is_loaded && (forces[0] != forces[1] || gaps[0] != gaps[1] || drifts[0] != drifts[1])
+}
+
+fn difference(model: &Model, a: &State, b: &State) -> Option<f64> {
+    let problem = &model.problem;
+    let weight = problem.weight();
+    let root = |of_node: &dyn Fn(usize) -> [f64; 2]| {
+        let square = |i: usize| of_node(i).map(|p| p * p).iter().sum::<f64>() / weight.map_or(1.0, |l| l[i]);
+        (0..problem.contacts()).map(square).sum::<f64>().sqrt()
+    };
+    let apart = root(&|i| [a.p_t[i] - b.p_t[i], a.p_o[i] - b.p_o[i]]);
+    let bears = root(&|i| [problem.mu()[i] * b.p_n[i], 0.0]);
+    (bears > 0.0).then(|| apart / bears)
+}
