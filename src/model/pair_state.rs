@@ -1,12 +1,11 @@
 //! What a state does to bodies in front of each other.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
 use super::Model;
 use crate::contact::{ContactBoundary, ContactStatus, Passed};
-use crate::mesh::Facet;
 use crate::problem::State;
 
 /// A contact node that has slid past the facets that were in front of it.
@@ -20,16 +19,16 @@ pub struct Slid {
     pub share: f64,
 }
 
-/// What the facets of curved boundaries do to the measured gaps of a pair, in the mean over the normal forces.
+/// What the facets of curved boundaries do to the measured gaps of a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Faceted {
     /// The number of the pair.
     pub pair: usize,
     /// The sum of the normal forces, N.
     pub force: f64,
-    /// By how much gaps between the curved surfaces differ from those between the facets, m.
+    /// By how much gaps between the curved surfaces differ from those between the facets, m: the median of the nodes that are pressed.
     pub bulge: f64,
-    /// How large the gaps are that contact has closed, m.
+    /// How large the gaps are that contact has closed, in the mean over the normal forces, m.
     pub closed: f64,
 }
 
@@ -41,34 +40,23 @@ impl Model {
             if rows.iter().all(|row| row.bulge == 0.0) || !self.pairs[pair].is_measured() {
                 return None;
             }
-            let inside = self.inside_of_contact(pair, state);
-            let (mut force, mut bulge, mut closed) = (0.0, 0.0, 0.0);
-            for (contact, p_n) in self.contacts.iter().zip(&state.p_n) {
+            let (mut force, mut closed, mut bulges) = (0.0, 0.0, Vec::new());
+            for (contact, p_n) in self.contacts.iter().zip(&state.p_n).filter(|(_, p_n)| **p_n > 0.0) {
                 let Some(coupled) = contact.coupled().filter(|coupled| coupled.pair == pair) else { continue };
                 force += p_n;
-                bulge += if inside.contains(&contact.node) { p_n * coupled.bulge.abs() } else { 0.0 };
                 closed += p_n * contact.facing.gap.abs();
+                bulges.push(coupled.bulge.abs());
             }
-            (force > 0.0).then(|| Faceted { pair, force, bulge: bulge / force, closed: closed / force })
+            // Not the mean: where flats end in a curve, the largest forces are at its first facet, and nothing else of the contact is curved.
+            let middle = bulges.len() / 2;
+            let bulge = bulges
+                .get_mut(..)
+                .filter(|bulges| !bulges.is_empty())?
+                .select_nth_unstable_by(middle, f64::total_cmp)
+                .1;
+            Some(Faceted { pair, force, bulge: *bulge, closed: closed / force })
         };
         (0..self.pairs.len()).filter_map(of_pair).collect()
-    }
-
-    /// The nodes of the slave of a pair all of whose facets are pressed at every node. A facet that is open at one end is curved away from the
-    /// contact: its curve does not press.
-    fn inside_of_contact(&self, pair: usize, state: &State) -> BTreeSet<usize> {
-        let pressed: BTreeSet<usize> = self
-            .contacts
-            .iter()
-            .zip(&state.p_n)
-            .filter(|(_, p_n)| **p_n > 0.0)
-            .map(|(contact, _)| contact.node)
-            .collect();
-        let Some(slave) = self.mesh.boundary(&self.pairs[pair].slave) else { return BTreeSet::new() };
-        let is_pressed = |facet: &&Facet| facet.nodes.iter().all(|node| pressed.contains(node));
-        let of = |open: bool| slave.facets.iter().filter(move |facet| is_pressed(facet) != open);
-        let open: BTreeSet<usize> = of(true).flat_map(|facet| facet.nodes.iter().copied()).collect();
-        of(false).flat_map(|facet| facet.nodes.iter().copied()).filter(|node| !open.contains(node)).collect()
     }
 
     /// The share of the largest possible friction of each contact boundary at nodes that supports hold along a direction in which what is in

@@ -60,9 +60,8 @@ fn work(found: &IncrementError, units: &UnitSystem) -> Warning {
 /// That what is there at t = 0 comes with the first increment.
 fn of_start(error: f64) -> String {
     format!(
-        "loads or interference are there at t = 0 and change in the first increment, which takes both at once: friction at its end differs by \
-         {:.0} % of what contact can bear from that after an increment of their own. More increments do not mend that: begin with a stage that holds \
-         what is there, as in history = [[0, 1], [1, 1], [2, 0]], or let it grow from 0",
+        "loads or interference are there at t = 0, and the first increment takes them together with what changes in it: friction is {:.0} % of what \
+         contact can bear off from there on. Begin with a stage that holds what is there, as in history = [[0, 1], [1, 1], [2, 0]], or let it grow from 0",
         100.0 * error
     )
 }

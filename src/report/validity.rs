@@ -352,8 +352,8 @@ fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
     let (units, share) = (model.units(), faceted.bulge / faceted.closed);
     let length = |x: f64| format!("{:.2e} {}", units.of_si(Quantity::Length, x), units.name(Quantity::Length));
     format!(
-        "the facets of `{}` and `{}` are chords of curved surfaces, and gaps between them differ by {} from those of the surfaces in the mean, \
-         {:.0} % of the {} that contact closes; give contact[{}].gap, if it is known, use elements of second order, or at least {:.0} times as \
+        "the facets of `{}` and `{}` are chords of curved surfaces, and gaps between them differ by {} from those of the surfaces at half of \
+         the nodes, {:.0} % of the {} that contact closes; give contact[{}].gap, if it is known, use elements of second order, or at least {:.0} times as \
          many along the curve",
         pair.slave,
         pair.master.name,

@@ -1,8 +1,8 @@
 //! Loads and interference that are there at t = 0.
 //!
 //! The first increment leads from the unloaded body to its own end, and takes what is there at t = 0 together with what changes until then. So
-//! friction at its end depends on how long it is. How much is told by a history of two increments: the first, which is as short as rounding allows,
-//! takes what is there at t = 0, and the second what changes.
+//! friction at its end depends on how long it is. How much, and whether that lasts, is told by the first two increments with another one before them,
+//! which is as short as rounding allows and takes what is there at t = 0.
 
 use super::{Run, RunError};
 use crate::formulation::Layout;
@@ -16,13 +16,14 @@ use super::companion::Quiet;
 const AT_ONCE: f64 = 1e-9;
 
 impl Run<'_> {
-    /// How far friction at the end of the first increment is from that after an increment of its own for what is there at t = 0, as a share of what
-    /// contact can bear, both as the root of `Σ |p|² / l`. `None` where nothing is there, nothing changes, or a history of both fails.
+    /// How far friction at the end of the second increment, or of the only one, is from that after an increment of its own for what is there at t = 0,
+    /// as a share of what contact can bear, both as the root of `Σ |p|² / l`. `None` where nothing is there, nothing changes, or one of both fails.
     ///
     /// # Errors
     /// When the linear algebra cannot go on.
     pub(super) fn friction_by_start(&self, observer: &mut dyn Observer) -> Result<Option<f64>, RunError> {
-        let Some(&first) = self.times.first() else { return Ok(None) };
+        let times = &self.times[..self.times.len().min(2)];
+        let Some(&first) = times.first() else { return Ok(None) };
         if matches!(self.solver.method, Method::Events { .. }) || !begins_loaded(&self.model, first) {
             return Ok(None);
         }
@@ -32,8 +33,8 @@ impl Run<'_> {
             let outcome = self.history_with(self.system(), times, &settings, &mut quiet)?;
             Ok((outcome.status == Status::Converged).then_some(outcome.state))
         };
-        let Some(together) = last(&[first])? else { return Ok(None) };
-        let Some(apart) = last(&[AT_ONCE * first, first])? else { return Ok(None) };
+        let Some(together) = last(times)? else { return Ok(None) };
+        let Some(apart) = last(&[&[AT_ONCE * first], times].concat())? else { return Ok(None) };
         Ok(difference(&self.model, &together, &apart))
     }
 }
