@@ -35,7 +35,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// What the bytes of a checkpoint begin with; another layout has another number.
-const MAGIC: &[u8] = b"stickslip checkpoint 1\n";
+const MAGIC: &[u8] = b"stickslip checkpoint 2\n";
 
 /// The place between two increments of a history from which it goes on as if it had never stopped.
 ///

@@ -12,6 +12,7 @@ mod load;
 mod meridian;
 mod motions;
 mod nearest;
+mod on_the_way;
 mod pair;
 mod pair_state;
 mod place;
@@ -23,6 +24,7 @@ mod support;
 mod unseen;
 
 pub use balance::{Balance, Wrench};
+pub use on_the_way::OnTheWay;
 pub use pair::Pair;
 pub use pair_state::{Faceted, Slid};
 pub use shared::{Body, Share};

@@ -246,7 +246,7 @@ impl ObstacleMotion {
     }
 
     /// Whether the obstacle turns, but not in itself.
-    fn turns(&self, obstacle: &PlacedObstacle) -> bool {
+    pub(crate) fn turns(&self, obstacle: &PlacedObstacle) -> bool {
         self.rotation.as_ref().is_some_and(|turning| !obstacle.is_the_same_about(turning.axis, turning.through))
     }
 

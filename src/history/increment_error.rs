@@ -9,7 +9,7 @@
 //!   before it touched and sticks `δ = τ w_T' - Δw_T` farther on: its friction is off by that of holding it there, and by twice itself at most;
 //! - that is an error `e = (e_u, e_p)` of the solution, `K e_u + Cᵀ e_p = 0` along the cases at its end: `w_T(e)` is `δ` more
 //!   than before at nodes that begin to stick and stays at those that stick, and slip loses it;
-//! - the work is `Σ μ ½ (p_n0 + p_n1) |Δw_T|` with both forces and the slip corrected by `e`, and with `|δ|` of those that
+//! - the work is `Σ ½ (μ_0 p_n0 + μ_1 p_n1) |Δw_T|` with both forces and the slip corrected by `e`, and with `|δ|` of those that
 //!   stuck. Where nodes slide in a plane, that is all that is done, with `e = 0`; nodes that begin to stick are counted.
 //!
 //! So an increment costs one solve for the rate, with the factors at its start, and one for `e`, with those at its end. One in which
@@ -86,6 +86,7 @@ struct Node {
     /// `g - w_n`, 0 or more.
     distance: f64,
     p_n: f64,
+    mu: f64,
     w: [f64; 2],
     /// `e`: of `w_T` and of `p_n`.
     error_w: [f64; 2],
@@ -97,7 +98,7 @@ impl Node {
     fn at(distance: f64, w: [f64; 2]) -> Self {
         let closed = distance <= 0.0;
         let case = if closed { TangentialCase::Stick } else { TangentialCase::NoPressure };
-        Node { closed, case, distance: positive(distance), p_n: 0.0, w, error_w: [0.0; 2], error_p_n: 0.0 }
+        Node { closed, case, distance: positive(distance), p_n: 0.0, mu: 0.0, w, error_w: [0.0; 2], error_p_n: 0.0 }
     }
 
     /// Whether it was apart, or slipped while loads went the same way, and sticks now; the farthest node tells what is rounding.
@@ -282,17 +283,18 @@ impl IncrementErrors {
                 error.as_ref().map_or(([0.0; 2], 0.0), |error| (formulation.w_t(i, error), error[layout.p_n(i)]));
             let before = self.nodes[i];
             let (closed, case) = cases[i];
-            let pressure = 0.5 * (positive(before.p_n + before.error_p_n) + positive(p_n + error_p_n));
+            let [first, last] = [before.mu * positive(before.p_n + before.error_p_n), mu * positive(p_n + error_p_n)];
+            let friction = 0.5 * (first + last);
             if let (TangentialCase::Slip { direction, .. }, true) = (case, layout.has_friction(i)) {
                 let p = formulation.p_t(i, z);
                 let corrected = |d: usize| slip[d] + error_w[d] - before.error_w[d] - begin.before_touch[d];
                 self.work += p[0] * slip[0] + p[1] * slip[1];
-                self.corrected += mu * pressure * positive(direction[0] * corrected(0) + direction[1] * corrected(1));
+                self.corrected += friction * positive(direction[0] * corrected(0) + direction[1] * corrected(1));
             } else if begin.slipped {
-                self.corrected += mu * pressure * length(begin.delta);
+                self.corrected += friction * length(begin.delta);
             }
             let distance = if closed { 0.0 } else { positive(gap - formulation.w_n(i, z)) };
-            self.nodes[i] = Node { closed, case, distance, p_n, w, error_w, error_p_n };
+            self.nodes[i] = Node { closed, case, distance, p_n, mu, w, error_w, error_p_n };
         }
         let sizes = [error.as_deref(), Some(z)].map(|z| z.map_or(0.0, |z| friction_of_all(formulation, weight, z)));
         self.largest = [0, 1].map(|k| self.largest[k].max(sizes[k]));

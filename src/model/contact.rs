@@ -341,7 +341,7 @@ fn met(
                 format!(
                     "no node of `{name}` meets this obstacle: to each another is nearer, or it is in front of none"
                 ),
-                "remove the obstacle or move it, or give it a boundary of its own",
+                "if it comes by within an increment, take more increments; otherwise remove or move it, or give it a boundary of its own",
             ),
         };
         return Err(at_obstacle(j, message, help));

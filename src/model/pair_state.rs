@@ -49,12 +49,11 @@ impl Model {
             }
             // Not the mean: where flats end in a curve, the largest forces are at its first facet, and nothing else of the contact is curved.
             let middle = bulges.len() / 2;
-            let bulge = bulges
-                .get_mut(..)
-                .filter(|bulges| !bulges.is_empty())?
-                .select_nth_unstable_by(middle, f64::total_cmp)
-                .1;
-            Some(Faceted { pair, force, bulge: *bulge, closed: closed / force })
+            if bulges.is_empty() {
+                return None;
+            }
+            let bulge = *bulges.select_nth_unstable_by(middle, f64::total_cmp).1;
+            Some(Faceted { pair, force, bulge, closed: closed / force })
         };
         (0..self.pairs.len()).filter_map(of_pair).collect()
     }

@@ -49,9 +49,9 @@ const ARC: f64 = 1.5;
 const PLACES: [f64; 4] = [0.14, 0.38, 0.5, 0.83];
 
 /// What a point of a boundary sees of the nearest obstacle.
-struct Seen {
+pub(super) struct Seen {
     /// m; NaN where nothing is in front.
-    distance: f64,
+    pub distance: f64,
     /// A vector into the obstacle, at right angles to its surface.
     inward: [f64; 3],
 }
@@ -172,7 +172,7 @@ impl Model {
 
     /// What a point that was at `x` and is displaced by `u` (m), on a facet of `boundary` that looks `outward`, sees at time `t` (s) of
     /// the nearest obstacle.
-    fn see(&self, boundary: &ContactBoundary, t: f64, x: [f64; 3], u: [f64; 3], outward: [f64; 3]) -> Seen {
+    pub(super) fn see(&self, boundary: &ContactBoundary, t: f64, x: [f64; 3], u: [f64; 3], outward: [f64; 3]) -> Seen {
         let moved = plus(x, 1.0, u);
         let mut nearest = Seen { distance: f64::NAN, inward: [f64::NAN; 3] };
         for (obstacle, motion) in &self.obstacles[boundary.obstacles.clone()] {

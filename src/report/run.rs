@@ -272,7 +272,10 @@ impl RunReport {
             start: facts.start,
             increments: outcome.tally.increments,
         };
-        warnings.extend(increment_warnings::warnings(&known, &model.units()));
+        // Their estimates are of gaps that change in proportion within an increment.
+        if validity.passage().is_none() {
+            warnings.extend(increment_warnings::warnings(&known, &model.units()));
+        }
         warnings.extend(exact_path::curved_gaps(solver.method, model, outcome));
         warnings.extend(exact_path::jumps(&outcome.jumps));
         warnings.extend(facts.leap.map(|leap| leap.warning()));

@@ -8,7 +8,8 @@ use crate::contact::{ContactStatus, Passed, RangeLeft, TOLERATED_SHARE};
 use crate::fem::RigidMotion;
 use crate::history::{Status, Step};
 use crate::mesh::Boundary;
-use crate::model::{BetweenNodes, Faceted, Model, Overlap, Pair, Slid};
+use crate::model::{BetweenNodes, Faceted, Model, OnTheWay, Overlap, Pair, Slid};
+use crate::problem::State;
 use crate::uniqueness::{NeutralMotion, neutral_motions};
 use crate::units::Quantity;
 use crate::vector::norm;
@@ -20,9 +21,16 @@ pub const NOT_SMALL: f64 = 0.1;
 /// The share of a force on nodes beyond the end of the other body from which on it does not count as small.
 const BEYOND_THE_END: f64 = 0.05;
 
-/// The share of the gaps that contact closes from which on what facets do to them does not count as small: pressures of a press fit are
-/// as wrong.
+/// What facets do to the gaps that contact closes changes from node to node, and against that bodies are so many times stiffer than against the gaps
+/// themselves: 7 to 8 by the peaks of rings of 32 to 44 facets a quarter pressed into each other, and of pins in holes with 20 to 40.
+const STIFFER: f64 = 7.0;
+
+/// The error of pressures by facets from which on it is told.
 const FACETED: f64 = 0.1;
+
+/// The share of what contact forces press in from which on it counts where an obstacle is on the way through an increment. Of one that rolls on, the
+/// friction of the whole way is then a few percent off at most.
+const PASSES: f64 = 1.0;
 
 /// The share of friction from which on it is told that it is left out.
 const LEFT_OUT: f64 = 0.01;
@@ -51,6 +59,10 @@ pub struct Validity {
     pub overlap: Option<(Overlap, f64)>,
     /// Where an obstacle is most different between nodes when contact forces were largest, if it is, and the time, s.
     pub between: Option<(BetweenNodes, f64)>,
+    /// What an obstacle has done on the way through an increment, at most.
+    pub on_the_way: Option<OnTheWay>,
+    /// The end of the last increment, where the ways of obstacles are looked at: its time, s, and its state.
+    last: Option<(f64, State)>,
     /// How far contact forces have pressed the body in, m.
     pressed: f64,
     /// The motion that the first equilibrium that is one of many leaves open, if there was any, and its time, s.
@@ -87,6 +99,8 @@ impl Validity {
             slid: None,
             overlap: None,
             between: None,
+            on_the_way: None,
+            last: model.has_passing_obstacles().then(|| (0.0, State::zero(&model.problem))),
             pressed: 0.0,
             neutral: None,
             steepest: None,
@@ -106,6 +120,8 @@ impl Validity {
             && self.beyond.is_none_or(|(pair, ..)| pair < model.pairs.len())
             && self.passed.is_none_or(|(passed, _)| passed.node < model.mesh.nodes.len())
             && self.faceted.iter().all(|faceted| faceted.pair < model.pairs.len())
+            && self.on_the_way.is_none_or(|found| found.contact < contacts)
+            && self.last.as_ref().is_none_or(|(_, state)| state.check(&model.problem).is_ok())
             && self.friction_left_out.is_none_or(|(boundary, ..)| boundary < model.contact_boundaries.len())
             && self.neutral.as_ref().is_none_or(|(motion, _)| motion.weights.len() == model.rigid_motions.len())
     }
@@ -157,6 +173,14 @@ impl Validity {
         {
             self.overlap = Some((overlap, record.time));
         }
+        if let Some((time, last)) = &mut self.last {
+            if let Some(found) = model.on_the_way([*time, record.time], [&*last, state])
+                && self.on_the_way.is_none_or(|worst| found.distance.abs() > worst.distance.abs())
+            {
+                self.on_the_way = Some(found);
+            }
+            (*time, *last) = (record.time, (*state).clone());
+        }
         let pressed = model.pressed(record.time, state);
         if is_as_large(pressed, self.pressed) {
             self.pressed = pressed.max(self.pressed);
@@ -185,9 +209,14 @@ impl Validity {
         }
     }
 
+    /// What an obstacle does on the way through an increment, if that does not count as small.
+    pub(super) fn passage(&self) -> Option<OnTheWay> {
+        self.on_the_way.filter(|found| found.distance.abs() > PASSES * self.pressed)
+    }
+
     /// The pairs whose facets change the gaps so much that pressures mean little.
     fn faceted_gaps(&self) -> impl Iterator<Item = &Faceted> {
-        self.faceted.iter().filter(|faceted| faceted.bulge > FACETED * faceted.closed)
+        self.faceted.iter().filter(|faceted| STIFFER * faceted.bulge > FACETED * faceted.closed)
     }
 
     /// Whether facets change the gaps in front of `boundary` so much that warnings of its pressures would name the wrong cause.
@@ -281,6 +310,9 @@ impl Validity {
         {
             warn(WarningKind::ObstacleBetweenNodes, between_nodes(model, between, *time, self.pressed));
         }
+        if let Some(found) = self.passage() {
+            warn(WarningKind::CurvedGaps, on_the_way(model, found, self.pressed));
+        }
         if let Some((slid, time)) = self.slid.filter(|(slid, _)| slid.share > ACROSS_FACETS) {
             let message = format!(
                 "the contact node at {} has slid by {:.2e} {unit} at t = {time} s, {:.0} % of the facet in front of it, but stays in \
@@ -353,15 +385,16 @@ fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
     let length = |x: f64| format!("{:.2e} {}", units.of_si(Quantity::Length, x), units.name(Quantity::Length));
     format!(
         "the facets of `{}` and `{}` are chords of curved surfaces, and gaps between them differ by {} from those of the surfaces at half of \
-         the nodes, {:.0} % of the {} that contact closes; give contact[{}].gap, if it is known, use elements of second order, or at least {:.0} times as \
+         the nodes, {:.1} % of the {} that contact closes: pressures may be off by about {:.0} %, forces by less; give contact[{}].gap, if it is known, use elements of second order, or at least {:.0} times as \
          many along the curve",
         pair.slave,
         pair.master.name,
         length(faceted.bulge),
         100.0 * share,
         length(faceted.closed),
+        100.0 * (STIFFER * share).min(1.0),
         pair.contact,
-        (share / FACETED).sqrt().ceil()
+        (STIFFER * share / FACETED).sqrt().ceil()
     )
 }
 
@@ -419,6 +452,20 @@ fn between_nodes(model: &Model, between: &BetweenNodes, time: f64, pressed: f64)
         told(*missed),
         beside(*missed, pressed),
         told(*size)
+    )
+}
+
+/// That an obstacle is elsewhere on the way through an increment.
+fn on_the_way(model: &Model, found: OnTheWay, pressed: f64) -> String {
+    let OnTheWay { contact, time, distance } = found;
+    let (units, does) = (model.units(), if distance < 0.0 { "goes through" } else { "leaves" });
+    format!(
+        "on the way through the increment that ends at t = {time} s an obstacle {does} the contact node at {}, by {:.2e} {}, {}: \
+         increments tell of their ends only, and the friction of what is between is left out; take more of them",
+        units.place(model.contacts[contact].position),
+        units.of_si(Quantity::Length, distance.abs()),
+        units.name(Quantity::Length),
+        beside(distance.abs(), pressed)
     )
 }
 

@@ -28,6 +28,9 @@ const MOST: usize = 3;
 /// An increment is halved, and the half with most of the change again, so many times in all.
 const ROUNDS: usize = 15;
 
+/// Of a change that is left at last friction feeds a larger share, see [`released`]; loads feed the rest.
+const FED_BY_FRICTION: f64 = 0.5;
+
 /// The share of the change that stays in one half of a jump: the rest are the loads, which go on.
 const STAYS: f64 = 0.6;
 
@@ -150,6 +153,7 @@ impl Steep {
         let (problem, loading) = (&model.problem, &model.loading);
         let (mut from, mut to, mut change) = (self.from.clone(), self.to.clone(), self.change);
         let stays = STAYS * self.change;
+        let mut share = self.released;
         for _ in 0..ROUNDS {
             let middle = 0.5 * (from.time + to.time);
             if middle <= from.time || middle >= to.time {
@@ -170,12 +174,13 @@ impl Steep {
                     }
                 }
             }
-            (change, to, from) = match (found, ends.pop(), ends.pop()) {
+            ((change, share), to, from) = match (found, ends.pop(), ends.pop()) {
                 (Some(found), Some(to), Some(from)) => (found, to, from),
                 _ => return Ok(None),
             };
         }
-        Ok(Some((from.time, to.time, change)))
+        // Where loads or obstacles move fast, what follows them may be as short.
+        Ok((share > FED_BY_FRICTION).then_some((from.time, to.time, change)))
     }
 }
 
@@ -191,8 +196,8 @@ struct Halves<'a> {
     problem: &'a ContactProblem,
     stays: f64,
     ends: Vec<End>,
-    /// That change.
-    found: Option<f64>,
+    /// That change, and what friction releases in it.
+    found: Option<(f64, f64)>,
 }
 
 impl Halves<'_> {
@@ -200,8 +205,11 @@ impl Halves<'_> {
         if self.found.is_some() {
             return;
         }
-        let last = self.ends.last().map(|last| size(self.problem, step.state, Some(&last.state)));
-        self.found = last.filter(|change| *change >= self.stays);
+        let Some(last) = self.ends.last() else { return };
+        let change = size(self.problem, step.state, Some(&last.state));
+        if change >= self.stays {
+            self.found = Some((change, released(self.problem, step, last)));
+        }
         self.ends.push(End::of(step));
     }
 }

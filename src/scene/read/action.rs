@@ -24,6 +24,7 @@ pub(super) fn support(given: document::Support, key: &str) -> Result<Support, Fa
         (None, Some(along)) => vec![Direction::Along(along)],
         (Some(fix), None) => fix.into_iter().map(held_along).collect(),
     };
+    let moves = displacement.is_some();
     let displacements = match displacement {
         None => vec![0.0; directions.len()],
         Some(Segments(values)) if values.len() == directions.len() => values,
@@ -33,7 +34,7 @@ pub(super) fn support(given: document::Support, key: &str) -> Result<Support, Fa
             return fault("displacement", &message, "give one for each direction that is held, in the order of fix");
         }
     };
-    if history.is_some() && displacements.iter().all(|to| *to == 0.0) {
+    if history.is_some() && !moves {
         return fault("history", "a support that moves nothing has a history", "add a displacement, or remove the key");
     }
     let held =
