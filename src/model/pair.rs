@@ -257,7 +257,11 @@ fn pair(
             let message = format!(
                 "the bodies start {depth:e} {unit} inside each other at {place}, where one is {thickness:e} {unit} thick"
             );
-            return Err(Fault::new(format!("{key}.against"), message, "move a body out, or give the gap"));
+            let (place, help) = match opposite.gap {
+                FirstGap::Measured => ("against", "move a body out, or give the gap"),
+                _ => ("gap", "the gap is in the scene's unit of length, and negative where bodies overlap: give a smaller one"),
+            };
+            return Err(Fault::new(format!("{key}.{place}"), message, help));
         }
     }
     let edges = edges(mesh, master, &mortar.rows);

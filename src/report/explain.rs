@@ -11,6 +11,9 @@ use crate::units::Quantity;
 /// A motion of contact nodes that is a smaller share of that of the body is rounding.
 const NEGLIGIBLE: f64 = 1e-9;
 
+/// The share of all friction in use from which on it is told.
+const MUCH: f64 = 0.8;
+
 /// Why a run ended early.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
@@ -84,19 +87,19 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
             )
         }
         Status::Inaccurate => {
-            format!("the method stopped with Theta = {:.1e}, but {violated}; {}", record.theta, advice(solver, model))
+            format!("the method stopped with Theta = {:.1e}, but {violated}; {}", record.theta, advice(solver, model, outcome))
         }
         Status::MaxIterations => {
             let limit = solver.max_iterations;
             // Fewer than any increment of the suite of extremes is known to need.
             let advice =
-                if limit < 100 { "try a larger solver.max_iterations".to_string() } else { advice(solver, model) };
+                if limit < 100 { "try a larger solver.max_iterations".to_string() } else { advice(solver, model, outcome) };
             format!("no convergence within max_iterations = {limit}: {violated}; {advice}")
         }
-        Status::Cycling => format!("the iteration goes round in a circle: {violated}; {}", advice(solver, model)),
-        Status::Stalled => format!("no step leads on: {violated}; {}", advice(solver, model)),
+        Status::Cycling => format!("the iteration goes round in a circle: {violated}; {}", advice(solver, model, outcome)),
+        Status::Stalled => format!("no step leads on: {violated}; {}", advice(solver, model, outcome)),
         Status::Diverged | Status::NotFinite => {
-            format!("the numbers left the range of double precision: {violated}; {}", advice(solver, model))
+            format!("the numbers left the range of double precision: {violated}; {}", advice(solver, model, outcome))
         }
         Status::Converged | Status::OutOfMemory | Status::Unsupported => violated,
     };
@@ -109,7 +112,7 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
 }
 
 /// What to try when the iteration stops too late or too early.
-fn advice(solver: &Solver, model: &Model) -> String {
+fn advice(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
     let words = match solver.method {
         Method::Bn { r_factor, .. } if r_factor != 1.0 => {
             "r is not that of the problem: take solver.r_factor out of the scene"
@@ -135,7 +138,7 @@ fn advice(solver: &Solver, model: &Model) -> String {
             );
         }
     };
-    format!("{words}{}", held_by_contact(model))
+    format!("{words}{}", held_by_contact(model, outcome))
 }
 
 /// The largest Young's modulus of any cell, Pa; in plane stress a little less.
@@ -149,7 +152,7 @@ fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
         (Some(motion), Some(weights)) if !meets_contact(model, weights) => {
             format!("nothing holds {}; add a support", motion.against(&model.units()))
         }
-        _ => format!("the linearised problem is singular{}", held_by_contact(model)),
+        _ => format!("the linearised problem is singular{}", held_by_contact(model, outcome)),
     }
 }
 
@@ -168,15 +171,31 @@ fn meets_contact(model: &Model, weights: &[f64]) -> bool {
 }
 
 /// What there is to say where no equilibrium was found of a body that contact alone holds: that it may have one was asked before.
-fn held_by_contact(model: &Model) -> String {
+fn held_by_contact(model: &Model, outcome: &HistoryOutcome) -> String {
     if model.rigid_motions.is_empty() || model.contacts.is_empty() {
         return String::new();
     }
     let motions: Vec<String> = model.rigid_motions.iter().map(|motion| motion.against(&model.units())).collect();
     format!(
         "; only contact can hold {}: contact forces within their friction could balance the loads, but no state was found \
-         in which they do; add a support, or loads that press the body on its obstacles from the start",
-        motions.join(" and ")
+         in which they do{}; add a support, or loads that press the body on its obstacles from the start",
+        motions.join(" and "),
+        used_up(model, outcome)
+    )
+}
+
+/// That most of the friction is in use at the end of the last good increment.
+fn used_up(model: &Model, outcome: &HistoryOutcome) -> String {
+    let (state, mu) = (&outcome.state, model.problem.mu());
+    let used: f64 = state.p_t.iter().zip(&state.p_o).map(|(t, o)| t.hypot(*o)).sum();
+    let most: f64 = state.p_n.iter().zip(mu).map(|(p_n, mu)| mu * p_n.max(0.0)).sum();
+    if most <= 0.0 || used < MUCH * most {
+        return String::new();
+    }
+    format!(
+        ". At t = {} s {:.0} % of all friction is in use: where loads overcome it, prescribe a displacement in their place",
+        outcome.reached,
+        100.0 * used / most
     )
 }
 
