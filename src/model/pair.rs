@@ -259,7 +259,10 @@ fn pair(
             );
             let (place, help) = match opposite.gap {
                 FirstGap::Measured => ("against", "move a body out, or give the gap"),
-                _ => ("gap", "the gap is in the scene's unit of length, and negative where bodies overlap: give a smaller one"),
+                _ => (
+                    "gap",
+                    "the gap is in the scene's unit of length, and negative where bodies overlap: give a smaller one",
+                ),
             };
             return Err(Fault::new(format!("{key}.{place}"), message, help));
         }

@@ -87,16 +87,25 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
             )
         }
         Status::Inaccurate => {
-            format!("the method stopped with Theta = {:.1e}, but {violated}; {}", record.theta, advice(solver, model, outcome))
+            format!(
+                "the method stopped with Theta = {:.1e}, but {violated}; {}",
+                record.theta,
+                advice(solver, model, outcome)
+            )
         }
         Status::MaxIterations => {
             let limit = solver.max_iterations;
             // Fewer than any increment of the suite of extremes is known to need.
-            let advice =
-                if limit < 100 { "try a larger solver.max_iterations".to_string() } else { advice(solver, model, outcome) };
+            let advice = if limit < 100 {
+                "try a larger solver.max_iterations".to_string()
+            } else {
+                advice(solver, model, outcome)
+            };
             format!("no convergence within max_iterations = {limit}: {violated}; {advice}")
         }
-        Status::Cycling => format!("the iteration goes round in a circle: {violated}; {}", advice(solver, model, outcome)),
+        Status::Cycling => {
+            format!("the iteration goes round in a circle: {violated}; {}", advice(solver, model, outcome))
+        }
         Status::Stalled => format!("no step leads on: {violated}; {}", advice(solver, model, outcome)),
         Status::Diverged | Status::NotFinite => {
             format!("the numbers left the range of double precision: {violated}; {}", advice(solver, model, outcome))

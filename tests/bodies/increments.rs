@@ -46,7 +46,7 @@ fn proportional_loads_leave_an_error_of_the_work_alone() {
         let found = left(&report);
         assert_eq!((found.force_error, found.sticking_begins), (Some(0.0), 0));
         assert!((found.work_error - 1.0 / (n + 1) as f64).abs() < 1e-9, "{n}: {found:?}");
-        assert_eq!(warned(&report), [false; 2]);
+        assert_eq!(warned(&report), [found.work_error > 0.1, false]);
         found.friction_work_corrected
     });
     assert!(works.iter().all(|work| (work / works[0] - 1.0).abs() < 1e-9), "{works:?}");
@@ -92,6 +92,44 @@ fn a_node_that_sticks_where_it_touches_though_its_increment_has_it_slide() {
     assert_eq!((found.work_error, found.sticking_begins, found.fewest), (1.0, 1, Some(1)));
 }
 
+/// The block is pressed in full at t = 0 and let go by three quarters: the first increment presses and lets go at once, so that friction points as
+/// after a smaller press. With a stage that holds the press there is nothing to tell.
+#[test]
+fn loads_that_are_there_at_the_start_and_change_at_once_are_warned_of() {
+    let block = ["mesh.elements=[20,20]", "contact.friction=0.2", "load[1].history=[[0,0],[2,0]]"];
+    let told = |history: &str, increments: usize| {
+        let history = format!("load[0].history={history}");
+        let report = solved(BLOCK, increments, &[&block[..], &[&history]].concat());
+        let message = report.warnings.into_iter().find(|warning| warning.kind == WarningKind::IncrementsForce);
+        message.filter(|warning| warning.message.contains("t = 0")).map(|warning| warning.message)
+    };
+    let message = told("[[0,1],[2,0.25]]", 1).unwrap();
+    assert!(message.contains("history = [[0, 1], [1, 1], [2, 0]]"), "{message}");
+    for (history, increments) in [("[[0,1],[1,1],[2,0.25]]", 2), ("[[0,0],[2,1]]", 1), ("[[0,1],[2,1]]", 1)] {
+        assert_eq!(told(history, increments), None, "{history}");
+    }
+}
+
+/// A block slides along springs while its friction falls to a third: they take (F² - R²) / 2k, whatever the increments make of it.
+#[test]
+fn the_work_of_friction_that_falls_is_corrected() {
+    let scene = BLOCK.replace(
+        "[[load]]                        # Q1\nboundary = \"right\"\ntraction = [-10e6, 0.0]         # N/m²\nhistory = [[0, 0], [1, 1], [2, 0]]\n",
+        "[[load]]\nboundary = \"left\"\ntraction = [3e6, 0]\nhistory = [[0.5, 0], [1, 1], [2, 1]]\n\
+         [[spring]]\nboundary = \"left\"\nstiffness = [1e9, 0]\n",
+    );
+    assert!(scene.contains("[[spring]]"));
+    let start = scene.find("[[support]]").unwrap();
+    let end = start + scene[start..].find("[[contact]]").unwrap();
+    let scene = format!("{}{}", &scene[..start], &scene[end..]);
+    let falls = ["mesh.elements=[10,10]", "contact.friction=0.4", "contact.friction_history=[[0,1],[1,1],[2,0.25]]"];
+    let [few, many] = [8, 320].map(|n| left(&solved(&scene, n, &falls)));
+    let truth = many.friction_work_corrected;
+    assert!((many.friction_work / truth - 1.0).abs() < 0.02, "{many:?}");
+    assert!((few.friction_work / truth - 1.0).abs() > 0.1, "{few:?}");
+    assert!((few.friction_work_corrected / truth - 1.0).abs() < 0.05, "{few:?} {many:?}");
+}
+
 /// All nodes of the block slip with little friction: backward Euler has the exact forces, and there is nothing to warn of.
 #[test]
 fn slip_alone_leaves_no_error_of_the_forces() {
@@ -99,7 +137,7 @@ fn slip_alone_leaves_no_error_of_the_forces() {
         let report = solved(BLOCK, n, &["contact.friction=0.1", "mesh.elements=[20,20]"]);
         let found = left(&report);
         assert_eq!((found.force_error, found.sticking_begins), (Some(0.0), 0), "{n}: {found:?}");
-        assert_eq!(warned(&report), [false; 2]);
+        assert_eq!(warned(&report), [found.work_error > 0.1, false], "{n}: {found:?}");
     }
 }
 
@@ -111,7 +149,8 @@ fn a_cylinder_is_warned_of_with_few_increments() {
     let [one, four, many] = [1, 4, 64].map(of);
     assert_eq!(warned(&one), [true; 2]);
     assert!(warned(&four)[0]);
-    assert_eq!(warned(&many), [false; 2]);
+    // The exact path has 11 % less work than 64 increments.
+    assert_eq!(warned(&many), [true, false]);
     // So few cannot tell by themselves: a second run does.
     let message = &one.warnings.iter().find(|warning| warning.kind == WarningKind::IncrementsForce).unwrap().message;
     assert!(message.contains("a single increment") && message.contains("--companion"), "{message}");
@@ -147,7 +186,8 @@ fn a_cube_in_proportion_is_not_warned_of() {
     let set = [&touching[..], &["mesh.elements=[4,4,4]", "time.end=1.0", "output.times=[1.0]"]].concat();
     for n in [1, 3, 8] {
         let report = solved(CUBE, n, &set);
-        assert_eq!((left(&report).sticking_begins, warned(&report)), (0, [false; 2]), "{n}");
+        let found = left(&report);
+        assert_eq!((found.sticking_begins, warned(&report)), (0, [found.work_error > 0.1, false]), "{n}");
         let counts = report.increments.last().unwrap().contact;
         assert!(counts.stick > 0 && counts.slip > 0, "{counts:?}");
     }

@@ -111,3 +111,11 @@ fn supports_springs_and_loads_that_cannot_be() {
         verify(&error, &text, line_of(&text, marker), says, remedy);
     }
 }
+
+/// A sweep of a displacement goes through 0.
+#[test]
+fn a_displacement_of_nothing_may_have_a_history() {
+    let moved = BLOCK.replacen(FIX, "fix = [\"x\", \"y\"]\ndisplacement = [0, 0]\nhistory = [[0, 0], [1, 1]]", 1);
+    assert_ne!(moved, BLOCK);
+    Model::new(&Scene::parse("scene.toml", &moved, &[]).unwrap()).unwrap();
+}

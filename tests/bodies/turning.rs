@@ -167,12 +167,34 @@ fn kinds(text: &str) -> Vec<WarningKind> {
         WarningKind::ObstacleBetweenNodes,
         WarningKind::Locking,
         WarningKind::CoarseMesh,
+        WarningKind::CurvedGaps,
         WarningKind::IncrementsWork,
         WarningKind::IncrementsForce,
         WarningKind::SlowBlas,
     ];
     let kinds = warnings(text).into_iter().map(|warning| warning.kind);
     kinds.filter(|kind| !of_others.contains(kind)).collect()
+}
+
+/// A roller that passes below the body between the ends of two increments, and one that turns about a line beside its own and lets go on the way, are
+/// warned of; with short increments they are not.
+#[test]
+fn obstacles_that_pass_between_the_ends_of_increments_are_warned_of() {
+    let passes = "kind = \"cylinder\", radius = 1.0, apex = [0.2, 1e-4], motion.translation = [[0, 0, 0], [1, 0.6, 0]]";
+    let turns = "kind = \"cylinder\", radius = 1.0, apex = [0.5, 1e-4], \
+                 motion.rotation = { through = [0.5, -1.0001], history = [[0, 0], [1, 12.566370614359172]] }";
+    for (obstacle, few, many) in [(passes, 2, 200), (turns, 2, 100)] {
+        let warned = [few, many].map(|n| {
+            let text = scene(obstacle).replace("increments = 10", &format!("increments = {n}"));
+            assert!(n == 10 || text != scene(obstacle));
+            kinds_of_all(&text).contains(&WarningKind::CurvedGaps)
+        });
+        assert_eq!(warned, [true, false], "{obstacle}");
+    }
+}
+
+fn kinds_of_all(text: &str) -> Vec<WarningKind> {
+    warnings(text).into_iter().map(|warning| warning.kind).collect()
 }
 
 /// A roller leans against the nodes beside it, under which it has been or will be; that it does when it touches is nothing. A plane

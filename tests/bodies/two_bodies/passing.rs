@@ -106,6 +106,8 @@ fn facets_that_change_the_gaps() {
     for kind in [WarningKind::ContactUnresolved, WarningKind::PeakScatter, WarningKind::SingularEdge] {
         assert_eq!(message(&report, kind), None);
     }
+    // Chords that are a fortieth of the overlap make pressures of a fifth too much.
+    assert!(message(&rings([32, 34], false, 1e-4, None), WarningKind::FacetedGaps).is_some());
     let right = [
         ([8, 6], false, 1e-5, Some(-1e-5)),
         ([8, 8], false, 1e-5, None),
