@@ -292,12 +292,7 @@ impl Validity {
             warn(WarningKind::FacetedGaps, faceted_gaps(model, faceted));
         }
         if let Some((k, share, time)) = self.friction_left_out.filter(|(_, share, _)| *share > LEFT_OUT) {
-            let message = format!(
-                "at t = {time} s {:.0} % of the normal force of `{}` times its friction is at nodes that supports hold along the direction in \
-                 which what is in front of them moves: their friction is in no result; let the support end at some distance from the contact, or let the other side be the slave",
-                100.0 * share,
-                model.contact_boundaries[k].name
-            );
+            let message = friction_left_out(&model.contact_boundaries[k].name, share, time);
             warn(WarningKind::FrictionLeftOut, message);
         }
         if let Some((overlap, time)) =
@@ -330,6 +325,16 @@ impl Validity {
         }
         warnings
     }
+}
+
+/// That a `share` of the friction of `boundary` is at nodes that supports hold.
+fn friction_left_out(boundary: &str, share: f64, time: f64) -> String {
+    format!(
+        "at t = {time} s {:.0} % of the normal force of `{boundary}` times its friction is at nodes that supports hold along the direction in which \
+         what is in front of them moves: their friction is in no result; let the support end at some distance from the contact, or let the other \
+         side be the slave",
+        100.0 * share
+    )
 }
 
 /// That a `share` of the force of a pair is beyond the end of the master.

@@ -163,21 +163,17 @@ impl Steep {
             let mut halves = Halves { observer, problem, stays, ends: vec![from], found: None };
             let status = edge.go_on(&[middle, to.time], &mut halves, means)?;
             let Halves { mut ends, found, .. } = halves;
-            if found.is_none() {
-                match status {
-                    Status::Converged | Status::Interrupted | Status::OutOfMemory => return Ok(None),
-                    // It has a solution as a whole, and what is left of it has none in halves.
-                    _ => {
-                        let Some(last) = ends.pop() else { return Ok(None) };
-                        let left = size(problem, &to.state, Some(&last.state));
-                        return Ok((left >= stays).then_some((last.time, to.time, left)));
-                    }
+            let Some(found) = found else {
+                if matches!(status, Status::Converged | Status::Interrupted | Status::OutOfMemory) {
+                    return Ok(None);
                 }
-            }
-            ((change, share), to, from) = match (found, ends.pop(), ends.pop()) {
-                (Some(found), Some(to), Some(from)) => (found, to, from),
-                _ => return Ok(None),
+                // It has a solution as a whole, and what is left of it has none in halves.
+                let Some(last) = ends.pop() else { return Ok(None) };
+                let left = size(problem, &to.state, Some(&last.state));
+                return Ok((left >= stays).then_some((last.time, to.time, left)));
             };
+            let (Some(end), Some(begin)) = (ends.pop(), ends.pop()) else { return Ok(None) };
+            ((change, share), to, from) = (found, end, begin);
         }
         // Where loads or obstacles move fast, what follows them may be as short.
         Ok((share > FED_BY_FRICTION).then_some((from.time, to.time, change)))
