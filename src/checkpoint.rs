@@ -14,7 +14,7 @@
 //!     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
 //!         let checkpoint = here();
 //!         if checkpoint.increments() == 2 {
-//!             self.0 = checkpoint.to_bytes();
+//!             self.0 = checkpoint.to_bytes().unwrap_or_default();
 //!         }
 //!     }
 //! }
@@ -44,7 +44,7 @@ const MAGIC: &[u8] = b"stickslip checkpoint 2\n";
 pub struct Checkpoint {
     increments: usize,
     time: f64,
-    parts: Vec<Vec<u8>>,
+    parts: Result<Vec<Vec<u8>>, CheckpointError>,
 }
 
 /// Why a checkpoint cannot be taken up.
@@ -54,6 +54,12 @@ pub enum CheckpointError {
     /// The bytes are none of a checkpoint of this version, or some of them are missing or changed.
     #[error("the checkpoint is damaged, or another version of stickslip wrote it")]
     Damaged,
+    /// A part of it cannot be written.
+    #[error("the checkpoint cannot be written: {why}")]
+    Unwritable {
+        /// What the format says.
+        why: String,
+    },
     /// It is that of another problem, method or history.
     #[error("the checkpoint is that of another run: {what} differs")]
     Other {
@@ -65,20 +71,23 @@ pub enum CheckpointError {
 impl Checkpoint {
     /// After so many increments, at `time` (s), with the part of the history.
     pub(crate) fn new<T: Serialize>(increments: usize, time: f64, part: &T) -> Self {
-        Checkpoint { increments, time, parts: Vec::new() }.with(part)
+        Checkpoint { increments, time, parts: Ok(Vec::new()) }.with(part)
     }
 
     /// The same with a part more.
     pub(crate) fn with<T: Serialize>(mut self, part: &T) -> Self {
-        // What is kept are numbers, lists and names: there is nothing that the format does not know. If there were, an empty part
-        // would be refused when it is read.
-        self.parts.push(rmp_serde::to_vec_named(part).unwrap_or_default());
+        match (&mut self.parts, rmp_serde::to_vec_named(part)) {
+            (Ok(parts), Ok(part)) => parts.push(part),
+            (Ok(_), Err(error)) => self.parts = Err(CheckpointError::Unwritable { why: error.to_string() }),
+            (Err(_), _) => {}
+        }
         self
     }
 
     /// Part `k`.
     pub(crate) fn part<T: DeserializeOwned>(&self, k: usize) -> Result<T, CheckpointError> {
-        let part = self.parts.get(k).ok_or(CheckpointError::Damaged)?;
+        let parts = self.parts.as_ref().map_err(Clone::clone)?;
+        let part = parts.get(k).ok_or(CheckpointError::Damaged)?;
         rmp_serde::from_slice(part).map_err(|_| CheckpointError::Damaged)
     }
 
@@ -93,17 +102,20 @@ impl Checkpoint {
     }
 
     /// All of it, with a checksum.
-    pub fn to_bytes(&self) -> Vec<u8> {
+    ///
+    /// # Errors
+    /// [`CheckpointError::Unwritable`] if a part of it cannot be written.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, CheckpointError> {
         let mut bytes = MAGIC.to_vec();
         bytes.extend((self.increments as u64).to_le_bytes());
         bytes.extend(self.time.to_le_bytes());
-        for part in &self.parts {
+        for part in self.parts.as_ref().map_err(Clone::clone)? {
             bytes.extend((part.len() as u64).to_le_bytes());
             bytes.extend(part);
         }
         let sum = crc32fast::hash(&bytes);
         bytes.extend(sum.to_le_bytes());
-        bytes
+        Ok(bytes)
     }
 
     /// The checkpoint with these bytes.
@@ -129,7 +141,7 @@ impl Checkpoint {
             rest = more;
         }
         let increments = usize::try_from(u64::from_le_bytes(*increments)).ok()?;
-        Some(Checkpoint { increments, time: f64::from_le_bytes(*time), parts })
+        Some(Checkpoint { increments, time: f64::from_le_bytes(*time), parts: Ok(parts) })
     }
 }
 
@@ -140,7 +152,7 @@ mod tests {
     #[test]
     fn bytes_that_are_cut_or_changed_anywhere_are_refused() {
         let checkpoint = Checkpoint::new(7, 0.5, &vec![1.0, f64::NAN, -0.0, f64::INFINITY]).with(&"another part");
-        let bytes = checkpoint.to_bytes();
+        let bytes = checkpoint.to_bytes().unwrap();
         let again = Checkpoint::from_bytes(&bytes).unwrap();
         assert_eq!(again, checkpoint);
         assert_eq!((again.increments(), again.time()), (7, 0.5));
@@ -155,5 +167,24 @@ mod tests {
         }
         assert_eq!(again.part::<Vec<f64>>(1), Err(CheckpointError::Damaged));
         assert_eq!(again.part::<Vec<f64>>(2), Err(CheckpointError::Damaged));
+    }
+
+    /// What the format does not know.
+    struct Unknown;
+
+    impl Serialize for Unknown {
+        fn serialize<S: serde::Serializer>(&self, _: S) -> Result<S::Ok, S::Error> {
+            Err(serde::ser::Error::custom("no format for this"))
+        }
+    }
+
+    /// A part that cannot be written is an error, and no empty part, wherever it stands among others.
+    #[test]
+    fn what_cannot_be_written_is_an_error() {
+        for checkpoint in [Checkpoint::new(1, 0.5, &Unknown).with(&1), Checkpoint::new(1, 0.5, &1).with(&Unknown)] {
+            let told = checkpoint.to_bytes().unwrap_err();
+            assert_eq!(told.to_string(), "the checkpoint cannot be written: no format for this");
+            assert_eq!(checkpoint.part::<i32>(0), Err(told));
+        }
     }
 }

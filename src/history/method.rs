@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use crate::formulation::{NewtonSystem, Partition};
 
 /// The error of every law that is allowed where nobody says otherwise; rounding leaves far less.
@@ -13,7 +15,8 @@ const PAPER_IP_TOLERANCE: f64 = 1e-6;
 
 /// The algorithm for one increment, with the constants and conventions that go with it: without a number to guess, or
 /// those behind the tables of Christensen, Klarbring, Pang and Strömberg (1998).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// The B-differentiable Newton method without a number to guess.
     Bn {
@@ -46,7 +49,8 @@ pub enum Method {
 }
 
 /// Where the paper's interior point method starts the increments after the first.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Start {
     /// Away from the border: `u` and `p_t` of the last solution, the positive unknowns uniform, a
     /// tenth of their largest values there.

@@ -6,13 +6,14 @@ use super::memory::Memory;
 use super::position::Position;
 use super::record::{IncrementRecord, Tally};
 use super::settings::HistorySettings;
-use super::{HistoryOutcome, IncrementError, WorkingSet};
+use super::{HistoryOutcome, IncrementError, Method, WorkingSet};
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::contact::KktScales;
 use crate::events::{Jump, SavedWalk, Walk};
 use crate::formulation::Layout;
 use crate::linear::Statistics;
 use crate::problem::{ContactProblem, State};
+use crate::units::Scaling;
 
 /// All that a history goes on from.
 #[derive(Clone, Serialize, Deserialize)]
@@ -25,13 +26,18 @@ pub(super) struct Saved {
     pub statistics: Statistics,
 }
 
-/// What a checkpoint is of.
+/// What a checkpoint is of: a history goes on from a checkpoint only if both have equal keys.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct RunOf {
-    method: String,
+    version: u32,
+    method: Method,
+    scaling: Scaling,
     displacements: usize,
     contacts: usize,
 }
+
+/// Changes with what a history keeps, and with what methods make of it.
+const VERSION: u32 = 1;
 
 /// What has come of it so far.
 #[derive(Clone, Serialize, Deserialize)]
@@ -68,8 +74,13 @@ pub(super) struct SavedStage {
 
 impl RunOf {
     pub(super) fn new(layout: &Layout, settings: &HistorySettings) -> Self {
-        let method = format!("{:?}", (settings.method, settings.scaling));
-        RunOf { method, displacements: layout.displacements(), contacts: layout.contacts() }
+        RunOf {
+            version: VERSION,
+            method: settings.method,
+            scaling: settings.scaling,
+            displacements: layout.displacements(),
+            contacts: layout.contacts(),
+        }
     }
 
     /// # Errors
@@ -79,8 +90,17 @@ impl RunOf {
         if *self == now {
             return Ok(());
         }
-        let what = if self.method == now.method { "the mesh or its contact" } else { "the method" };
-        Err(CheckpointError::Other { what })
+        Err(CheckpointError::Other { what: self.difference(&now) })
+    }
+
+    fn difference(&self, now: &RunOf) -> &'static str {
+        if self.version != now.version {
+            "the version of stickslip"
+        } else if (self.method, self.scaling) == (now.method, now.scaling) {
+            "the mesh or its contact"
+        } else {
+            "the method"
+        }
     }
 }
 

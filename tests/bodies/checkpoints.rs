@@ -23,7 +23,7 @@ impl Observer for All {
     }
 
     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
-        self.checkpoints.push(here().to_bytes());
+        self.checkpoints.push(here().to_bytes().unwrap());
     }
 }
 

@@ -53,7 +53,7 @@ struct Kept(Vec<Vec<u8>>);
 
 impl Observer for Kept {
     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
-        self.0.push(here().to_bytes());
+        self.0.push(here().to_bytes().unwrap());
     }
 }
 

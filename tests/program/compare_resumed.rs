@@ -23,7 +23,7 @@ impl Cells for Kept {
 
     fn keep(&self, name: &str, history: &Checkpoint) {
         *self.computed.lock().unwrap() += 1;
-        self.of.lock().unwrap().insert(name.to_string(), history.to_bytes());
+        self.of.lock().unwrap().insert(name.to_string(), history.to_bytes().unwrap());
     }
 }
 

@@ -47,6 +47,8 @@ impl Cells for CellFolder {
 
     /// What cannot be kept is solved again another time; a disk that refuses is told when the tables are written.
     fn keep(&self, name: &str, history: &Checkpoint) {
-        let _ = write_file(&self.path, &self.origin.fingerprint_of(name), history.to_bytes());
+        if let Ok(bytes) = history.to_bytes() {
+            let _ = write_file(&self.path, &self.origin.fingerprint_of(name), bytes);
+        }
     }
 }

@@ -95,7 +95,7 @@ fn words(rows: &[Row]) -> Vec<String> {
         lines.push(format!("{subject}, {}", kind.name()));
         let told = match subject {
             Subject::Line | Subject::Sphere => peaks(&of),
-            Subject::Work => by_increments(&of, 0.2),
+            Subject::Work => by_increments(&of, 0.1),
             Subject::Friction | Subject::Companion | Subject::Both => by_increments(&of, 0.05),
             // Cells of second order have no such estimate.
             _ if kind.is_quadratic() => stiffnesses(&of),
