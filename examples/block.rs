@@ -14,7 +14,7 @@ struct Picture;
 
 impl Observer for Picture {
     fn increment(&mut self, step: &Step<'_>) -> Flow {
-        use stickslip::contact::ContactStatus::{Open, Slip, Stick};
+        use stickslip::laws::ContactStatus::{Open, Slip, Stick};
         let nodes = step.statuses.iter().map(|status| match status {
             Open => ' ',
             Stick => '#',

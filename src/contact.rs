@@ -1,8 +1,6 @@
-//! Contact: obstacles, the maps `C_n`, `C_t` and `C_o`, the laws of Signorini and Coulomb, and the error
-//! measure that judges every solution.
+//! Contact: obstacles, other bodies, and the maps `C_n`, `C_t` and `C_o`.
 
 mod cone;
-pub mod coulomb;
 mod coupled;
 mod crossing;
 mod dependent;
@@ -12,7 +10,6 @@ mod front;
 mod gap_table;
 mod holes;
 mod kinematics;
-mod kkt;
 mod mortar;
 mod motion;
 mod obstacle;
@@ -34,8 +31,6 @@ pub use front::{Meeting, Unclear, meetings, nearest};
 pub use gap_table::{GapTable, TableError};
 pub use holes::holes_in_front_of;
 pub use kinematics::{ContactBoundary, ContactNode, Counterpart, Coupled, End, Row, Term, contact_nodes, unreachable};
-pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
-pub(crate) use kkt::{judge, rounding_level, statuses_of};
 pub use mortar::{GapAt, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, SlaveReason, Supports};
 pub use motion::{ObstacleMotion, Rates};
 pub(crate) use obstacle::Round;

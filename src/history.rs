@@ -82,9 +82,9 @@ pub use system::{LinearAlgebra, System, UnknownLinearAlgebra};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
 pub use working_set::WorkingSet;
 
-use crate::contact::{KktScales, Violation};
 use crate::events::{Event, Jump, Lost};
 use crate::formulation::Layout;
+use crate::laws::{KktScales, Violation};
 use crate::linear::Statistics;
 use crate::loading::Loading;
 use crate::problem::error::{expect_each, expect_finite, expect_increasing};

@@ -42,6 +42,7 @@ pub mod formulation;
 pub mod history;
 mod input;
 pub mod jobs;
+pub mod laws;
 pub mod linear;
 pub mod loading;
 pub mod local;

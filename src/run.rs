@@ -52,11 +52,11 @@ pub use suited::{Unsuited, unsuited};
 
 use crate::auto::{Choice, Done, Faster, factorizations};
 use crate::checkpoint::Checkpoint;
-use crate::contact::{ContactStatus, KktScales};
 use crate::formulation::Layout;
 use crate::history::{
     self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Means, Observer, Solver, Status, System,
 };
+use crate::laws::{ContactStatus, KktScales};
 use crate::linear::Direct;
 use crate::memory::Budget;
 use crate::model::Model;

@@ -23,10 +23,10 @@ use serde::Serialize;
 pub use neutral::NeutralMotion;
 pub(crate) use neutral::neutral_motions;
 
-use crate::contact::coulomb::{NormalCase, TangentialCase};
-use crate::contact::{ContactStatus, KktScales, statuses};
 use crate::formulation::{Bdiff, Conventions, Layout};
 use crate::history::Error;
+use crate::laws::coulomb::{NormalCase, TangentialCase};
+use crate::laws::{ContactStatus, KktScales, statuses};
 use crate::linear::{Direct, LinearError};
 use crate::problem::{ContactProblem, Increment, State};
 use crate::units::Scaling;

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::contact::ContactStatus;
 use stickslip::history::{IncrementRecord, Observer, Step};
+use stickslip::laws::ContactStatus;
 use stickslip::nonlinear::{Flow, IterationRecord};
 
 use crate::arrays::table;

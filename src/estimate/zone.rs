@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::corner::Corners;
 use super::graph::ContactGraph;
 use super::hertz::HertzContact;
-use crate::contact::ContactStatus;
+use crate::laws::ContactStatus;
 use crate::mesh::CellKind;
 use crate::model::Model;
 use crate::problem::State;

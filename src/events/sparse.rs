@@ -2,8 +2,8 @@
 
 use super::node::{Contact, Given, NodeStatus, largest};
 use super::tangent::{Taken, Tangent};
-use crate::contact::coulomb::{NormalCase, TangentialCase};
 use crate::formulation::{Bdiff, Conventions};
+use crate::laws::coulomb::{NormalCase, TangentialCase};
 use crate::linear::{Direct, LinearError, Statistics};
 use crate::problem::ContactProblem;
 use crate::units::Scaling;

@@ -12,7 +12,7 @@ use super::natural::Pressure;
 use super::natural::{NaturalRows, half_square};
 use super::scaled::Scaled;
 use super::{Assembled, Conventions, Layout};
-use crate::contact::coulomb::{
+use crate::laws::coulomb::{
     Germ, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case, tangential_case_ahead,
 };
 use crate::problem::{ContactProblem, Increment, strained};

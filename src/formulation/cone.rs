@@ -23,7 +23,7 @@ use super::natural::{NaturalRows, half_square};
 use super::pairs::{Face, Pair};
 use super::scaled::Scaled;
 use super::{Assembled, Conventions, Layout};
-use crate::contact::coulomb::{direction, length as size};
+use crate::laws::coulomb::{direction, length as size};
 use crate::problem::{ContactProblem, Increment};
 use crate::sparse::SystemMatrix;
 use crate::units::Scaling;

@@ -2,7 +2,7 @@
 
 use super::Layout;
 use super::scaled::Scaled;
-use crate::contact::coulomb::{normal_residual, tangential_residual};
+use crate::laws::coulomb::{normal_residual, tangential_residual};
 use crate::problem::ContactProblem;
 use crate::units::Scaling;
 

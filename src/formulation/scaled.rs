@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Layout;
-use crate::contact::coulomb::length;
+use crate::laws::coulomb::length;
 use crate::null_space::null_space;
 use crate::problem::{ContactProblem, Increment};
 use crate::sparse::Csr;

@@ -7,8 +7,8 @@
 //! interior's answer to each is worked out once a run.
 
 use super::task::{IncrementSolver, Response};
-use crate::contact::coulomb::length;
 use crate::formulation::Layout;
+use crate::laws::coulomb::length;
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::problem::ContactProblem;

@@ -20,8 +20,8 @@ mod begin;
 use serde::{Deserialize, Serialize};
 
 use crate::condense::Condensed;
-use crate::contact::coulomb::{TangentialCase, length, positive};
 use crate::formulation::Bdiff;
+use crate::laws::coulomb::{TangentialCase, length, positive};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::Bn;

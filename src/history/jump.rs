@@ -11,7 +11,7 @@ use super::settings::HistorySettings;
 use super::stage::Stages;
 use super::{Error, HistoryOutcome, Observer};
 use crate::condense::Condensation;
-use crate::contact::KktScales;
+use crate::laws::KktScales;
 use crate::linear::{Direct, Statistics};
 use crate::loading::Loading;
 use crate::problem::{ContactProblem, State};

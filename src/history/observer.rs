@@ -2,8 +2,8 @@
 
 use super::IncrementRecord;
 use crate::checkpoint::Checkpoint;
-use crate::contact::ContactStatus;
 use crate::events::Event;
+use crate::laws::ContactStatus;
 use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
 use crate::problem::{Increment, State};
 

@@ -24,7 +24,7 @@ use super::whole::{Balanced, Linearized, Whole};
 use super::working_set::{self, Lack};
 use super::{Status, record};
 use crate::condense::Condensed;
-use crate::contact::{KktScales, judge, rounding_level};
+use crate::laws::{KktScales, judge, rounding_level};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Outcome, Stop};

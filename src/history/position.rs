@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::carried::Carried;
 use super::increment_error::IncrementErrors;
-use crate::contact::{KktErrors, KktScales};
+use crate::laws::{KktErrors, KktScales};
 use crate::nonlinear::Outcome;
 use crate::problem::{ContactProblem, State};
 

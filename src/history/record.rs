@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::{ContactStatus, KktErrors};
+use crate::laws::{ContactStatus, KktErrors};
 use crate::linear::{LinearError, Statistics};
 use crate::nonlinear::{Outcome, Stop};
 

@@ -17,7 +17,7 @@ use super::working_set::WorkingSet;
 use super::{Error, HistoryOutcome};
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::condense::{Condensation, Condensed};
-use crate::contact::{Violation, rounding_level, statuses_of};
+use crate::laws::{Violation, rounding_level, statuses_of};
 use crate::linear::{Dense, Direct, LinearError, Statistics};
 use crate::loading::Loading;
 use crate::nonlinear::{Flow, Stop};

@@ -2,8 +2,8 @@
 
 use super::increment_error::IncrementErrors;
 use super::memory::Memory;
-use crate::contact::{KktScales, judge};
 use crate::formulation::Layout;
+use crate::laws::{KktScales, judge};
 use crate::linear::{Direct, LinearError};
 use crate::loading::Loading;
 use crate::nonlinear::{Flow, Iteration, Outcome};

@@ -3,7 +3,7 @@
 use super::observer::{Observer, Step};
 use super::record::{ContactCounts, IncrementRecord, Seconds};
 use super::walked::Walked;
-use crate::contact::statuses_of;
+use crate::laws::statuses_of;
 use crate::nonlinear::{Flow, Iteration};
 use crate::problem::{ContactProblem, Increment, State};
 

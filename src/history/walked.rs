@@ -1,7 +1,7 @@
 //! What became of an increment, and of its parts.
 
 use super::Status;
-use crate::contact::{KktErrors, KktScales};
+use crate::laws::{KktErrors, KktScales};
 use crate::nonlinear::Outcome;
 use crate::problem::State;
 

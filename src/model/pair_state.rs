@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::Model;
-use crate::contact::{ContactBoundary, ContactStatus, Passed};
+use crate::contact::{ContactBoundary, Passed};
+use crate::laws::ContactStatus;
 use crate::problem::State;
 
 /// A contact node that has slid past the facets that were in front of it.

@@ -1,7 +1,8 @@
 //! Where a state leaves the range of the linearised gaps.
 
 use super::Model;
-use crate::contact::{ContactStatus, DeformedNode, RangeLeft, range_left};
+use crate::contact::{DeformedNode, RangeLeft, range_left};
+use crate::laws::ContactStatus;
 use crate::problem::State;
 
 impl Model {

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::Model;
-use crate::contact::{ContactBoundary, ContactStatus, outsides};
+use crate::contact::{ContactBoundary, outsides};
+use crate::laws::ContactStatus;
 use crate::problem::State;
 use crate::vector::{dot, minus, norm, plus, unit};
 

@@ -4,9 +4,10 @@ use serde::Serialize;
 
 use super::csv;
 use super::quantities::cell;
-use crate::contact::{ContactBoundary, ContactStatus};
+use crate::contact::ContactBoundary;
 use crate::estimate::ContactGraph;
 use crate::history::Step;
+use crate::laws::ContactStatus;
 use crate::model::Model;
 use crate::units::UnitSystem;
 use crate::vector::{dot, minus, norm};

@@ -1,7 +1,8 @@
 //! A contact surface in space at the end of an increment, seen along its normal.
 
-use crate::contact::{ContactBoundary, ContactStatus};
+use crate::contact::ContactBoundary;
 use crate::history::Step;
+use crate::laws::ContactStatus;
 use crate::model::Model;
 use crate::units::UnitSystem;
 use crate::vector::{across, axis, axis_across, cross, dot, norm, plus, unit};

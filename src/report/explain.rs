@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::contact::Law;
 use crate::fem::RigidMotion;
 use crate::history::{HistoryOutcome, Method, Solver, Status};
+use crate::laws::Law;
 use crate::model::Model;
 use crate::units::Quantity;
 

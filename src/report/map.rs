@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use super::colours::shade;
 use super::contact_surface::{ContactSurface, SurfaceNode};
 use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite};
-use crate::contact::ContactStatus;
+use crate::laws::ContactStatus;
 use crate::units::Quantity;
 use view::View;
 

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::ContactStatus;
 use crate::estimate::{ContactEstimate, ContactGraph, PeakOf};
 use crate::history::Step;
+use crate::laws::ContactStatus;
 use crate::model::Model;
 use crate::problem::State;
 

@@ -3,7 +3,7 @@
 use super::chart::{Axis, Chart, Curve, Panel, Scale};
 use super::contact_line::{ContactLine, ContactPoint};
 use super::svg::{Dash, Line, Marker, PlotError};
-use crate::contact::ContactStatus;
+use crate::laws::ContactStatus;
 use crate::units::{Quantity, UnitSystem};
 
 const NORMAL: [u8; 3] = [31, 90, 160];

@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::largest::is_as_large;
 use super::warnings::{Warning, WarningKind};
-use crate::contact::{ContactStatus, Passed, RangeLeft, TOLERATED_SHARE};
+use crate::contact::{Passed, RangeLeft, TOLERATED_SHARE};
 use crate::fem::RigidMotion;
 use crate::history::{Status, Step};
+use crate::laws::ContactStatus;
 use crate::mesh::Boundary;
 use crate::model::{BetweenNodes, Faceted, Model, OnTheWay, Overlap, Pair, Slid};
 use crate::problem::State;

@@ -7,9 +7,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::KktScales;
 use crate::formulation::Layout;
 use crate::history::{Edge, Error, HistorySettings, Means, Method, Observer, Status, Step};
+use crate::laws::KktScales;
 use crate::model::Model;
 use crate::nonlinear::{Flow, IterationRecord};
 use crate::problem::{ContactProblem, State};

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::ContactStatus;
 use crate::history::{IncrementRecord, Observer, Step};
+use crate::laws::ContactStatus;
 use crate::nonlinear::Flow;
 use crate::problem::{Increment, State};
 
@@ -113,7 +113,7 @@ impl RecordedIncrement {
         Step { record: &self.record, increment: data, state: &self.state, statuses: &self.statuses }
     }
 
-    /// What drove it, as [`crate::contact::KktErrors::measure`] wants it.
+    /// What drove it, as [`crate::laws::KktErrors::measure`] wants it.
     pub fn data(&self) -> Increment<'_> {
         let RecordedIncrement { force, gap, mu, w_t_last, w_o_last, .. } = self;
         Increment { force, gap, mu, w_t_last, w_o_last }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::ContactStatus;
+use crate::laws::ContactStatus;
 use crate::null_space::null_space;
 use crate::problem::{ContactProblem, Increment, State};
 

@@ -10,8 +10,8 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
-use stickslip::contact::KktErrors;
 use stickslip::history::{self, HistoryOutcome, Method, Solver, Status};
+use stickslip::laws::KktErrors;
 use stickslip::linear::LinearError;
 use stickslip::model::{Model, ModelError};
 use stickslip::run::{Run, RunError};

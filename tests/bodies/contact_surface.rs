@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::contact::ContactStatus;
 use stickslip::history::{Observer, Status, Step};
+use stickslip::laws::ContactStatus;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::report::ContactSurface;

@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use crate::common::{BELT, Keep, block, run};
-use stickslip::contact::{ContactStatus, KktErrors, KktScales};
 use stickslip::history::{Status, System};
+use stickslip::laws::{ContactStatus, KktErrors, KktScales};
 use stickslip::linear::{FactorInfo, LinearError, LinearSolver, SparseLu};
 use stickslip::model::Model;
 use stickslip::run::{Recording, Run};

@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::contact::KktErrors;
 use stickslip::description::Probe;
 use stickslip::history::{self, HistorySettings, Method, Observer, Status, Step, System};
+use stickslip::laws::KktErrors;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::report::{ContactLine, DeformedBody, ProbeTable, ProbeValue, history_charts};

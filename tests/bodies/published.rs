@@ -4,11 +4,12 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use stickslip::contact::{ContactStatus, GapDirection, Obstacle, Place, Shape};
+use stickslip::contact::{GapDirection, Obstacle, Place, Shape};
 use stickslip::description::{Action, Axis, Description};
 use stickslip::fem::{Material, Plane};
 use stickslip::formula::Formula;
 use stickslip::history::{LinearAlgebra, Method, Solver, Status};
+use stickslip::laws::ContactStatus;
 use stickslip::mesh::MeshSource;
 use stickslip::model::Model;
 use stickslip::run::{RecordedIncrement, Recording, Run};

@@ -9,11 +9,11 @@ use crate::common;
 use crate::common::Keep;
 use crate::common::convergence::{self, order};
 use crate::common::hertz::Hertz;
-use stickslip::contact::ContactStatus;
 use stickslip::fem::{Dofs, assemble};
 use stickslip::history::{
     self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, Status, Step, System,
 };
+use stickslip::laws::ContactStatus;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::report::Resultant;

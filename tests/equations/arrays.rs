@@ -1,8 +1,8 @@
 //! Arrays that do not fit, numbers that are none: each is refused by an error that names the array.
 #![allow(clippy::unwrap_used)]
 
-use stickslip::contact::{KktErrors, KktScales, statuses};
 use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Start, Status, Step, System};
+use stickslip::laws::{KktErrors, KktScales, statuses};
 use stickslip::linear::Direct;
 use stickslip::loading::{Bend, LoadCase, Loading, Motion};
 use stickslip::nonlinear::{Flow, LinearSystem};

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::neutral::{agreed, solve};
-use stickslip::contact::KktErrors;
 use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step};
+use stickslip::laws::KktErrors;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::report::Resultant;
@@ -62,7 +62,7 @@ fn a_body_that_was_carried_is_in_equilibrium() {
     struct Measured<'a>(&'a Model, Vec<(KktErrors, f64)>);
     impl Observer for Measured<'_> {
         fn increment(&mut self, step: &Step<'_>) -> Flow {
-            let scales = stickslip::contact::KktScales::new(&self.0.problem, step.increment, step.state);
+            let scales = stickslip::laws::KktScales::new(&self.0.problem, step.increment, step.state);
             let errors = KktErrors::measure(&self.0.problem, step.increment, step.state, &scales).unwrap();
             let least = step.increment.gap.iter().fold(f64::INFINITY, |least, gap| least.min(*gap));
             self.1.push((errors, least));

@@ -4,9 +4,9 @@
 use std::ops::Range;
 
 use crate::common::random::{self, Random};
-use stickslip::contact::{ContactStatus, KktErrors, KktScales, statuses};
 use stickslip::formulation::{Bdiff, Conventions};
 use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, System};
+use stickslip::laws::{ContactStatus, KktErrors, KktScales, statuses};
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
 use stickslip::units::Scaling;

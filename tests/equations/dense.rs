@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use stickslip::condense::Condensed;
-use stickslip::contact::coulomb::{NormalCase, TangentialCase};
 use stickslip::formulation::{Bdiff, Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
+use stickslip::laws::coulomb::{NormalCase, TangentialCase};
 use stickslip::linear::{Dense, Direct, LinearError, SparseCholesky, backward_error};
 use stickslip::model::Model;
 use stickslip::problem::ContactProblem;

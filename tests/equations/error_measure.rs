@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::contact::ContactStatus::{Open, Slip, Stick};
-use stickslip::contact::{KktErrors, KktScales};
 use stickslip::history::Status;
+use stickslip::laws::ContactStatus::{Open, Slip, Stick};
+use stickslip::laws::{KktErrors, KktScales};
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Increment, Parts, ProblemError, State};
 use stickslip::sparse::{Csr, Symmetric};
@@ -57,7 +57,7 @@ fn each_component_sees_its_own_violation() {
     // At the end some nodes are open, some stick, some slip.
     let (increment, state) = (keep.increment(1, model.loading.gap()), &keep.states[1]);
     let statuses =
-        stickslip::contact::statuses(problem, &increment, state, &KktScales::new(problem, &increment, state)).unwrap();
+        stickslip::laws::statuses(problem, &increment, state, &KktScales::new(problem, &increment, state)).unwrap();
     let find = |wanted| statuses.iter().position(|&s| s == wanted).unwrap();
     let (open, slip, stick) = (find(Open), find(Slip), find(Stick));
     let force = (state.p_n.iter().chain(increment.force)).fold(0.0_f64, |m, p| m.max(p.abs()));

@@ -4,12 +4,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use stickslip::contact::{KktErrors, KktScales};
 use stickslip::exchange::{
     Answer, Errors, ExchangeError, GlobalProblem, Info, Parts, Problem, ProblemFile, Solution, Way, export,
     export_local, judge, solve, solve_by,
 };
 use stickslip::history::Status;
+use stickslip::laws::{KktErrors, KktScales};
 use stickslip::local::LocalProblem;
 use stickslip::problem::State;
 use stickslip::run::{Recording, Run};

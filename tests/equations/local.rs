@@ -4,7 +4,7 @@
 
 use crate::common::random::draw;
 use proptest::prelude::*;
-use stickslip::contact::{KktErrors, KktScales};
+use stickslip::laws::{KktErrors, KktScales};
 use stickslip::local::{CascadeSettings, LocalProblem, LocalStatus, SOLVED, Solved, solve};
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
 use stickslip::sparse::{Csc, Csr, Symmetric};

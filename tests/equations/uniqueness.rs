@@ -6,8 +6,8 @@
 use crate::common;
 use faer::Mat;
 use faer::prelude::Solve;
-use stickslip::contact::{ContactStatus, KktErrors, KktScales, statuses};
 use stickslip::formulation::{Bdiff, Conventions, Pressure};
+use stickslip::laws::{ContactStatus, KktErrors, KktScales, statuses};
 use stickslip::linear::Direct;
 use stickslip::model::Model;
 use stickslip::nonlinear::{Armijo, Bn, End, Flow};

@@ -3,7 +3,7 @@
 
 use crate::uniqueness::{posed, posed_critical};
 use stickslip::condense::Condensed;
-use stickslip::contact::{ContactStatus, KktScales};
+use stickslip::laws::{ContactStatus, KktScales};
 use stickslip::linear::{Direct, SparseCholesky};
 use stickslip::problem::{ContactProblem, Increment, State};
 use stickslip::uniqueness::critical_friction;

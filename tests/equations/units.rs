@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use proptest::prelude::*;
-use stickslip::contact::ContactStatus;
 use stickslip::history::{self, HistorySettings, Method, Observer, Status, Step, System};
+use stickslip::laws::ContactStatus;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;
 use stickslip::problem::State;

@@ -20,11 +20,12 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("mesh", &["fault", "input", "sets", "vector"]),
     ("problem", &["linear", "sets", "sparse", "units", "vector"]),
     ("loading", &["problem", "timeline"]),
+    ("laws", &["problem"]),
     ("solvability", &["null_space", "problem", "sets", "sparse", "vector"]),
     ("fem", &["fault", "mesh", "null_space", "sets", "sparse", "units", "vector"]),
-    ("contact", &["fault", "fem", "formula", "input", "loading", "mesh", "problem", "timeline", "vector"]),
+    ("contact", &["fault", "fem", "formula", "input", "loading", "mesh", "timeline", "vector"]),
     ("description", &["contact", "fault", "fem", "formula", "mesh", "timeline", "units", "vector"]),
-    ("formulation", &["contact", "null_space", "problem", "sparse", "units", "vector"]),
+    ("formulation", &["laws", "null_space", "problem", "sparse", "units", "vector"]),
     ("linear", &["sets", "sparse", "vector"]),
     ("jobs", &["linear"]),
     ("local", &["linear", "sets", "sparse", "vector"]),
@@ -32,16 +33,16 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ("condense", &["linear", "loading", "problem", "sparse"]),
     (
         "events",
-        &["contact", "formulation", "linear", "loading", "problem", "sets", "solvability", "sparse", "units", "vector"],
+        &["formulation", "laws", "linear", "loading", "problem", "sets", "solvability", "sparse", "units", "vector"],
     ),
     (
         "history",
         &[
             "checkpoint",
             "condense",
-            "contact",
             "events",
             "formulation",
+            "laws",
             "linear",
             "loading",
             "nonlinear",
@@ -52,7 +53,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "vector",
         ],
     ),
-    ("uniqueness", &["contact", "formulation", "history", "linear", "null_space", "problem", "units"]),
+    ("uniqueness", &["formulation", "history", "laws", "linear", "null_space", "problem", "units"]),
     (
         "scene",
         &[
@@ -78,6 +79,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "description",
             "fault",
             "fem",
+            "laws",
             "linear",
             "loading",
             "mesh",
@@ -92,7 +94,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     ),
     ("reach", &["linear", "loading", "problem"]),
     ("auto", &["formulation", "history", "linear", "memory", "problem", "reach"]),
-    ("estimate", &["contact", "description", "fem", "mesh", "model", "problem", "sets", "vector"]),
+    ("estimate", &["contact", "description", "fem", "laws", "mesh", "model", "problem", "sets", "vector"]),
     (
         "report",
         &[
@@ -106,6 +108,7 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "fem",
             "formulation",
             "history",
+            "laws",
             "linear",
             "memory",
             "mesh",
@@ -120,10 +123,10 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
     (
         "exchange",
         &[
-            "contact",
             "fault",
             "history",
             "input",
+            "laws",
             "linear",
             "loading",
             "local",
@@ -139,10 +142,10 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
         &[
             "auto",
             "checkpoint",
-            "contact",
             "events",
             "formulation",
             "history",
+            "laws",
             "linear",
             "memory",
             "model",

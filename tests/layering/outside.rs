@@ -58,7 +58,7 @@ pub const LIBRARY: &[Places] = &[
         "schemars",
         &[
             "auto.rs",
-            "contact/kkt.rs",
+            "laws/kkt.rs",
             "contact/range.rs",
             "estimate/",
             "events.rs",

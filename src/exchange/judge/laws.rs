@@ -1,7 +1,7 @@
 //! The laws of Signorini and Coulomb at each contact, without units.
 
 use super::Errors;
-use crate::contact::coulomb::{direction, length, positive, project};
+use crate::laws::coulomb::{direction, length, positive, project};
 
 /// What forces and velocities are compared with.
 pub(super) struct Scales {

@@ -1,7 +1,7 @@
 //! The linearisation with given right-hand sides: how a solution goes on along its contact cases, and how errors do.
 
 use super::Bdiff;
-use crate::contact::coulomb::{NormalCase, TangentialCase};
+use crate::laws::coulomb::{NormalCase, TangentialCase};
 
 /// Directions of slip with a smaller cosine between them are different ones.
 const ALIKE: f64 = 0.99;

@@ -7,7 +7,7 @@
 //! itself, whatever their stiffness. If they have none, the springs carry what the loads do on `r` and give way to it.
 
 use super::{Bdiff, Case};
-use crate::contact::coulomb::{NormalCase, TangentialCase};
+use crate::laws::coulomb::{NormalCase, TangentialCase};
 use crate::null_space::{NEGLIGIBLE, null_space};
 use crate::sparse::Csr;
 

@@ -4,7 +4,7 @@
 //! matrix of the last linearisation is theirs: one substitution leads from a solution to the next.
 
 use super::Bdiff;
-use crate::contact::coulomb::{NormalCase, TangentialCase, direction};
+use crate::laws::coulomb::{NormalCase, TangentialCase, direction};
 
 impl Bdiff {
     /// The residual at `z`, with the data of the present increment, of the equations whose matrix is that of the last linearisation:

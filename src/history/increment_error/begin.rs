@@ -1,7 +1,7 @@
 //! Nodes that come into contact, or begin to stick, within an increment.
 
 use super::{NEGLIGIBLE, Node};
-use crate::contact::coulomb::{TangentialCase, length};
+use crate::laws::coulomb::{TangentialCase, length};
 
 /// How a node comes into contact, or to stick, within an increment.
 #[derive(Debug, Clone, Copy, Default)]

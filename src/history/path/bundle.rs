@@ -8,10 +8,10 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use super::{Path, Start, Walk};
-use crate::contact::KktScales;
 use crate::history::Status;
 use crate::history::told::Told;
 use crate::history::whole::{Balanced, Whole};
+use crate::laws::KktScales;
 use crate::linear::{Direct, LinearError, Statistics};
 use crate::nonlinear::{Outcome, Stop};
 

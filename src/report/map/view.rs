@@ -174,7 +174,7 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::ContactStatus;
+    use crate::laws::ContactStatus;
     use crate::units::UnitSystem;
 
     /// A strip of facets along y, of which the middle ones are pressed.

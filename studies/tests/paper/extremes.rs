@@ -2,8 +2,8 @@
 //! "converged" stands up to a check that shares nothing with the library's own: the natural map of the
 //! laws, summed in twice the working precision.
 
-use stickslip::contact::KktScales;
 use stickslip::history::{Observer, Status, Step};
+use stickslip::laws::KktScales;
 use stickslip::nonlinear::Flow;
 use stickslip::problem::{ContactProblem, Increment, State};
 use stickslip::run::Run;

@@ -3,9 +3,9 @@
 
 use super::{Lines, pressed, solve, sums};
 use std::collections::HashMap;
-use stickslip::contact::ContactStatus;
 use stickslip::fem::Element;
 use stickslip::history::{LinearAlgebra, Solver};
+use stickslip::laws::ContactStatus;
 use stickslip::mesh::{Boundary, Cell, CellKind, Mesh, MeshSource};
 use stickslip::model::Model;
 use stickslip::scene::Scene;

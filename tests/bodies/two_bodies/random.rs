@@ -2,10 +2,10 @@
 
 use crate::common::pairs::{Side, bodies, paired};
 use crate::common::random::Random;
-use stickslip::contact::ContactStatus;
 use stickslip::description::{Axis, Description, FirstGap, Load, Opposite};
 use stickslip::fem::{Dofs, assemble, facet_load};
 use stickslip::history::{Method, Observer, Solver, Status, Step};
+use stickslip::laws::ContactStatus;
 use stickslip::mesh::MeshSource;
 use stickslip::model::Model;
 use stickslip::nonlinear::Flow;

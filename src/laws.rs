@@ -1,0 +1,7 @@
+//! The laws of Signorini and Coulomb, and the error measure that judges every solution by them.
+
+pub mod coulomb;
+mod kkt;
+
+pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
+pub(crate) use kkt::{judge, rounding_level, statuses_of};
