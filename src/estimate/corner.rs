@@ -30,7 +30,7 @@ impl<'a> Corners<'a> {
         let gaps = (0..model.contacts.len()).map(|i| model.nodal_gap(i, time, &rows)).collect();
         let mut sides: BTreeMap<usize, Vec<Facet>> =
             model.contacts.iter().map(|contact| (contact.node, Vec::new())).collect();
-        for (facet, _) in model.mesh.surface() {
+        for (facet, _) in model.mesh.surface_at(|node| sides.contains_key(&node)) {
             for node in &facet {
                 if let Some(of_node) = sides.get_mut(node) {
                     of_node.push(facet.clone());

@@ -47,8 +47,21 @@ impl Mesh {
     /// The surface of the body: the sides that belong to one cell only, each with its outside as [`Facet`] wants it, and the
     /// number of that cell; in the order of the cells.
     pub fn surface(&self) -> Vec<(Facet, usize)> {
+        self.surface_at(|_| true)
+    }
+
+    /// The part of the surface whose facets have a node that is `wanted`. Sides of other cells are not looked at.
+    pub fn surface_at(&self, wanted: impl Fn(usize) -> bool) -> Vec<(Facet, usize)> {
         let inward = |facet: &Facet| from_least(facet.iter().rev().copied().collect());
-        let all = || self.cells.iter().enumerate().flat_map(|(e, cell)| cell.facets().into_iter().map(move |f| (f, e)));
+        let is_wanted = |facet: &Facet| facet.iter().any(|node| wanted(*node));
+        let sides: Vec<(Facet, usize)> = self
+            .cells
+            .iter()
+            .enumerate()
+            .filter(|(_, cell)| cell.nodes.iter().any(|node| wanted(*node)))
+            .flat_map(|(e, cell)| cell.facets().into_iter().filter(is_wanted).map(move |facet| (facet, e)))
+            .collect();
+        let all = || sides.iter().cloned();
         let known: HashSet<Facet> = all().map(|(facet, _)| from_least(facet)).collect();
         all().filter(|(facet, _)| !known.contains(&inward(facet))).collect()
     }

@@ -92,9 +92,7 @@ impl Leaps {
         }
         let (problem, state) = (&model.problem, step.state);
         self.largest = self.largest.max(size(problem, state, None));
-        let end = End::of(step);
-        let to = End { state: contact_forces(state), ..end.clone() };
-        let Some(from) = self.last.replace(end) else { return };
+        let Some(from) = self.last.replace(End::of(step)) else { return };
         let change = size(problem, state, Some(&from.state));
         if change <= LARGE * self.largest {
             return;
@@ -103,6 +101,7 @@ impl Leaps {
         if released <= RELEASED {
             return;
         }
+        let to = End { time: step.record.time, state: contact_forces(state), force: Vec::new() };
         let place = self.steepest.partition_point(|other| other.released > released);
         self.steepest.insert(place, Steep { from, to, change, released });
         self.steepest.truncate(MOST);
