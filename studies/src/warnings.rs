@@ -251,7 +251,9 @@ pub fn speaks_of(kind: WarningKind) -> [bool; 3] {
         | WarningKind::BeyondTheEnd
         | WarningKind::RoughStresses => [true, false, false],
         WarningKind::IncrementsWork => [false, false, true],
-        WarningKind::IncrementsForce | WarningKind::StickZoneCoarse | WarningKind::Jump => [false, true, true],
+        WarningKind::IncrementsForce | WarningKind::Jump => [false, true, true],
+        // Of the width of that zone, which is none of them.
+        WarningKind::StickZoneCoarse => [false; 3],
         _ => [true; 3],
     }
 }
