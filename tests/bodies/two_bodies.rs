@@ -7,6 +7,7 @@ mod contrast;
 mod covered;
 mod cylinders;
 mod glue;
+mod judged;
 mod passing;
 mod patch;
 mod random;
