@@ -65,6 +65,23 @@ pub fn stickslip(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_stickslip")).args(args).output().unwrap()
 }
 
+/// Sends a signal, such as `INT`, by the shell: the smallest Debian has no program `kill`.
+pub fn send(signal: &str, process: u32) {
+    assert!(Command::new("sh").args(["-c", &format!("kill -{signal} {process}")]).status().unwrap().success());
+}
+
+/// The processes that `parent` has started and that have not ended.
+pub fn children(parent: u32) -> Vec<u32> {
+    let is_child = |id: &u32| {
+        let stat = fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
+        // Behind the name, which is in parentheses, are the state and the parent.
+        let fields = stat.rsplit_once(") ").map(|(_, fields)| fields);
+        fields.and_then(|fields| fields.split(' ').nth(1)).is_some_and(|id| id == parent.to_string())
+    };
+    let names = fs::read_dir("/proc").unwrap().filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok());
+    names.filter(is_child).collect()
+}
+
 pub fn stdout(output: &Output) -> &str {
     std::str::from_utf8(&output.stdout).unwrap()
 }

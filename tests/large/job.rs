@@ -167,5 +167,5 @@ pub fn cpu(pid: u32) -> f64 {
 }
 
 pub fn signal(name: &str, pid: u32) {
-    assert!(Command::new("kill").args([name, &pid.to_string()]).status().unwrap().success());
+    assert!(Command::new("sh").args(["-c", &format!("kill {name} {pid}")]).status().unwrap().success());
 }

@@ -14,7 +14,7 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 use stickslip::linear::blas::{Blas, Vectors, better_kernel, kernel_names, may_run_here};
 
-use crate::common::program::{Folder, assert_exit, json, small, stderr, stdout};
+use crate::common::program::{Folder, assert_exit, json, send, small, stderr, stdout};
 use crate::common::skipped;
 
 /// The program without what the environment of the tests says of kernels.
@@ -248,7 +248,7 @@ fn ctrl_c_reaches_the_program_that_started_again() {
     if let Ok(command) = fs::read_to_string(format!("/proc/{}/cmdline", child.id())) {
         assert!(command.starts_with("block-at-work\0run\0"), "{command:?}");
     }
-    assert!(Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().unwrap().success());
+    send("INT", child.id());
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 1);
     assert!(stdout(&output).contains("verdict      interrupted"), "{}", stdout(&output));

@@ -10,7 +10,7 @@ use std::process::Command;
 
 use crate::common::edit;
 use crate::common::program::{
-    Folder, assert_exit, count, csv, json, number, small, stderr, stdout, stickslip, without,
+    Folder, assert_exit, count, csv, json, number, send, small, stderr, stdout, stickslip, without,
 };
 use serde_json::Value;
 
@@ -228,7 +228,7 @@ fn an_interrupted_run_keeps_its_increments() {
     while lines() < 4 {
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
-    assert!(Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().unwrap().success());
+    send("INT", child.id());
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 1);
     assert!(stdout(&output).contains("verdict      interrupted"), "{}", stdout(&output));

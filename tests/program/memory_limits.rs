@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::program::{Folder, small};
+use crate::common::program::{Folder, send, small};
 
 /// How a process ended.
 struct Ended {
@@ -142,7 +142,7 @@ fn a_set_up_is_interrupted_by_the_first_request() {
         std::thread::sleep(Duration::from_millis(5));
     }
     let start = Instant::now();
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    send("INT", child.id());
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
     assert!(!std::fs::read_to_string(&words).unwrap().contains("verdict"));

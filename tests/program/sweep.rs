@@ -11,7 +11,9 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::common::program::{Folder, assert_exit, csv, json, number, small, stderr, stdout, stickslip};
+use crate::common::program::{
+    Folder, assert_exit, children, csv, json, number, send, small, stderr, stdout, stickslip,
+};
 
 /// The names of the complete results, and of what is not complete.
 fn results(folder: &Folder) -> (BTreeSet<String>, Vec<String>) {
@@ -222,14 +224,14 @@ fn killed(signal: &str) {
         assert!(start.elapsed() < Duration::from_secs(60), "nothing is done");
         std::thread::sleep(Duration::from_millis(20));
     }
-    let id = child.id().to_string();
-    let workers = Command::new("pgrep").args(["-P", &id]).output().unwrap().stdout;
-    assert!(Command::new("kill").args([&format!("-{signal}"), &id]).status().unwrap().success());
+    let workers = children(child.id());
+    assert!(!workers.is_empty());
+    send(signal, child.id());
     let status = child.wait().unwrap();
-    let workers = String::from_utf8(workers).unwrap();
     if signal == "KILL" {
         // Nobody is left to end them.
-        workers.lines().for_each(|id| drop(Command::new("kill").args(["-KILL", id]).status()));
+        let kill = |id: &u32| drop(Command::new("sh").args(["-c", &format!("kill -KILL {id}")]).status());
+        workers.iter().for_each(kill);
         std::thread::sleep(Duration::from_millis(200));
     } else {
         assert_eq!(status.code(), Some(1));
@@ -237,7 +239,7 @@ fn killed(signal: &str) {
         let (_, rows) = csv(&folder.0.join("out/sweep.csv"));
         let statuses: Vec<&str> = rows.iter().map(|row| row[2].as_str()).collect();
         assert_eq!(statuses, ["converged", "converged", "interrupted", "interrupted"]);
-        assert!(workers.lines().all(|id| !Path::new("/proc").join(id).exists()), "{workers}");
+        assert!(workers.iter().all(|id| !Path::new("/proc").join(id.to_string()).exists()), "{workers:?}");
     }
     let short = ["--vary", "time.increments=2,4", "--vary", "contact.friction=0.1,0.3"];
     let output = stickslip(&sweep(&scene, &out, &short));
