@@ -83,9 +83,11 @@ unsafe impl GlobalAlloc for OrderlyEnd {
     }
 }
 
-/// The same `block`; the first that was refused arms the end, so that it comes in order before `main`, too.
+/// The same `block`. One that was refused arms the end, so that it comes in order before `main`, too, and after a library has had the signal
+/// for itself.
 fn noted(block: *mut u8) -> *mut u8 {
-    if block.is_null() && !REFUSED.swap(true, Ordering::Relaxed) && LAST.get().is_none() {
+    if block.is_null() {
+        REFUSED.store(true, Ordering::Relaxed);
         arm();
     }
     block
@@ -93,9 +95,16 @@ fn noted(block: *mut u8) -> *mut u8 {
 
 fn arm() {
     let end: extern "C" fn(c_int) = end;
+    let mut abort = std::mem::MaybeUninit::<libc::sigset_t>::uninit();
     // SAFETY: SIGABRT is a signal that can be caught, and the handler does only what a handler may: it reads what is set once, writes
-    // to open files and ends the process.
-    unsafe { libc::signal(libc::SIGABRT, end as libc::sighandler_t) };
+    // to open files and ends the process. The set is made empty before it is used. METIS, where memory is refused to it, jumps out of a
+    // handler of its own and leaves the signal blocked, and then abort of glibc 2.41 and later calls no handler.
+    unsafe {
+        libc::signal(libc::SIGABRT, end as libc::sighandler_t);
+        libc::sigemptyset(abort.as_mut_ptr());
+        libc::sigaddset(abort.as_mut_ptr(), libc::SIGABRT);
+        libc::pthread_sigmask(libc::SIG_UNBLOCK, abort.as_ptr(), std::ptr::null_mut());
+    }
 }
 
 /// Ends the process without allocating, unwinding or running what libraries want done at the end.
