@@ -287,7 +287,11 @@ impl<'a> Run<'a> {
                 None
             }
         };
-        let start_error = match self.friction_by_start(audience.observer()) {
+        let by_start = match outcome.status {
+            Status::Converged => self.friction_by_start(audience.observer()),
+            _ => Ok(None),
+        };
+        let start_error = match by_start {
             Ok(error) => error,
             Err(error) => {
                 missing.push(Warning::of_missing("what the first increment does to friction", &error));

@@ -1,4 +1,4 @@
-//! What obstacles do on the way through an increment, of which its ends tell nothing.
+//! Obstacles that pass through the body, or leave it, within an increment.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ pub struct OnTheWay {
 const SHARES: [f64; 7] = [0.11, 0.24, 0.37, 0.5, 0.62, 0.77, 0.9];
 
 impl Model {
-    /// Whether obstacles move in a way that the ends of an increment may not tell: all that move but single planes, which do not turn.
+    /// Returns `true` if an obstacle may pass within an increment. Only a single plane that does not turn never does.
     pub fn has_passing_obstacles(&self) -> bool {
         self.contact_boundaries.iter().any(|boundary| self.may_pass(boundary))
     }
@@ -34,7 +34,7 @@ impl Model {
     }
 
     /// Where an obstacle goes furthest through a node, or leaves one that it touches at both ends, on the way between two times (s) with their states.
-    /// What goes on in one direction, however curved, does neither: it is between where the ends have the node.
+    /// A motion in one direction does neither, however curved its path is: the obstacle stays between the two positions of the node.
     pub fn on_the_way(&self, times: [f64; 2], states: [&State; 2]) -> Option<OnTheWay> {
         let mut worst: Option<OnTheWay> = None;
         for boundary in self.contact_boundaries.iter().filter(|boundary| self.may_pass(boundary)) {

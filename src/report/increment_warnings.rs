@@ -22,13 +22,13 @@ const ENOUGH: usize = 8;
 /// What tells the error of the forces well, at the ends of stretches.
 const COMPANION: &str = "`stickslip run --companion`";
 
-/// What is known of the increments of a run.
+/// The error estimates of the increments of a run.
 pub(super) struct Known<'a> {
-    /// What the run itself has estimated.
+    /// The estimate by the run itself.
     pub found: Option<&'a IncrementError>,
     /// The error of the tangential forces by a second run, and its increments.
     pub companion: Option<(f64, usize)>,
-    /// What the first increment does to the friction at its end, see [`crate::run`].
+    /// The error of the friction forces by loads at t = 0, see [`crate::run`].
     pub start: Option<f64>,
     /// The increments of the run.
     pub increments: usize,

@@ -241,7 +241,7 @@ pub struct Facts<'a> {
     pub last_reactions: Option<BalanceRecord>,
     /// Where contact forces jump, if they do.
     pub leap: Option<Leap>,
-    /// What the first increment does to the friction at its end, where loads or interference are there before it.
+    /// The error of the friction forces by loads or interference at t = 0, as a share of the largest possible friction.
     pub start: Option<f64>,
     /// What is left of the balance.
     pub balance: BalanceWatch,

@@ -60,7 +60,7 @@ pub struct Validity {
     pub overlap: Option<(Overlap, f64)>,
     /// Where an obstacle is most different between nodes when contact forces were largest, if it is, and the time, s.
     pub between: Option<(BetweenNodes, f64)>,
-    /// What an obstacle has done on the way through an increment, at most.
+    /// The deepest passage of an obstacle within an increment.
     pub on_the_way: Option<OnTheWay>,
     /// The end of the last increment, where the ways of obstacles are looked at: its time, s, and its state.
     last: Option<(f64, State)>,
@@ -210,7 +210,7 @@ impl Validity {
         }
     }
 
-    /// What an obstacle does on the way through an increment, if that does not count as small.
+    /// The deepest passage of an obstacle within an increment, unless it is small.
     pub(super) fn passage(&self) -> Option<OnTheWay> {
         self.on_the_way.filter(|found| found.distance.abs() > PASSES * self.pressed)
     }

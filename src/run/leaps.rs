@@ -18,8 +18,8 @@ use crate::report::Leap;
 /// A change of the contact forces that is a smaller share of their largest is not looked at.
 const LARGE: f64 = 0.02;
 
-/// Changes of which friction releases a smaller share of the energy are not looked at, see [`released`]. It is 0.05 at most where nodes go on
-/// slipping, and 0.2 to 1 in increments that lead over the end of a motion.
+/// Changes of which friction releases a smaller share of the energy are not looked at, see [`released`]. It was 0.05 at most where nodes go on
+/// slipping, and 0.40 to 0.99 in increments that lead over the end of a motion.
 const RELEASED: f64 = 0.1;
 
 /// So many increments are looked at, those with the largest share first.
@@ -28,7 +28,7 @@ const MOST: usize = 3;
 /// An increment is halved, and the half with most of the change again, so many times in all.
 const ROUNDS: usize = 15;
 
-/// Of a change that is left at last friction feeds a larger share, see [`released`]; loads feed the rest.
+/// A change that stays is a jump if friction feeds a larger share of it, see [`released`]; loads feed the rest.
 const FED_BY_FRICTION: f64 = 0.5;
 
 /// The share of the change that stays in one half of a jump: the rest are the loads, which go on.

@@ -1,23 +1,23 @@
 //! Loads and interference that are there at t = 0.
 //!
 //! The first increment leads from the unloaded body to its own end, and takes what is there at t = 0 together with what changes until then. So
-//! friction at its end depends on how long it is. How much, and whether that lasts, is told by the first two increments with another one before them,
-//! which is as short as rounding allows and takes what is there at t = 0.
+//! friction at its end depends on its length. To find the error, the first two increments are solved again after another one, which is as short as
+//! rounding allows and takes the loads at t = 0.
 
+use super::companion::Quiet;
 use super::{Run, RunError};
 use crate::formulation::Layout;
 use crate::history::{HistorySettings, Method, Observer, Status};
 use crate::model::Model;
 use crate::problem::State;
 
-use super::companion::Quiet;
-
 /// The end of the increment that takes what is there at t = 0, as a share of the first increment.
 const AT_ONCE: f64 = 1e-9;
 
 impl Run<'_> {
-    /// How far friction at the end of the second increment, or of the only one, is from that after an increment of its own for what is there at t = 0,
-    /// as a share of what contact can bear, both as the root of `Σ |p|² / l`. `None` where nothing is there, nothing changes, or one of both fails.
+    /// The error of the friction forces at the end of the second increment, or of the only one, as a share of the largest possible friction there, both as
+    /// the root of `Σ |p|² / l`. The reference has an increment of its own for the loads at t = 0. `None` if there are no such loads, nothing changes, or
+    /// a history does not converge.
     ///
     /// # Errors
     /// When the linear algebra cannot go on.
@@ -39,7 +39,7 @@ impl Run<'_> {
     }
 }
 
-/// Whether a contact with friction has loads or interference at t = 0, and something changes until the time `first` (s).
+/// Returns `true` if a problem with friction has loads or interference at t = 0 that change until the time `first` (s).
 fn begins_loaded(model: &Model, first: f64) -> bool {
     let (problem, loading) = (&model.problem, &model.loading);
     let layout = Layout::new(problem);
