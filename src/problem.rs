@@ -215,6 +215,14 @@ impl ContactProblem {
         self.parts.weight.as_deref()
     }
 
+    /// `√(Σ |p_i|² / l_i)` over the contact nodes: a norm of the contact forces `p_i` (N) that does not grow with their number. Where no areas are
+    /// known, `l_i = 1`.
+    pub(crate) fn force_norm<const N: usize>(&self, force: impl Fn(usize) -> [f64; N]) -> f64 {
+        let weight = self.weight();
+        let square = |i: usize| force(i).map(|p| p * p).iter().sum::<f64>() / weight.map_or(1.0, |l| l[i]);
+        (0..self.contacts()).map(square).sum::<f64>().sqrt()
+    }
+
     /// A basis of the null space of `K`, each of length n_u.
     pub fn free_motions(&self) -> &[Vec<f64>] {
         &self.free_motions

@@ -25,14 +25,13 @@ impl CompanionEstimate {
     /// Compares the states of two runs of `model` at the same times; `share` of their difference is the error of the first, while
     /// errors are proportional to the length of increments.
     pub fn new(model: &Model, increments: usize, status: Status, states: [&[State]; 2], share: f64) -> Self {
-        let weight = model.problem.weight();
-        let size = |of_node: &dyn Fn(usize) -> [f64; 2]| {
-            let square = |i: usize| of_node(i).map(|p| p * p).iter().sum::<f64>() / weight.map_or(1.0, |l| l[i]);
-            (0..model.problem.contacts()).map(square).sum::<f64>().sqrt()
-        };
+        let problem = &model.problem;
         let [these, others] = states;
-        let largest = these.iter().map(|state| size(&|i| [state.p_t[i], state.p_o[i]])).fold(0.0, f64::max);
-        let apart = these.iter().zip(others).map(|(a, b)| size(&|i| [a.p_t[i] - b.p_t[i], a.p_o[i] - b.p_o[i]]));
+        let largest = these.iter().map(|state| problem.force_norm(|i| [state.p_t[i], state.p_o[i]])).fold(0.0, f64::max);
+        let apart = these
+            .iter()
+            .zip(others)
+            .map(|(a, b)| problem.force_norm(|i| [a.p_t[i] - b.p_t[i], a.p_o[i] - b.p_o[i]]));
         let apart = apart.fold(0.0, f64::max);
         let relative = if apart == 0.0 { 0.0 } else { apart / largest };
         let is_known = status == Status::Converged && these.len() == others.len() && relative.is_finite();

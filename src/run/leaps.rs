@@ -42,7 +42,7 @@ pub(super) struct Leaps {
     /// The end of the last increment.
     last: Option<End>,
     /// The increments that may be jumps, those with the largest share of released energy first.
-    steepest: Vec<Steep>,
+    suspected: Vec<Suspect>,
     /// The largest contact forces so far, see [`size`].
     largest: f64,
 }
@@ -58,7 +58,7 @@ struct End {
 
 /// An increment in which contact forces change much, and friction releases energy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Steep {
+struct Suspect {
     from: End,
     to: End,
     /// The change of the contact forces, and [`released`].
@@ -72,7 +72,7 @@ impl Leaps {
         let layout = Layout::new(&model.problem);
         let has_friction = (0..layout.contacts()).any(|i| layout.has_friction(i));
         let may_jump = has_friction && !matches!(method, Method::Events { .. });
-        Leaps { may_jump, last: None, steepest: Vec::new(), largest: 0.0 }
+        Leaps { may_jump, last: None, suspected: Vec::new(), largest: 0.0 }
     }
 
     /// Whether those of another run of `model` may be gone on with.
@@ -80,9 +80,9 @@ impl Leaps {
         let fits = |end: &End| {
             end.state.u.len() == model.problem.displacements() && end.state.p_n.len() == model.problem.contacts()
         };
-        let forces = |steep: &Steep| steep.to.state.p_n.len() == model.problem.contacts();
-        self.last.iter().chain(self.steepest.iter().map(|steep| &steep.from)).all(fits)
-            && self.steepest.iter().all(forces)
+        let forces = |suspect: &Suspect| suspect.to.state.p_n.len() == model.problem.contacts();
+        self.last.iter().chain(self.suspected.iter().map(|suspect| &suspect.from)).all(fits)
+            && self.suspected.iter().all(forces)
     }
 
     /// Looks at the end of an increment.
@@ -102,14 +102,14 @@ impl Leaps {
             return;
         }
         let to = End { time: step.record.time, state: contact_forces(state), force: Vec::new() };
-        let place = self.steepest.partition_point(|other| other.released > released);
-        self.steepest.insert(place, Steep { from, to, change, released });
-        self.steepest.truncate(MOST);
+        let place = self.suspected.partition_point(|other| other.released > released);
+        self.suspected.insert(place, Suspect { from, to, change, released });
+        self.suspected.truncate(MOST);
     }
 
     /// The increments that have to be solved again to tell whether contact forces jump in them.
-    fn suspects(&self) -> impl Iterator<Item = &Steep> {
-        self.steepest.iter().filter(|steep| steep.change > LARGE * self.largest)
+    fn suspects(&self) -> impl Iterator<Item = &Suspect> {
+        self.suspected.iter().filter(|suspect| suspect.change > LARGE * self.largest)
     }
 
     /// Whether there are some.
@@ -130,8 +130,8 @@ impl Leaps {
         observer: &mut dyn Observer,
     ) -> Result<Option<Leap>, Error> {
         let mut first: Option<Leap> = None;
-        for steep in self.suspects() {
-            let leap = steep.leap(model, settings, scales, means, observer)?;
+        for suspect in self.suspects() {
+            let leap = suspect.leap(model, settings, scales, means, observer)?;
             let leap = leap.map(|(from, to, change)| Leap { from, to, share: change / self.largest });
             first = [first, leap].into_iter().flatten().min_by(|a, b| a.from.total_cmp(&b.from));
         }
@@ -139,7 +139,7 @@ impl Leaps {
     }
 }
 
-impl Steep {
+impl Suspect {
     /// Between which times (s) contact forces jump, and by how much, if they do.
     fn leap(
         &self,
@@ -230,16 +230,14 @@ impl Observer for Halves<'_> {
     }
 }
 
-/// The contact forces of a state, or by how much they differ from those of another: the root of `Σ |p|² / l`.
+/// The norm of the contact forces of a state, or of their difference from those of another.
 fn size(problem: &ContactProblem, state: &State, other: Option<&State>) -> f64 {
-    let weight = problem.weight();
     let forces = |state: &State, i: usize| [state.p_n[i], state.p_t[i], state.p_o[i]];
-    let of_node = |i: usize| {
-        let before = other.map_or([0.0; 3], |other| forces(other, i));
-        let change = forces(state, i).into_iter().zip(before).map(|(p, before)| (p - before).powi(2));
-        change.sum::<f64>() / weight.map_or(1.0, |l| l[i])
-    };
-    (0..problem.contacts()).map(of_node).sum::<f64>().sqrt()
+    problem.force_norm(|i| {
+        let [n, t, o] = forces(state, i);
+        let [before_n, before_t, before_o] = other.map_or([0.0; 3], |other| forces(other, i));
+        [n - before_n, t - before_t, o - before_o]
+    })
 }
 
 /// The energy that friction releases in an increment, as a share of the elastic energy of its change of displacements:

@@ -35,7 +35,7 @@ impl Run<'_> {
         };
         let Some(together) = last(times)? else { return Ok(None) };
         let Some(apart) = last(&[&[AT_ONCE * first], times].concat())? else { return Ok(None) };
-        Ok(difference(&self.model, &together, &apart))
+        Ok(times.last().and_then(|&at| difference(&self.model, at, &together, &apart)))
     }
 }
 
@@ -57,14 +57,11 @@ fn begins_loaded(model: &Model, first: f64) -> bool {
     is_loaded && (forces[0] != forces[1] || gaps[0] != gaps[1] || drifts[0] != drifts[1])
 }
 
-fn difference(model: &Model, a: &State, b: &State) -> Option<f64> {
+/// The difference of the friction forces of two states at the time `at` (s), as a share of the largest friction that `b` can bear then.
+fn difference(model: &Model, at: f64, a: &State, b: &State) -> Option<f64> {
     let problem = &model.problem;
-    let weight = problem.weight();
-    let root = |of_node: &dyn Fn(usize) -> [f64; 2]| {
-        let square = |i: usize| of_node(i).map(|p| p * p).iter().sum::<f64>() / weight.map_or(1.0, |l| l[i]);
-        (0..problem.contacts()).map(square).sum::<f64>().sqrt()
-    };
-    let apart = root(&|i| [a.p_t[i] - b.p_t[i], a.p_o[i] - b.p_o[i]]);
-    let bears = root(&|i| [problem.mu()[i] * b.p_n[i], 0.0]);
+    let mu = model.loading.friction().map_or_else(|| problem.mu().to_vec(), |friction| friction.at(at));
+    let apart = problem.force_norm(|i| [a.p_t[i] - b.p_t[i], a.p_o[i] - b.p_o[i]]);
+    let bears = problem.force_norm(|i| [mu[i] * b.p_n[i]]);
     (bears > 0.0).then(|| apart / bears)
 }
