@@ -21,7 +21,11 @@ struct Ended {
 const TIME: Duration = Duration::from_secs(60);
 
 /// Runs `command` with its words in a file of `folder`.
-fn ended(mut command: Command, folder: &Folder) -> Ended {
+fn ended(command: Command, folder: &Folder) -> Ended {
+    ended_within(TIME, command, folder)
+}
+
+fn ended_within(time: Duration, mut command: Command, folder: &Folder) -> Ended {
     let words = PathBuf::from(folder.join("words"));
     let file = std::fs::File::create(&words).unwrap();
     let child =
@@ -31,7 +35,7 @@ fn ended(mut command: Command, folder: &Folder) -> Ended {
     let status = loop {
         match child.try_wait().unwrap() {
             Some(status) => break Some(status),
-            None if start.elapsed() > TIME => {
+            None if start.elapsed() > time => {
                 child.kill().unwrap();
                 child.wait().unwrap();
                 break None;
@@ -53,11 +57,10 @@ fn limited(megabytes: usize, arguments: &[&str]) -> Command {
     command
 }
 
-/// So little that the libraries of the program cannot be loaded is told by the system, before there is a program, and OpenBLAS ends a
-/// process in which it cannot start its threads.
-fn cannot_be_loaded(ended: &Ended) -> bool {
-    ended.code == Some(127) && ended.words.contains("error while loading shared libraries")
-        || ended.words.contains("OpenBLAS blas_thread_init")
+/// Returns `false` if the limit is too small for the system to load the libraries of the program, before there is a program. OpenBLAS 0.3.29
+/// does not come back from being loaded then: it asks for its buffers for ever, in a C program without any function, too.
+fn libraries_load(megabytes: usize, folder: &Folder) -> bool {
+    ended_within(Duration::from_secs(5), limited(megabytes, &["--version"]), folder).code == Some(0)
 }
 
 #[test]
@@ -68,12 +71,12 @@ fn a_limit_of_the_address_space_has_a_verdict() {
     let solid = ["run", cube, "--set", "mesh.elements=[4,4,4]", "--set", "time.increments=1"];
     let mut refused = 0;
     for megabytes in [40, 90, 110, 150, 250, 400] {
+        if !libraries_load(megabytes, &folder) {
+            continue;
+        }
         for scene in [plane, solid] {
             for solver in [&[][..], &["--solver", "condensed"]] {
                 let ended = ended(limited(megabytes, &[&scene, solver].concat()), &folder);
-                if cannot_be_loaded(&ended) {
-                    continue;
-                }
                 let good = ended.code == Some(0) && ended.words.contains("verdict      converged");
                 let short = ended.code == Some(3) && ended.words.contains("memory");
                 assert!(good || short, "{megabytes} MB, {scene:?} {solver:?}: {:?}\n{}", ended.code, ended.words);
