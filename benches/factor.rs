@@ -13,8 +13,8 @@ use std::time::Instant;
 
 use common::run::Elements;
 use common::{Who, compare, prune, scene};
-use stickslip::formulation::{Bdiff, Conventions};
-use stickslip::linear::{self, Direct, LinearSolver, Strategy, Umfpack, backward_error};
+use stickslip::formulation::{Bdiff, FormulationScaling};
+use stickslip::linear::{self, LinearSolver, RefinedSolver, Strategy, Umfpack, backward_error};
 use stickslip::model::Model;
 use stickslip::problem::{Increment, State};
 use stickslip::report::{Table, peak_rss_bytes};
@@ -81,7 +81,7 @@ fn measure(mesh: Elements, who: Who) -> [f64; 10] {
     let problem = &model.problem;
     let solid = matches!(mesh, Elements::Solid(_));
     let scaling = if who == Who::Ours { model.scaling() } else { Scaling::SI };
-    let mut formulation = Bdiff::new(problem, scaling, &Conventions::paper(problem.weight().unwrap()));
+    let mut formulation = Bdiff::new(problem, scaling, &FormulationScaling::paper(problem.weight().unwrap()));
     let unknowns = formulation.unknowns();
     if who == Who::Naive && solid && unknowns > NAIVE_SOLID {
         return [f64::NAN; 10];
@@ -99,11 +99,11 @@ fn measure(mesh: Elements, who: Who) -> [f64; 10] {
     let strategies = [Strategy::Symmetric, Strategy::SymmetricInBestOrder];
     let strategies = if solid { &strategies[..1] } else { &strategies };
     let ordered = |strategy: &Strategy| {
-        let mut direct = Direct::new(Box::new(Umfpack::new(*strategy)));
+        let mut direct = RefinedSolver::new(Box::new(Umfpack::new(*strategy)));
         direct.analyze(formulation.jacobian()).unwrap();
         direct
     };
-    let mut directs: Vec<Direct> = strategies.iter().filter(|_| who == Who::Ours).map(ordered).collect();
+    let mut directs: Vec<RefinedSolver> = strategies.iter().filter(|_| who == Who::Ours).map(ordered).collect();
 
     let (mut h, mut dz) = (vec![0.0; unknowns], vec![0.0; unknowns]);
     let (mut seconds, mut worst, mut infos) = ([const { Vec::new() }; 2], 0.0_f64, [linear::FactorInfo::default(); 2]);

@@ -9,7 +9,7 @@
 mod common;
 
 use common::{Naive, Who, block, compare};
-use stickslip::history::{self, HistorySettings, Method, Observer, Status, System};
+use stickslip::history::{self, HistorySettings, Method, Observer, Status, SystemSolver};
 use stickslip::linear::{self, LinearSolver, Umfpack};
 use stickslip::report::{Table, cpu_seconds};
 use stickslip::units::Scaling;
@@ -73,7 +73,7 @@ fn measure(n: usize, who: Who) -> [f64; 9] {
     };
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap();
     let settings = HistorySettings { scaling, ..settings.until(scene.solver.max_iterations, tolerance) };
-    let system = System::from(backend);
+    let system = SystemSolver::from(backend);
     let times = scene.time.all();
     let mut observer = KeepMemory(who == Who::Ours);
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, system, &mut observer).unwrap();

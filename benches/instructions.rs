@@ -8,8 +8,8 @@ mod common;
 
 use common::block;
 use stickslip::condense::Condensed;
-use stickslip::formulation::{Bdiff, Conventions};
-use stickslip::linear::{self, Dense, Direct, SparseCholesky};
+use stickslip::formulation::{Bdiff, FormulationScaling};
+use stickslip::linear::{self, Dense, RefinedSolver, SparseCholesky};
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Increment, State};
 
@@ -26,7 +26,7 @@ fn main() {
     let condensed = Condensed::new(&model.problem, &model.loading, SparseCholesky::default()).unwrap();
     let small = &condensed.problem;
     let scaling = model.scaling();
-    let mut formulation = Bdiff::new(small, scaling, &Conventions::paper(small.weight().unwrap()));
+    let mut formulation = Bdiff::new(small, scaling, &FormulationScaling::paper(small.weight().unwrap()));
     let force = condensed.loading.force_at(1.0, small).unwrap();
     let w_t_last = vec![0.0; small.contacts()];
     formulation.begin(&Increment {
@@ -41,7 +41,7 @@ fn main() {
     formulation.linearize(&first);
     let (mut h, mut dz) = (vec![0.0; first.len()], vec![0.0; first.len()]);
     formulation.residual(&first, &mut h);
-    let mut direct = Direct::from(Dense::default());
+    let mut direct = RefinedSolver::from(Dense::default());
     direct.analyze(formulation.jacobian()).unwrap();
     match kernel.as_str() {
         "assembly" => measured_kernel(&mut || drop(Model::new(&scene).unwrap())),

@@ -13,8 +13,8 @@ mod common;
 use std::time::Instant;
 
 use common::block;
-use stickslip::formulation::{Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
-use stickslip::linear::{self, Direct, FactorInfo, LinearSolver, Umfpack, backward_error};
+use stickslip::formulation::{Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
+use stickslip::linear::{self, FactorInfo, LinearSolver, RefinedSolver, Umfpack, backward_error};
 use stickslip::model::Model;
 use stickslip::problem::Increment;
 use stickslip::report::Table;
@@ -84,13 +84,13 @@ fn measure(n: usize) -> [Form; 2] {
         w_t_last: &w_t_last,
         w_o_last: &w_t_last,
     };
-    let conventions = Conventions::paper(problem.weight().unwrap());
+    let conventions = FormulationScaling::paper(problem.weight().unwrap());
     let mut systems = FORMS.map(|(form, name)| {
         let mut formulation = Constrained::new(problem, model.scaling(), &conventions, Partition::Products, form);
         formulation.begin(&increment);
         let mut bare = Umfpack::default();
         bare.analyze(formulation.matrix().pattern()).unwrap();
-        let mut direct = Direct::new(Box::new(Umfpack::default()));
+        let mut direct = RefinedSolver::new(Box::new(Umfpack::default()));
         direct.analyze(formulation.matrix()).unwrap();
         let unknowns = formulation.matrix().order();
         let info = FactorInfo::default();
@@ -191,7 +191,7 @@ fn forward_error(formulation: &Constrained, dz: &[f64], exact: &[f64]) -> f64 {
 }
 
 /// `x` with `A x = b`, refined with residuals and sums in twice the precision.
-fn solve_twice_as_precise(a: &SystemMatrix, direct: &mut Direct, b: &[f64]) -> Vec<f64> {
+fn solve_twice_as_precise(a: &SystemMatrix, direct: &mut RefinedSolver, b: &[f64]) -> Vec<f64> {
     let n = b.len();
     let mut x = vec![(0.0, 0.0); n];
     let (mut correction, mut r) = (vec![0.0; n], b.to_vec());

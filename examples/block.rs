@@ -4,8 +4,8 @@
 
 #![allow(clippy::print_stdout)]
 
-use stickslip::history::{Observer, Step};
-use stickslip::nonlinear::Flow;
+use std::ops::ControlFlow;
+use stickslip::history::{IncrementView, Observer};
 use stickslip::run::Run;
 use stickslip::scene::Scene;
 
@@ -13,7 +13,7 @@ use stickslip::scene::Scene;
 struct Picture;
 
 impl Observer for Picture {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         use stickslip::laws::ContactStatus::{Open, Slip, Stick};
         let nodes = step.statuses.iter().map(|status| match status {
             Open => ' ',
@@ -21,7 +21,7 @@ impl Observer for Picture {
             Slip => '-',
         });
         println!("{:4.2} |{}|", step.record.time, nodes.collect::<String>());
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

@@ -7,7 +7,7 @@
 
 #![allow(clippy::print_stdout)]
 
-use stickslip::history::{self, HistorySettings, Method, System};
+use stickslip::history::{self, HistorySettings, Method, SystemSolver};
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::problem::{ContactProblem, Parts};
 use stickslip::sparse::{Csr, Symmetric};
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let loading = Loading::new(vec![load], vec![0.0])?;
 
     let settings = HistorySettings::new(&problem, &loading, Method::BN)?;
-    let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ())?;
+    let outcome = history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ())?;
     println!(
         "{}: u = {:?} m, p_n = {:?} N, p_t = {:?} N",
         outcome.status, outcome.state.u, outcome.state.p_n, outcome.state.p_t

@@ -6,10 +6,11 @@
 
 use std::sync::Arc;
 
-use stickslip::history::{self, HistorySettings, Method, Observer, System};
+use std::ops::ControlFlow;
+use stickslip::history::{self, HistorySettings, Method, Observer, SystemSolver};
 use stickslip::linear::{FactorInfo, LinearError, LinearSolver};
 use stickslip::loading::{LoadCase, Loading};
-use stickslip::nonlinear::{Flow, LinearSystem};
+use stickslip::nonlinear::LinearSystem;
 use stickslip::problem::{ContactProblem, Parts};
 use stickslip::run::Run;
 use stickslip::scene::Scene;
@@ -59,10 +60,10 @@ impl LinearSolver for Dense {
 struct Systems(usize, f64);
 
 impl Observer for Systems {
-    fn linear_system(&mut self, _index: usize, system: &LinearSystem<'_>) -> Flow {
+    fn linear_system(&mut self, _index: usize, system: &LinearSystem<'_>) -> ControlFlow<()> {
         assert_eq!(system.solution.len(), system.layout.unknowns());
         (self.0, self.1) = (self.0 + 1, system.solution.iter().fold(self.1, |m, dz| m.max(dz.abs())));
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 
@@ -76,7 +77,7 @@ fn arrays() -> Result<f64, Box<dyn std::error::Error>> {
     let loading = Loading::new(vec![push], vec![0.0; 2])?;
     let settings = HistorySettings::new(&problem, &loading, Method::BN)?;
     let (mine, mut systems): (Box<dyn LinearSolver>, _) = (Box::new(Dense::default()), Systems::default());
-    let outcome = history::run(&problem, &loading, &[0.5, 1.0], &settings, System::from(mine), &mut systems)?;
+    let outcome = history::run(&problem, &loading, &[0.5, 1.0], &settings, SystemSolver::from(mine), &mut systems)?;
     println!("{}: p_n = {:?} N, {} linear systems", outcome.status, outcome.state.p_n, systems.0);
     Ok(outcome.state.p_n.iter().sum())
 }

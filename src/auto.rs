@@ -8,12 +8,12 @@ use serde::Serialize;
 
 use crate::formulation::Layout;
 use crate::history::{LinearAlgebra, Method};
+use crate::initial_working_set::InitialWorkingSet;
 use crate::linear::built_in::ranks;
 use crate::linear::cost::{self, Cost, Sizes, Work};
 use crate::linear::{Cholesky, FactorInfo, LinearError, SparseLu};
 use crate::memory::{Budget, in_words};
 use crate::problem::ContactProblem;
-use crate::reach::Reach;
 
 /// BN keeps its factors while no contact status changes, so its factorisations grow as the root of the number
 /// of increments, this many times it: 5, 7.5, 11 and 14 on the paper's block with 25, 50, 100 and 200 contact nodes (2 to
@@ -48,7 +48,7 @@ enum Why {
     /// The least time of all these that have room.
     Estimated {
         paths: Vec<Path>,
-        means: Means,
+        means: AvailableSolvers,
     },
 }
 
@@ -63,7 +63,7 @@ pub struct Path {
 
 /// What may be chosen from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Means {
+pub struct AvailableSolvers {
     /// Free memory, bytes, if it is known.
     pub available: Option<u64>,
     /// Whether multigrid suits the problem, see [`crate::run::unsuited`].
@@ -119,10 +119,10 @@ impl Choice {
     /// When memory is short for the symbolic analysis.
     pub fn cheapest(
         problem: &ContactProblem,
-        reach: &Reach,
+        reach: &InitialWorkingSet,
         method: Method,
         increments: usize,
-        means: Means,
+        means: AvailableSolvers,
     ) -> Result<Self, LinearError> {
         let factorizations = factorizations(&Layout::new(problem), method, increments);
         let work = [increments as f64, factorizations];
@@ -151,9 +151,9 @@ impl Choice {
     pub fn faster(
         &self,
         problem: &ContactProblem,
-        reach: &Reach,
+        reach: &InitialWorkingSet,
         method: Method,
-        means: Means,
+        means: AvailableSolvers,
         done: &Done,
     ) -> Result<Option<Faster>, LinearError> {
         let unknowns = Layout::new(problem).unknowns();
@@ -217,11 +217,11 @@ impl Choice {
     }
 }
 
-impl Means {
+impl AvailableSolvers {
     /// What is left for this process, for a problem of which nobody knows where its unknowns are, as multigrid has to.
     pub fn of_process() -> Self {
         let available = Budget::of_process().map(|budget| budget.bytes);
-        Means { available, multigrid: false, ranks: ranks() }
+        AvailableSolvers { available, multigrid: false, ranks: ranks() }
     }
 
     fn have_room(&self, path: &Path) -> bool {
@@ -255,7 +255,7 @@ struct Estimates {
 impl Estimates {
     fn new(
         problem: &ContactProblem,
-        reach: &Reach,
+        reach: &InitialWorkingSet,
         method: Method,
         [increments, factorizations]: [f64; 2],
         stiffness: FactorInfo,
@@ -281,7 +281,7 @@ impl Estimates {
     }
 
     /// All ways that this build has; of sparse LU the default one, and MUMPS. With several processes, those that share their work.
-    fn paths(&self, means: Means) -> Vec<Path> {
+    fn paths(&self, means: AvailableSolvers) -> Vec<Path> {
         let whole = LinearAlgebra::default();
         let mut all = vec![whole];
         all.extend((whole != MUMPS).then_some(MUMPS));

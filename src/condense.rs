@@ -67,11 +67,11 @@ pub struct Condensed {
     /// How the displacements of the problem are changed, if they are.
     basis: Option<OwnBasis>,
     /// If it has some of the contact nodes of the body only.
-    part: Option<Part>,
+    part: Option<NodeSubset>,
 }
 
 /// Some of the contact nodes of a body.
-struct Part {
+struct NodeSubset {
     /// Which, ascending.
     nodes: Vec<usize>,
     /// How many there are in all.
@@ -96,8 +96,8 @@ impl Condensed {
                 c_o: restrict(problem.c_o(), &border, basis.as_ref(), |i| problem.mu()[i] > 0.0),
                 mu: problem.mu().to_vec(),
                 weight: problem.weight().map(<[f64]>::to_vec),
-                free_motions: Some(
-                    (problem.free_motions().iter())
+                rigid_modes: Some(
+                    (problem.rigid_modes().iter())
                         .map(|motion| {
                             let mut motion = motion.clone();
                             if let Some(basis) = &basis {
@@ -143,7 +143,7 @@ impl Condensed {
         cholesky: SparseCholesky,
     ) -> Result<Self, LinearError> {
         let condensed = Self::new(&problem.of_nodes(&nodes), &loading.of_nodes(&nodes), cholesky)?;
-        Ok(Condensed { part: Some(Part { nodes, all: problem.contacts() }), ..condensed })
+        Ok(Condensed { part: Some(NodeSubset { nodes, all: problem.contacts() }), ..condensed })
     }
 
     /// The contact nodes that the condensed problem has, ascending, if there are others.
@@ -161,7 +161,7 @@ impl Condensed {
 
     /// A value for each contact node of the body, 0 for those that the condensed problem does not have.
     pub(crate) fn of_all_nodes(&self, values: Vec<f64>) -> Vec<f64> {
-        let Some(Part { nodes, all }) = &self.part else { return values };
+        let Some(NodeSubset { nodes, all }) = &self.part else { return values };
         let mut of_all = vec![0.0; *all];
         nodes.iter().zip(values).for_each(|(&i, value)| of_all[i] = value);
         of_all

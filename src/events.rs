@@ -21,8 +21,8 @@
 //! | what a walk goes on from another time | `saved.rs` |
 //!
 //! ```
-//! use stickslip::events::{Equations, Stop, Walk};
-//! use stickslip::linear::Direct;
+//! use stickslip::events::{Equations, SegmentEnd, ExactPath};
+//! use stickslip::linear::RefinedSolver;
 //! use stickslip::loading::{LoadCase, Loading};
 //! use stickslip::problem::{ContactProblem, Parts};
 //! use stickslip::sparse::{Csr, Symmetric};
@@ -35,11 +35,11 @@
 //! let load = LoadCase::new(vec![0.6, -1.0], vec![[0.0, 0.0], [1.0, 1.0]])?;
 //! let loading = Loading::new(vec![load], vec![0.25])?;
 //!
-//! let mut linear = Direct::default();
+//! let mut linear = RefinedSolver::default();
 //! let scaling = problem.scaling(loading.largest_force(), 0.0);
-//! let mut walk = Walk::new(&problem, &loading, scaling, Equations::Sparse(&mut linear))?;
+//! let mut walk = ExactPath::new(&problem, &loading, scaling, Equations::Sparse(&mut linear))?;
 //! let mut times = Vec::new();
-//! while let stickslip::events::Step { stop: Stop::Event | Stop::Corner, .. } = walk.step(1.0)? {
+//! while let stickslip::events::PathSegment { stop: SegmentEnd::Event | SegmentEnd::Corner, .. } = walk.step(1.0)? {
 //!     times.push(walk.time());
 //! }
 //! // It touches when half of the load is there, slips at once, and ends with half the force on the floor.
@@ -66,16 +66,16 @@ use serde::{Deserialize, Serialize};
 
 pub use node::NodeStatus;
 pub use rate_problem::Effort;
-pub(crate) use saved::SavedWalk;
-pub use walk::Walk;
+pub(crate) use saved::SavedExactPath;
+pub use walk::ExactPath;
 
-use crate::linear::{Direct, LinearError};
+use crate::linear::{LinearError, RefinedSolver};
 use crate::problem::ProblemError;
 
 /// The linear equations of a walk.
 pub enum Equations<'a> {
     /// Of all displacements and contact forces: one factorisation for each set of statuses, on one pattern.
-    Sparse(&'a mut Direct),
+    Sparse(&'a mut RefinedSolver),
     /// Of the contact displacements of a condensed problem: changes of rank one.
     Dense,
 }
@@ -95,18 +95,18 @@ pub struct Event {
 
 /// A step of the walk.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Step {
+pub struct PathSegment {
     /// The changes of status with which it began.
     pub events: Vec<Event>,
     /// The work that friction dissipated in it, J, exactly; in two dimensions J per m of depth.
     pub friction_work: f64,
     /// Why it ended.
-    pub stop: Stop,
+    pub stop: SegmentEnd,
 }
 
 /// Why a step ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Stop {
+pub enum SegmentEnd {
     /// A node has come to the border of a law.
     Event,
     /// The rates of the loads change.
@@ -114,13 +114,13 @@ pub enum Stop {
     /// The time that was asked for is reached.
     Until,
     /// No rates obey the laws: the quasi-static motion ends here.
-    Lost(Lost),
+    PathEnd(PathEnd),
 }
 
 /// The end of the quasi-static motion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct Lost {
+pub struct PathEnd {
     /// When, s.
     pub time: f64,
     /// Whether all statuses of the nodes concerned were tried, and none was singular; otherwise Lemke's method ended on a ray, which proves it
@@ -136,7 +136,7 @@ pub struct Jump {
     pub from: f64,
     /// The end of the increment that leads over it, s.
     pub to: f64,
-    /// Whether it is certain that there was no quasi-static way, as in [`Lost::certain`].
+    /// Whether it is certain that there was no quasi-static way, as in [`PathEnd::certain`].
     pub certain: bool,
 }
 

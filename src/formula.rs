@@ -10,7 +10,7 @@ use std::ops::Range;
 pub struct Formula {
     text: String,
     /// In postfix order: operands before what is done with them.
-    steps: Vec<Step>,
+    steps: Vec<Instruction>,
     units: FormulaUnits,
 }
 
@@ -25,7 +25,7 @@ pub struct FormulaUnits {
 
 /// A step of the evaluation, on a stack of values.
 #[derive(Debug, Clone, Copy)]
-enum Step {
+enum Instruction {
     Number(f64),
     Coordinate(usize),
     /// Of the last value.
@@ -95,7 +95,7 @@ impl Formula {
 
     /// Whether coordinate `k` stands in it: 0 is x, 1 is y, 2 is z.
     pub fn has_coordinate(&self, k: usize) -> bool {
-        self.steps.iter().any(|step| matches!(step, Step::Coordinate(c) if *c == k))
+        self.steps.iter().any(|step| matches!(step, Instruction::Coordinate(c) if *c == k))
     }
 
     /// The value of the formula at `x` (m), in SI units; NaN where it has none.
@@ -108,10 +108,10 @@ impl Formula {
         let mut stack = Vec::new();
         for step in &self.steps {
             let value = match *step {
-                Step::Number(value) => value,
-                Step::Coordinate(k) => x[k],
-                Step::One(f) => f(stack.pop()?),
-                Step::Two(f) => {
+                Instruction::Number(value) => value,
+                Instruction::Coordinate(k) => x[k],
+                Instruction::One(f) => f(stack.pop()?),
+                Instruction::Two(f) => {
                     let last = stack.pop()?;
                     f(stack.pop()?, last)
                 }

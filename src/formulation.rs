@@ -21,9 +21,9 @@ mod scaled;
 
 pub use assembled::Assembled;
 pub use bdiff::{Bdiff, Linearization};
-pub use cone::Cone;
+pub use cone::ConeSystem;
 pub use constrained::{Constrained, NewtonSystem, Partition, SlackLayout};
 pub use interior::InteriorPoint;
 pub use layout::Layout;
-pub use natural::{Conventions, Pressure};
+pub use natural::{FormulationScaling, Pressure};
 pub use pairs::{Face, Pair, largest_step};

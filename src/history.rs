@@ -5,17 +5,17 @@
 //! | what a history asks of a method ([`IncrementSolver`]), and what it hands over ([`Task`]) | `task.rs` |
 //! | BN; the paper's interior point method; the default one; BN with that for its rescue | `bn.rs`, `ip.rs`, `predictor_corrector.rs`, `rescue.rs` |
 //! | which of them a [`Method`] names | `method.rs` |
-//! | from one time to the next, in parts if need be, and what is told of them | `path.rs`, `told.rs` |
-//! | the increments of one set-up of the equations, and what it leaves to the next | `stage.rs`, `position.rs` |
+//! | from one time to the next, in parts if need be, and what is told of them | `path.rs`, `progress.rs` |
+//! | the increments of one set-up of the equations, and what it leaves to the next | `driver.rs`, `state.rs` |
 //! | which contact nodes join condensed equations that do not hold all | `working_set.rs` |
 //! | one increment at a time, under loads that nobody knows beforehand | `stepper.rs` |
 //! | the exact path in time, from event to event | `events.rs` |
 //! | what the increments leave: the work of friction and the tangential forces | `increment_error.rs` |
-//! | how far loads have carried a body that contact alone holds | `carried.rs` |
-//! | the interior at the start of an increment, and at the end of a condensed one | `held.rs`, `whole.rs` |
+//! | how far loads have carried a body that contact alone holds | `rigid_offset.rs` |
+//! | the interior at the start of an increment, and at the end of a condensed one | `clamped.rs`, `recovery.rs` |
 //!
 //! ```
-//! use stickslip::history::{self, HistorySettings, Method, Status, System};
+//! use stickslip::history::{self, HistorySettings, Method, Status, SystemSolver};
 //! use stickslip::loading::{LoadCase, Loading};
 //! use stickslip::problem::{ContactProblem, Parts};
 //! use stickslip::sparse::{Csr, Symmetric};
@@ -29,7 +29,7 @@
 //! let loading = Loading::new(vec![load], vec![0.0])?;
 //!
 //! let settings = HistorySettings::new(&problem, &loading, Method::BN)?;
-//! let outcome = history::run(&problem, &loading, &[0.5, 1.0], &settings, System::default(), &mut ())?;
+//! let outcome = history::run(&problem, &loading, &[0.5, 1.0], &settings, SystemSolver::default(), &mut ())?;
 //! assert_eq!(outcome.status, Status::Converged);
 //! assert!((outcome.state.p_n[0] - 1.0).abs() < 1e-12 && (outcome.state.p_t[0] - 0.1).abs() < 1e-12);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -37,60 +37,60 @@
 
 mod algorithm;
 mod bn;
-mod carried;
+mod clamped;
+mod driver;
 mod error;
 mod events;
-mod held;
 mod increment_error;
+mod increment_result;
 mod ip;
 mod jump;
-mod memory;
 mod method;
 mod newton_end;
 mod observer;
 mod path;
-mod position;
 mod predictor_corrector;
+mod progress;
 mod record;
+mod recovery;
 mod rescue;
+mod rigid_offset;
 mod saved;
 mod settings;
+mod snapshot;
 mod solver;
-mod stage;
+mod state;
 mod stepper;
 mod system;
 mod tangent;
 mod task;
-mod told;
-mod walked;
-mod whole;
 mod working_set;
 
 use std::time::Instant;
 
 pub use error::Error;
 pub use increment_error::{IncrementError, IncrementErrors};
-pub(crate) use jump::{Edge, Means};
-pub use memory::Memory;
+pub(crate) use jump::{JumpSolver, RestartPoint};
 pub use method::{Method, Start};
-pub use observer::{Observer, Step};
+pub use observer::{IncrementView, Observer};
 pub use record::{ContactCounts, IncrementRecord, Seconds, Status, Tally};
 pub use settings::HistorySettings;
-pub use solver::Solver;
+pub use snapshot::Snapshot;
+pub use solver::SolverChoice;
 pub use stepper::Stepper;
-pub use system::{LinearAlgebra, System, UnknownLinearAlgebra};
+pub use system::{LinearAlgebra, SystemSolver, UnknownLinearAlgebra};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
 pub use working_set::WorkingSet;
 
-use crate::events::{Event, Jump, Lost};
+use crate::events::{Event, Jump, PathEnd};
 use crate::formulation::Layout;
 use crate::laws::{KktScales, Violation};
 use crate::linear::Statistics;
 use crate::loading::Loading;
 use crate::problem::error::{expect_each, expect_finite, expect_increasing};
 use crate::problem::{ContactProblem, ProblemError, State};
+use driver::HistoryDriver;
 use events::ExactHistory;
-use stage::Stages;
 
 /// The result of a history.
 #[derive(Debug, Clone)]
@@ -116,7 +116,7 @@ pub struct HistoryOutcome {
     /// Where it went on by a jump.
     pub jumps: Vec<Jump>,
     /// Where and how that path ended before its time.
-    pub lost: Option<Lost>,
+    pub lost: Option<PathEnd>,
     /// The equilibrium error that rounding the displacements makes in the last increment.
     pub rounding: f64,
     /// If a rigid motion is to blame, one that nothing stops or that the loads drive against all
@@ -171,7 +171,7 @@ pub fn run(
     loading: &Loading,
     times: &[f64],
     settings: &HistorySettings,
-    system: System,
+    system: SystemSolver,
     observer: &mut dyn Observer,
 ) -> Result<HistoryOutcome, Error> {
     run_with(problem, loading, times, settings, settings, system, observer)
@@ -187,7 +187,7 @@ pub fn run_with(
     times: &[f64],
     algorithm: &dyn Algorithm,
     settings: &HistorySettings,
-    system: System,
+    system: SystemSolver,
     observer: &mut dyn Observer,
 ) -> Result<HistoryOutcome, Error> {
     let start = Instant::now();
@@ -202,13 +202,13 @@ pub fn run_with(
     if !algorithm.knows(&outcome.layout) {
         return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
     }
-    let mut stages = Stages::new(problem, loading, times, settings, observer, outcome, start)?;
+    let mut stages = HistoryDriver::new(problem, loading, times, settings, observer, outcome, start)?;
     match system {
-        System::Whole(linear) => {
+        SystemSolver::Whole(linear) => {
             let mut linear = linear.after(stages.done);
             stages.stage(algorithm, None, &mut linear)?;
         }
-        System::Condensed(condensation) => stages.condensed(algorithm, &condensation)?,
+        SystemSolver::Condensed(condensation) => stages.condensed(algorithm, &condensation)?,
     }
     Ok(stages.outcome)
 }

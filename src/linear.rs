@@ -2,7 +2,7 @@
 //!
 //! Three steps, as every direct solver has them: [`LinearSolver::analyze`] once a run,
 //! [`LinearSolver::factorize`] once an iteration, [`LinearSolver::solve`] for each right-hand side.
-//! [`Direct`] stands in front of a backend: it counts, measures time, refines the solution and
+//! [`RefinedSolver`] stands in front of a backend: it counts, measures time, refines the solution and
 //! reports its backward error, the same way for every backend. `unsafe` lives in this module and
 //! nowhere else.
 
@@ -51,10 +51,10 @@ pub use choice::{SparseCholesky, SparseLu};
 pub use cholesky::{Cholesky, Reduced};
 pub(crate) use dense::Lu;
 pub use dense::{Dense, times_transposed};
-pub use direct::{Direct, Statistics};
+pub use direct::{RefinedSolver, Statistics};
 pub use error::LinearError;
 #[cfg(feature = "mpi")]
-pub use help::{Body, help};
+pub use help::{RankRows, help};
 pub use kernel::null_space_of;
 #[cfg(feature = "petsc")]
 pub use multigrid::{Contact, Form, Grid, Multigrid, share};

@@ -1,13 +1,13 @@
 //! What is prescribed over time: external forces and gaps.
 
-mod bend;
 mod friction;
+mod gap_correction;
 mod part;
 
 use std::ops::Range;
 
-pub use bend::Bend;
 pub use friction::FrictionHistory;
+pub use gap_correction::GapCorrection;
 
 use crate::problem::error::{expect_finite, expect_history, expect_length};
 use crate::problem::{ContactProblem, ProblemError};
@@ -47,7 +47,7 @@ pub struct Loading {
     cases: Vec<LoadCase>,
     gap: Vec<f64>,
     motions: Vec<Motion>,
-    bends: Vec<Bend>,
+    bends: Vec<GapCorrection>,
     friction: Option<FrictionHistory>,
 }
 
@@ -144,7 +144,7 @@ impl Loading {
     ///
     /// # Errors
     /// When one names a contact node that there is not, or they move too far for a number.
-    pub fn with_motions(self, motions: Vec<Motion>, bends: Vec<Bend>) -> Result<Self, ProblemError> {
+    pub fn with_motions(self, motions: Vec<Motion>, bends: Vec<GapCorrection>) -> Result<Self, ProblemError> {
         let n_c = self.gap.len();
         let ends = motions
             .iter()
@@ -203,7 +203,7 @@ impl Loading {
     }
 
     /// What goes beyond their rates.
-    pub fn bends(&self) -> &[Bend] {
+    pub fn bends(&self) -> &[GapCorrection] {
         &self.bends
     }
 
@@ -256,7 +256,7 @@ impl Loading {
     }
 
     /// How far gaps that are curved in time may be from the chords along which they are followed between the times of their
-    /// [`Bend`]s, m.
+    /// [`GapCorrection`]s, m.
     pub(crate) fn off_the_chords(&self) -> f64 {
         let kinks = self.kinks();
         self.bends.iter().map(|bend| bend.off_the_chords(&kinks)).fold(0.0, f64::max)
@@ -384,7 +384,7 @@ mod tests {
         assert_eq!(loading.drift_at(5.0, 0), [0.0; 3]);
         assert_eq!(loading.largest_interference(), 2.0);
 
-        let bend = Bend {
+        let bend = GapCorrection {
             nodes: 0..2,
             times: vec![1.0, 1.5, 3.5],
             gap: vec![vec![0.0, 0.5], vec![1.0, 4.0], vec![-3.0, 0.0]],

@@ -37,11 +37,11 @@ use crate::contact::{
     ContactBoundary, ContactNode, ObstacleMotion, Passages, PlacedObstacle, Row, leave_out_dependent, share_edges,
 };
 use crate::description::Description;
-use crate::fault::Fault;
 use crate::fem::{
     Dofs, Elasticity, Element, HeldRows, InvertedElement, NodalVolumes, Plane, RigidMotion, Spring, assemble,
     unresisted_motions,
 };
+use crate::input_error::InputError;
 use crate::linear::LinearError;
 use crate::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::mesh::{Boundary, Mesh, MeshError, MeshFileError};
@@ -87,7 +87,7 @@ pub struct Model {
     pub problem: ContactProblem,
     /// The loads and gaps over time.
     pub loading: Loading,
-    /// The rigid motions behind `problem.free_motions()`.
+    /// The rigid motions behind `problem.rigid_modes()`.
     pub rigid_motions: Vec<RigidMotion>,
     /// Where supports move the bodies, and which of these together.
     moved: Vec<Moved>,
@@ -111,7 +111,7 @@ pub enum ModelError {
     /// A value of the description is not possible, or contradicts the mesh.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Description(#[from] Fault),
+    Description(#[from] InputError),
     /// The same of a scene, by its place in the text.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -146,7 +146,7 @@ fn contact_problem(
     stiffness: Symmetric,
     [all, alone]: [&[ContactNode]; 2],
     mu: Vec<f64>,
-    free_motions: Vec<Vec<f64>>,
+    rigid_modes: Vec<Vec<f64>>,
     free: usize,
 ) -> Result<ContactProblem, ProblemError> {
     let map = |contacts: &[ContactNode], row: fn(&ContactNode) -> &Row| {
@@ -159,7 +159,7 @@ fn contact_problem(
         c_o: map(all, |contact| &contact.tangents[1]),
         mu,
         weight: Some(all.iter().map(|contact| contact.weight).collect()),
-        free_motions: Some(free_motions),
+        rigid_modes: Some(rigid_modes),
     })?;
     if alone == all {
         return Ok(problem);
@@ -232,7 +232,8 @@ impl Model {
         let Motions { rates: mut motions, bends, nearest } =
             motions::motions(&contacts, &obstacles, &gap, &description.times)?;
         let thin = description.material.plane == Some(Plane::Stress);
-        let body = load::Body { description, mesh: &mesh, element, volumes: &volumes, thin, materials: &materials };
+        let body =
+            load::LoadedBody { description, mesh: &mesh, element, volumes: &volumes, thin, materials: &materials };
         let (mut cases, mut forces, mut thermal) = (Vec::new(), Vec::new(), Vec::new());
         let end = description.end();
         for (k, load) in description.loads.iter().enumerate() {
@@ -268,8 +269,8 @@ impl Model {
             Some(stiffness) => stiffness,
             None => assemble(&mesh, &dofs, element, law)?,
         };
-        let free_motions = rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect();
-        let problem = contact_problem(stiffness, [&contacts, &alone], mu, free_motions, dofs.free())?;
+        let rigid_modes = rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect();
+        let problem = contact_problem(stiffness, [&contacts, &alone], mu, rigid_modes, dofs.free())?;
         Ok(Model {
             passed_by: motions::passed_by(&alone, mesh.dimension, &obstacles, past),
             passages: Passages::new(&mesh, pairs.all.iter().map(|pair| &pair.mortar)),
@@ -339,10 +340,14 @@ impl Model {
 }
 
 /// The boundary that the thing at `key` names.
-fn find<'a>(mesh: &'a Mesh, name: &str, key: &str) -> Result<&'a Boundary, Fault> {
+fn find<'a>(mesh: &'a Mesh, name: &str, key: &str) -> Result<&'a Boundary, InputError> {
     mesh.boundary(name).ok_or_else(|| {
         if let Some((_, fault)) = mesh.notes.unusable.iter().find(|(group, _)| group == name) {
-            return Fault::new(format!("{key}.boundary"), format!("`{name}` is no boundary: {fault}"), fault.help());
+            return InputError::new(
+                format!("{key}.boundary"),
+                format!("`{name}` is no boundary: {fault}"),
+                fault.help(),
+            );
         }
         let known = mesh.boundary_names();
         let help = match (&known[..], mesh.dimension) {
@@ -354,6 +359,6 @@ fn find<'a>(mesh: &'a Mesh, name: &str, key: &str) -> Result<&'a Boundary, Fault
             }
             (known, _) => format!("the mesh has the boundaries {}", known.join(", ")),
         };
-        Fault::new(format!("{key}.boundary"), format!("the mesh has no boundary `{name}`"), help)
+        InputError::new(format!("{key}.boundary"), format!("the mesh has no boundary `{name}`"), help)
     })
 }

@@ -10,7 +10,7 @@ mod predictor_corrector;
 
 pub use armijo::Armijo;
 pub use bn::Bn;
-pub use end::{End, Measure};
+pub use end::{Measure, StopCriterion};
 pub use ip::{Centring, Ip, IpSettings};
 pub use predictor_corrector::{PredictorCorrector, PredictorCorrectorSettings};
 
@@ -18,12 +18,13 @@ use crate::formulation::Layout;
 use crate::linear::LinearError;
 use crate::sparse::SystemMatrix;
 use crate::units::Scaling;
+use std::ops::ControlFlow;
 
 /// How the iteration of one increment ended, by the solver's own stop test.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Stop {
+pub enum Termination {
     /// The stop test was met.
-    Met,
+    Converged,
     /// The limit of iterations was reached.
     MaxIterations,
     /// The limit of iterations was reached, and half of them went through the same sets of contact
@@ -34,7 +35,7 @@ pub enum Stop {
     /// No step along the direction improves the iterate.
     Stalled,
     /// The contact statuses leave the free motion with these weights free, and there is no solution along it.
-    Unheld(Vec<f64>),
+    Unconstrained(Vec<f64>),
     /// No equilibrium exists: the loads drive the free motion with these weights.
     NoEquilibrium(Vec<f64>),
     /// The loads drive the free motion with these weights; only friction that the equations leave out, across the edge
@@ -46,11 +47,11 @@ pub enum Stop {
     Interrupted,
 }
 
-impl Stop {
+impl Termination {
     /// The end that a linear solve makes: a singular matrix is a verdict, anything else an error.
     fn at(error: LinearError) -> Result<Self, LinearError> {
         match error {
-            LinearError::Singular { .. } | LinearError::NotFinite => Ok(Stop::Singular(error)),
+            LinearError::Singular { .. } | LinearError::NotFinite => Ok(Termination::Singular(error)),
             error => Err(error),
         }
     }
@@ -58,9 +59,9 @@ impl Stop {
 
 /// What the solver did in one increment.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
+pub struct MethodResult {
     /// How it ended.
-    pub stop: Stop,
+    pub stop: Termination,
     /// Linear systems solved, the paper's nle.
     pub iterations: usize,
     /// Steps shortened, over all iterations.
@@ -75,11 +76,11 @@ pub struct Outcome {
     pub rescued: bool,
 }
 
-impl Outcome {
+impl MethodResult {
     /// Nothing done yet, from a start with the merit `theta`.
     pub fn new(theta: f64) -> Self {
-        Outcome {
-            stop: Stop::MaxIterations,
+        MethodResult {
+            stop: Termination::MaxIterations,
             iterations: 0,
             backtracks: 0,
             theta,
@@ -99,13 +100,13 @@ impl Outcome {
 
     /// Whether the iteration ends here, and why: the stop test is `met`, the numbers are not finite, or
     /// the observer wants no more.
-    fn ends(&mut self, met: bool, flow: Flow) -> bool {
+    fn ends(&mut self, met: bool, flow: ControlFlow<()>) -> bool {
         self.stop = if met {
-            Stop::Met
+            Termination::Converged
         } else if !self.theta.is_finite() {
-            Stop::Diverged
-        } else if flow == Flow::Stop {
-            Stop::Interrupted
+            Termination::Diverged
+        } else if flow.is_break() {
+            Termination::Interrupted
         } else {
             return false;
         };
@@ -114,8 +115,8 @@ impl Outcome {
 
     /// This and then `next`, as one.
     #[must_use]
-    pub fn then(self, next: Outcome) -> Outcome {
-        Outcome {
+    pub fn then(self, next: MethodResult) -> MethodResult {
+        MethodResult {
             stop: next.stop,
             iterations: self.iterations + next.iterations,
             backtracks: self.backtracks + next.backtracks,
@@ -195,13 +196,4 @@ impl IterationRecord {
             error: None,
         }
     }
-}
-
-/// What an observer wants.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Flow {
-    /// Go on.
-    Continue,
-    /// Stop after the last good increment.
-    Stop,
 }

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) use strained::strained;
 
 use crate::linear::{LinearError, null_space_of};
-use crate::sparse::{Csr, Symmetric, Twofold};
+use crate::sparse::{Csr, DoubleDouble, Symmetric};
 use crate::units::Scaling;
 use crate::vector::median;
 
@@ -46,7 +46,7 @@ use crate::vector::median;
 #[derive(Debug, Clone)]
 pub struct ContactProblem {
     parts: Parts,
-    free_motions: Vec<Vec<f64>>,
+    rigid_modes: Vec<Vec<f64>>,
     tangents_alone: Option<[Csr; 2]>,
     /// The largest entry of `K`, N/m: that of a semidefinite matrix is on its diagonal.
     stiffest: f64,
@@ -72,7 +72,7 @@ pub struct Parts {
     pub weight: Option<Vec<f64>>,
     /// A basis of the null space of `K`, each of length n_u: the rigid motions that no support
     /// stops, none for a body that is held. Without it they are found from `K`.
-    pub free_motions: Option<Vec<Vec<f64>>>,
+    pub rigid_modes: Option<Vec<Vec<f64>>>,
 }
 
 impl Parts {
@@ -80,7 +80,7 @@ impl Parts {
     pub fn new(stiffness: Symmetric, c_n: Csr) -> Self {
         let none = Csr::empty(c_n.rows(), c_n.columns());
         let mu = vec![0.0; c_n.rows()];
-        Parts { stiffness, c_t: none.clone(), c_o: none, mu, c_n, weight: None, free_motions: None }
+        Parts { stiffness, c_t: none.clone(), c_o: none, mu, c_n, weight: None, rigid_modes: None }
     }
 }
 
@@ -124,9 +124,9 @@ impl ContactProblem {
     /// `K`, `K r = 0` for each free motion `r`. [`ProblemError::Linear`] when the free motions cannot be found.
     pub fn new(parts: Parts) -> Result<Self, ProblemError> {
         check::parts(&parts)?;
-        let free_motions = match &parts.free_motions {
+        let rigid_modes = match &parts.rigid_modes {
             Some(motions) => {
-                check::free_motions(&parts.stiffness, motions)?;
+                check::rigid_modes(&parts.stiffness, motions)?;
                 motions.clone()
             }
             None => null_space_of(&parts.stiffness).map_err(|error| match error {
@@ -135,14 +135,14 @@ impl ContactProblem {
                 error => ProblemError::Linear(error),
             })?,
         };
-        Ok(Self::of(Parts { free_motions: Some(free_motions), ..parts }))
+        Ok(Self::of(Parts { rigid_modes: Some(rigid_modes), ..parts }))
     }
 
     /// The problem of parts that this crate has made of a sound one.
     pub(crate) fn of(mut parts: Parts) -> Self {
-        let free_motions = parts.free_motions.take().unwrap_or_default();
+        let rigid_modes = parts.rigid_modes.take().unwrap_or_default();
         let stiffest = parts.stiffness.diagonal().iter().fold(0.0_f64, |m, k| m.max(*k));
-        ContactProblem { parts, free_motions, tangents_alone: None, stiffest }
+        ContactProblem { parts, rigid_modes, tangents_alone: None, stiffest }
     }
 
     /// The same with the tangents (n_c × n_u, as `c_t` and `c_o`) that each contact node would have if it lay in front of its
@@ -171,13 +171,13 @@ impl ContactProblem {
             c_o: rows(c_o),
             mu: values(mu),
             weight: weight.as_ref().map(values),
-            free_motions: Some(self.free_motions.clone()),
+            rigid_modes: Some(self.rigid_modes.clone()),
         })
     }
 
     /// What it is made of, to make another one of; the tangents of nodes alone are not part of it.
     pub fn into_parts(self) -> Parts {
-        Parts { free_motions: Some(self.free_motions), ..self.parts }
+        Parts { rigid_modes: Some(self.rigid_modes), ..self.parts }
     }
 
     /// `K`, n_u × n_u, N/m.
@@ -224,8 +224,8 @@ impl ContactProblem {
     }
 
     /// A basis of the null space of `K`, each of length n_u.
-    pub fn free_motions(&self) -> &[Vec<f64>] {
-        &self.free_motions
+    pub fn rigid_modes(&self) -> &[Vec<f64>] {
+        &self.rigid_modes
     }
 
     /// n_u, the number of free displacements.
@@ -256,7 +256,7 @@ impl ContactProblem {
             self.stiffness().mul(&state.u, &mut elastic);
             return self.imbalance_of(elastic, force, state);
         }
-        let mut balance = vec![Twofold::default(); state.u.len()];
+        let mut balance = vec![DoubleDouble::default(); state.u.len()];
         let (u, rest) = self.strained(state);
         self.stiffness().add_beyond(&u, &rest, &mut balance);
         for (map, forces) in [(self.c_n(), &state.p_n), (self.c_t(), &state.p_t), (self.c_o(), &state.p_o)] {
@@ -265,7 +265,7 @@ impl ContactProblem {
             }
         }
         balance.iter_mut().zip(force).for_each(|(sum, force)| sum.add(-force));
-        balance.into_iter().map(Twofold::value).collect()
+        balance.into_iter().map(DoubleDouble::value).collect()
     }
 
     /// The same of a state without `u_rest` whose `elastic` forces `K u` are known.
@@ -280,7 +280,7 @@ impl ContactProblem {
 
     /// [`strained`] of the displacements of `state`.
     pub(crate) fn strained(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
-        strained(&self.free_motions, &state.u, &state.u_rest)
+        strained(&self.rigid_modes, &state.u, &state.u_rest)
     }
 
     /// `w_T - w̄_T` of contact node `i`, the slip increment (m), with the `u_rest` of `state`: a slip may be that small

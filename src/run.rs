@@ -2,7 +2,7 @@
 //! written.
 //!
 //! ```
-//! use stickslip::history::{Method, Solver};
+//! use stickslip::history::{Method, SolverChoice};
 //! use stickslip::model::Model;
 //! use stickslip::run::{Recording, Run};
 //! use stickslip::scene::Scene;
@@ -18,7 +18,7 @@
 //!
 //! // A model made in Rust goes through the same door.
 //! let model = Model::build(&scene.description)?;
-//! let again = Run::of(&model, model.times().to_vec(), Solver::new(Method::PaperBn))?.solve(&mut ())?;
+//! let again = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::PaperBn))?.solve(&mut ())?;
 //! assert_eq!(again.forces, report.forces);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -54,14 +54,15 @@ use crate::auto::{Choice, Done, Faster, factorizations};
 use crate::checkpoint::Checkpoint;
 use crate::formulation::Layout;
 use crate::history::{
-    self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Means, Observer, Solver, Status, System,
+    self, HistoryOutcome, HistorySettings, IncrementRecord, JumpSolver, LinearAlgebra, Observer, SolverChoice, Status,
+    SystemSolver,
 };
+use crate::initial_working_set::{self, InitialWorkingSet};
 use crate::laws::{ContactStatus, KktScales};
-use crate::linear::Direct;
+use crate::linear::RefinedSolver;
 use crate::memory::Budget;
 use crate::model::Model;
 use crate::problem::State;
-use crate::reach::{self, Reach};
 use crate::report::{
     CompanionEstimate, Estimates, Facts, Leap, Measured, RankRecord, RunReport, Warning, cpu_seconds, peak_rss_bytes,
 };
@@ -83,12 +84,12 @@ pub struct Run<'a> {
     model: Cow<'a, Model>,
     /// The ends of the increments, s.
     times: Vec<f64>,
-    solver: Solver,
+    solver: SolverChoice,
     choice: Choice,
     /// What the model has left of the memory.
     budget: Option<Budget>,
     /// What condensed equations begin with.
-    reach: Reach,
+    reach: InitialWorkingSet,
     uniqueness: bool,
     companion: bool,
     /// From where it goes on, if it does not begin with the unloaded body.
@@ -122,7 +123,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// When the times do not increase from 0 or later, and when memory is short for the choice of the linear algebra.
-    pub fn of(model: &'a Model, times: Vec<f64>, solver: Solver) -> Result<Self, RunError> {
+    pub fn of(model: &'a Model, times: Vec<f64>, solver: SolverChoice) -> Result<Self, RunError> {
         Run::start(None, Cow::Borrowed(model), times, solver, Instant::now())
     }
 
@@ -130,7 +131,7 @@ impl<'a> Run<'a> {
         scene: Option<&'a Scene>,
         model: Cow<'a, Model>,
         times: Vec<f64>,
-        solver: Solver,
+        solver: SolverChoice,
         start: Instant,
     ) -> Result<Self, RunError> {
         history::check_times(&times).map_err(history::Error::from)?;
@@ -144,9 +145,15 @@ impl<'a> Run<'a> {
             _ => None,
         };
         let reach = if may_condense {
-            reach::working_set(&model.problem, &model.loading, &times, reach::AFFORDABLE, condensing)?
+            initial_working_set::working_set(
+                &model.problem,
+                &model.loading,
+                &times,
+                initial_working_set::AFFORDABLE,
+                condensing,
+            )?
         } else {
-            Reach::default()
+            InitialWorkingSet::default()
         };
         let choice = if let Some(linear) = solver.linear {
             Choice::named(linear)
@@ -249,15 +256,15 @@ impl<'a> Run<'a> {
         self.report(self.system(), Audience::Ledger(ledger))
     }
 
-    /// The same with another linear system than the chosen one, as by a linear solver of one's own: `System::from(solver)`.
+    /// The same with another linear system than the chosen one, as by a linear solver of one's own: `SystemSolver::from(solver)`.
     ///
     /// # Errors
     /// As [`Run::solve`].
-    pub fn solve_with(&self, system: System, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
+    pub fn solve_with(&self, system: SystemSolver, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
         self.report(system, Audience::Observer(observer))
     }
 
-    fn report(&self, system: System, mut audience: Audience<'_>) -> Result<RunReport, RunError> {
+    fn report(&self, system: SystemSolver, mut audience: Audience<'_>) -> Result<RunReport, RunError> {
         let start = Instant::now();
         let (linear, condensed) = (system.name(), system.condenses());
         let companion = self.companion();
@@ -360,17 +367,17 @@ impl<'a> Run<'a> {
     }
 
     /// The chosen linear system, in an order for as many factorisations as are to be expected.
-    fn system(&self) -> System {
+    fn system(&self) -> SystemSolver {
         let expected = || factorizations(&Layout::new(&self.model.problem), self.solver.method, self.times.len());
         match self.choice.linear {
             LinearAlgebra::Whole(lu) => {
-                System::from(lu.solver_for(self.model.mesh.dimension == 2 && expected() >= MANY))
+                SystemSolver::from(lu.solver_for(self.model.mesh.dimension == 2 && expected() >= MANY))
             }
-            LinearAlgebra::Condensed(cholesky) => System::condensed(cholesky, self.reach.factor.clone()),
+            LinearAlgebra::Condensed(cholesky) => SystemSolver::condensed(cholesky, self.reach.factor.clone()),
             #[cfg(feature = "petsc")]
             LinearAlgebra::Multigrid => grid::system(&self.model, self.solver.method),
             #[cfg(not(feature = "petsc"))]
-            LinearAlgebra::Multigrid => System::from(LinearAlgebra::Multigrid),
+            LinearAlgebra::Multigrid => SystemSolver::from(LinearAlgebra::Multigrid),
         }
     }
 
@@ -407,11 +414,11 @@ impl<'a> Run<'a> {
             return Ok(None);
         }
         let leap = match self.system() {
-            System::Whole(mut linear) => {
-                leaps.first(&self.model, settings, scales, &mut Means::Whole(&mut linear), observer)
+            SystemSolver::Whole(mut linear) => {
+                leaps.first(&self.model, settings, scales, &mut JumpSolver::Whole(&mut linear), observer)
             }
-            System::Condensed(condensation) => {
-                leaps.first(&self.model, settings, scales, &mut Means::Condensed(&condensation), observer)
+            SystemSolver::Condensed(condensation) => {
+                leaps.first(&self.model, settings, scales, &mut JumpSolver::Condensed(&condensation), observer)
             }
         };
         Ok(leap?)
@@ -419,7 +426,7 @@ impl<'a> Run<'a> {
 
     fn history_with(
         &self,
-        system: System,
+        system: SystemSolver,
         times: &[f64],
         settings: &HistorySettings,
         observer: &mut dyn Observer,
@@ -440,7 +447,7 @@ impl<'a> Run<'a> {
             Status::NoContinuation => uniqueness::critical_friction_where_lost,
             _ => uniqueness::critical_friction,
         };
-        critical(problem, &data, state, &scales, scaling, &mut Direct::default())
+        critical(problem, &data, state, &scales, scaling, &mut RefinedSolver::default())
     }
 
     /// A linear algebra that would have been much faster than the one that the scene names. `None` also where the estimate itself

@@ -42,8 +42,8 @@ pub use origin::Origin;
 pub use overrides::{Override, OverrideSyntax};
 
 use crate::description::{Description, Probe};
-use crate::fault::Fault;
-use crate::history::Solver;
+use crate::history::SolverChoice;
+use crate::input_error::InputError;
 use crate::timeline::{equal_increments, with_further_ends};
 use error::Source;
 
@@ -61,7 +61,7 @@ pub struct Scene {
     /// The history's end and increments, whose ends the description has.
     pub time: Time,
     /// The method, its constants and the linear algebra.
-    pub solver: Solver,
+    pub solver: SolverChoice,
     /// The key that asks for a method that knows one tangent a node only, if one does: ip in the setting
     /// `paper`, or with `newton = "extended"`.
     pub one_tangent_key: Option<&'static str>,
@@ -179,11 +179,11 @@ impl Scene {
 
     /// The error of the value at `key`, for what only a later stage can see.
     pub fn error_at(&self, key: &str, message: impl Into<String>, help: impl Into<String>) -> SceneError {
-        self.located(Fault::new(key, message, help))
+        self.located(InputError::new(key, message, help))
     }
 
     /// `fault` at its place in this scene.
-    pub fn located(&self, fault: Fault) -> SceneError {
+    pub fn located(&self, fault: InputError) -> SceneError {
         self.source.located(fault)
     }
 }

@@ -21,9 +21,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::null_space::{NEGLIGIBLE, null_space};
 use crate::problem::error::{expect_finite, expect_length};
 use crate::problem::{ContactProblem, OwnBasis, ProblemError};
-use crate::sets::Sets;
 use crate::sparse::Csr;
-use cone::{Cone, norm};
+use crate::union_find::UnionFind;
+use cone::{FiniteCone, norm};
 use free::Free;
 pub(crate) use free::Load;
 pub(crate) use landing::{Landing, NEARBY, is_carried_without_strain, landing};
@@ -31,7 +31,7 @@ pub(crate) use landing::{Landing, NEARBY, is_carried_without_strain, landing};
 /// What violates the conditions (a) and (b) of Theorem 3.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conditions {
-    /// A motion that violates (a), if there is one: the weights of the problem's `free_motions`.
+    /// A motion that violates (a), if there is one: the weights of the problem's `rigid_modes`.
     pub leaving: Option<Vec<f64>>,
     /// The contact nodes whose rows violate (b), ascending. A row that is empty depends on any other.
     pub dependent: Vec<usize>,
@@ -62,7 +62,7 @@ impl Conditions {
 /// whole cone is left to resist the residual. If neither comes about nothing is claimed, as for a load that a
 /// balance can just carry.
 ///
-/// Gives the weights of the problem's `free_motions` in a motion on which the load does work, while no admissible contact
+/// Gives the weights of the problem's `rigid_modes` in a motion on which the load does work, while no admissible contact
 /// force does negative work. By Farkas' lemma there is either such a motion or a balance; and it excludes a balance, as
 /// the work of all forces would have to vanish.
 ///
@@ -120,7 +120,7 @@ fn unbalanced(cones: &[&FrictionCone], load: &[f64], size: f64) -> Option<Vec<f6
     let mut generators: Vec<Vec<f64>> = cones.iter().flat_map(|cone| cone.edges()).collect();
     let has_rim = cones.iter().any(|cone| cone.tangents.len() > 1);
     for _ in 0..ROUNDS {
-        let cone = Cone::new(load.len(), generators.iter().cloned());
+        let cone = FiniteCone::new(load.len(), generators.iter().cloned());
         let y = cone.outside(load, size)?;
         let least = NEARER * norm(load);
         let edges = cones.iter().filter_map(|cone| cone.edge_towards(&y)).filter(|(gain, _)| *gain > least);
@@ -192,11 +192,11 @@ impl FrictionCone {
 fn leaving(problem: &ContactProblem) -> Option<Vec<f64>> {
     let free = Free::new(problem);
     let rows: Vec<Vec<f64>> = (0..problem.contacts()).map(|i| free.felt(problem.c_n().row(i))).collect();
-    let dimension = problem.free_motions().len();
+    let dimension = problem.rigid_modes().len();
     // First the way out of all of them at once: where it exists it is the plainest to tell.
     let away: Vec<f64> = (0..dimension).map(|k| -rows.iter().map(|row| row[k]).sum::<f64>()).collect();
     let size: f64 = rows.iter().map(|row| norm(row)).sum();
-    let cone = Cone::new(dimension, rows);
+    let cone = FiniteCone::new(dimension, rows);
     let directions = (0..dimension).flat_map(|k| {
         [1.0, -1.0].map(|sign| (0..dimension).map(|j| if j == k { sign } else { 0.0 }).collect::<Vec<f64>>())
     });
@@ -239,7 +239,7 @@ fn dependent(problem: &ContactProblem) -> Vec<usize> {
 
 /// The rows in groups that have no displacement in common. An empty row is a group of its own.
 fn groups(rows: &[Row]) -> Vec<Vec<&Row>> {
-    let mut sets = Sets::new(rows.len());
+    let mut sets = UnionFind::new(rows.len());
     let mut first = BTreeMap::new();
     for (k, (_, row)) in rows.iter().enumerate() {
         for (column, _) in row {
@@ -278,7 +278,7 @@ mod tests {
             c_o: Csr::empty(contacts.len(), displacements),
             mu: contacts.iter().map(|(_, _, mu)| *mu).collect(),
             weight: Some(vec![1.0; contacts.len()]),
-            free_motions: Some(motions.iter().map(|motion| motion.to_vec()).collect()),
+            rigid_modes: Some(motions.iter().map(|motion| motion.to_vec()).collect()),
         })
         .unwrap()
     }

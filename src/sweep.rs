@@ -21,6 +21,6 @@ mod picture;
 mod table;
 mod variation;
 
-pub use outcome::Outcome;
+pub use outcome::VariantResult;
 pub use table::{Row, Sweep};
 pub use variation::{MOST_VARIANTS, Variant, Variation, VariationError, combinations};

@@ -1,6 +1,6 @@
 //! Values prescribed over time by points `[time, value, …]`: linear between them, constant outside.
 
-use crate::fault::{Fault, not_huge};
+use crate::input_error::{InputError, not_huge};
 
 /// Relative to the steepest rate: far above its rounding, far below what matters.
 const ROUNDING: f64 = 1e-9;
@@ -12,22 +12,22 @@ const STRAIGHT: f64 = 1e-6;
 /// Checks the points of a history at `key`; `value` says what stands behind the time in each.
 ///
 /// # Errors
-/// [`Fault`] of `key` where there is no point, one is not finite or huge, or times do not increase.
-pub fn check_points<const N: usize>(key: &str, value: &str, points: &[[f64; N]]) -> Result<(), Fault> {
+/// [`InputError`] of `key` where there is no point, one is not finite or huge, or times do not increase.
+pub fn check_points<const N: usize>(key: &str, value: &str, points: &[[f64; N]]) -> Result<(), InputError> {
     let name = key.rsplit('.').next().unwrap_or(key);
     if points.is_empty() {
         let [first, last] = ["0", "1"].map(|x| format!("[{}]", [x; N].join(", ")));
         let help = format!("give points [time, {value}], e.g. [{first}, {last}]");
-        return Err(Fault::new(key, format!("{name} is empty"), help));
+        return Err(InputError::new(key, format!("{name} is empty"), help));
     }
     if let Some(point) = points.iter().find(|point| !point.iter().all(|x| x.is_finite())) {
         let message = format!("{name} has the point {point:?}");
-        return Err(Fault::new(key, message, "give numbers other than nan or inf"));
+        return Err(InputError::new(key, message, "give numbers other than nan or inf"));
     }
     not_huge(key, points.iter().flatten().copied())?;
     if let Some(pair) = points.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
         let message = format!("{name} goes from time {} to {}, but times must increase", pair[0][0], pair[1][0]);
-        return Err(Fault::new(key, message, format!("order the points [time, {value}] by time, each time once")));
+        return Err(InputError::new(key, message, format!("order the points [time, {value}] by time, each time once")));
     }
     Ok(())
 }
@@ -35,10 +35,10 @@ pub fn check_points<const N: usize>(key: &str, value: &str, points: &[[f64; N]])
 /// Checks the ends (s) of increments at `key`, the first of which begins at 0.
 ///
 /// # Errors
-/// [`Fault`] of `key` where there is none, or they do not increase from 0 on.
-pub fn check_times(key: &str, times: &[f64]) -> Result<(), Fault> {
+/// [`InputError`] of `key` where there is none, or they do not increase from 0 on.
+pub fn check_times(key: &str, times: &[f64]) -> Result<(), InputError> {
     if times.is_empty() {
-        return Err(Fault::new(key, format!("{key} is empty"), "give the end of each increment, s"));
+        return Err(InputError::new(key, format!("{key} is empty"), "give the end of each increment, s"));
     }
     let before = [0.0].into_iter().chain(times.iter().copied());
     match before.zip(times).find(|(before, t)| !(t.is_finite() && before < *t)) {
@@ -46,7 +46,7 @@ pub fn check_times(key: &str, times: &[f64]) -> Result<(), Fault> {
         Some((before, t)) => {
             let message =
                 format!("{key} goes from {before} to {t}, but the ends of increments must increase from 0 on");
-            Err(Fault::new(key, message, "give finite times in s, each later than the one before"))
+            Err(InputError::new(key, message, "give finite times in s, each later than the one before"))
         }
     }
 }

@@ -23,11 +23,11 @@ use serde::Serialize;
 pub use neutral::NeutralMotion;
 pub(crate) use neutral::neutral_motions;
 
-use crate::formulation::{Bdiff, Conventions, Layout};
+use crate::formulation::{Bdiff, FormulationScaling, Layout};
 use crate::history::Error;
 use crate::laws::coulomb::{NormalCase, TangentialCase};
 use crate::laws::{ContactStatus, KktScales, statuses};
-use crate::linear::{Direct, LinearError};
+use crate::linear::{LinearError, RefinedSolver};
 use crate::problem::{ContactProblem, Increment, State};
 use crate::units::Scaling;
 
@@ -78,7 +78,7 @@ pub fn critical_friction(
     state: &State,
     scales: &KktScales,
     scaling: Scaling,
-    linear: &mut Direct,
+    linear: &mut RefinedSolver,
 ) -> Result<Option<CriticalFriction>, Error> {
     let statuses = statuses(problem, increment, state, scales)?;
     Ok(along(problem, increment, state, &statuses, scaling, linear)?)
@@ -91,7 +91,7 @@ pub(crate) fn critical_friction_where_lost(
     state: &State,
     scales: &KktScales,
     scaling: Scaling,
-    linear: &mut Direct,
+    linear: &mut RefinedSolver,
 ) -> Result<Option<CriticalFriction>, Error> {
     let mut statuses = statuses(problem, increment, state, scales)?;
     for (i, status) in statuses.iter_mut().enumerate() {
@@ -110,14 +110,14 @@ fn along(
     state: &State,
     statuses: &[ContactStatus],
     scaling: Scaling,
-    linear: &mut Direct,
+    linear: &mut RefinedSolver,
 ) -> Result<Option<CriticalFriction>, LinearError> {
     let layout = Layout::new(problem);
     if (0..problem.contacts()).any(|i| layout.slides_in_a_plane(i)) {
         return Ok(None);
     }
     // Nothing is iterated: of all the conventions only r is used, to scale the rows of held nodes.
-    let mut tangent = Bdiff::new(problem, scaling, &Conventions::natural(problem));
+    let mut tangent = Bdiff::new(problem, scaling, &FormulationScaling::natural(problem));
     tangent.set_cases(statuses.iter().map(|status| match status {
         ContactStatus::Open => (NormalCase::Open, TangentialCase::NoPressure),
         ContactStatus::Stick => (NormalCase::Closed, TangentialCase::Stick),
@@ -145,7 +145,7 @@ fn along(
 }
 
 /// `T`, column by column; `None` if `J_0` is singular.
-fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut Direct) -> Result<Option<Mat<f64>>, LinearError> {
+fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut RefinedSolver) -> Result<Option<Mat<f64>>, LinearError> {
     if tangent.unheld_motion().is_some() {
         return Ok(None);
     }

@@ -6,10 +6,10 @@ use std::process::Command;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
-use stickslip::auto::{Choice, Means};
-use stickslip::history::{self, HistorySettings, Method, Observer, Status, System};
+use stickslip::auto::{AvailableSolvers, Choice};
+use stickslip::history::{self, HistorySettings, Method, Observer, Status, SystemSolver};
+use stickslip::initial_working_set::InitialWorkingSet;
 use stickslip::linear::{self, LinearSolver};
-use stickslip::reach::Reach;
 use stickslip::report::{cpu_seconds, peak_rss_bytes};
 use stickslip::units::Scaling;
 
@@ -138,11 +138,19 @@ fn run(case: Case, who: &str, method: Method) -> Measured {
     let tolerance = if naive { 1e-3 } else { scene.solver.tolerance };
     let problem = &model.problem;
     let choice = || {
-        Choice::cheapest(problem, &Reach::default(), method, scene.time.increments, Means::of_process()).unwrap().linear
+        Choice::cheapest(
+            problem,
+            &InitialWorkingSet::default(),
+            method,
+            scene.time.increments,
+            AvailableSolvers::of_process(),
+        )
+        .unwrap()
+        .linear
     };
     let system = match scene.solver.linear {
-        _ if naive => System::from(Box::new(Naive::default()) as Box<dyn LinearSolver>),
-        linear => System::from(linear.unwrap_or_else(choice)),
+        _ if naive => SystemSolver::from(Box::new(Naive::default()) as Box<dyn LinearSolver>),
+        linear => SystemSolver::from(linear.unwrap_or_else(choice)),
     };
     let condensed = system.condenses();
     let settings = HistorySettings::new(problem, &model.loading, method).unwrap();

@@ -5,7 +5,7 @@ use std::iter::once;
 
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
-use stickslip::loading::{Bend, FrictionHistory, LoadCase, Loading, Motion};
+use stickslip::loading::{FrictionHistory, GapCorrection, LoadCase, Loading, Motion};
 use stickslip::problem::{ContactProblem, ProblemError};
 
 use crate::arrays::{Rows, expect_length, rows};
@@ -76,7 +76,7 @@ impl Tables<'_> {
         let mut bends = Vec::new();
         if gaps.len() > 1 {
             let beyond = gaps.iter().map(|row| row.iter().zip(&first).map(|(gap, first)| gap - first).collect());
-            bends.push(Bend::new(nodes, from_zero(&self.times), beyond.collect())?);
+            bends.push(GapCorrection::new(nodes, from_zero(&self.times), beyond.collect())?);
         }
         Loading::new(cases, first)?.with_motions(motions, bends)?.with_friction(self.friction()?)
     }

@@ -6,13 +6,13 @@ use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::auto::{Choice, Means};
+use stickslip::auto::{AvailableSolvers, Choice};
 use stickslip::exchange::{self, Info, Way};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Solver, System};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, SolverChoice, SystemSolver};
+use stickslip::initial_working_set::{self, InitialWorkingSet};
 use stickslip::laws::{KktErrors, KktScales, statuses};
 use stickslip::loading::Loading;
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
-use stickslip::reach;
 use stickslip::run::RunError;
 
 use crate::arrays::{Compressed, Exported, Rows, Vector, export_lower, export_map, map, rows, symmetric};
@@ -82,8 +82,8 @@ pub(crate) struct Options {
 }
 
 impl Options {
-    pub fn solver(&self, linear: Option<LinearAlgebra>) -> PyResult<Solver> {
-        let solver = Solver::new(method(&self.method, &self.setting, self.r_factor)?);
+    pub fn solver(&self, linear: Option<LinearAlgebra>) -> PyResult<SolverChoice> {
+        let solver = SolverChoice::new(method(&self.method, &self.setting, self.r_factor)?);
         let tolerance = self.tolerance.unwrap_or(solver.tolerance);
         if !(tolerance > 0.0 && tolerance < 1.0) {
             return Err(PyValueError::new_err(format!("tolerance is {tolerance}, but must be between 0 and 1")));
@@ -91,7 +91,7 @@ impl Options {
         if self.max_iterations == 0 {
             return Err(PyValueError::new_err("max_iterations is 0, but must be 1 or more"));
         }
-        Ok(Solver { linear, tolerance, max_iterations: self.max_iterations, ..solver })
+        Ok(SolverChoice { linear, tolerance, max_iterations: self.max_iterations, ..solver })
     }
 }
 
@@ -100,8 +100,8 @@ fn prepared(
     problem: &ContactProblem,
     loading: &Loading,
     times: &[f64],
-    solver: &Solver,
-) -> Result<(System, HistorySettings), RunError> {
+    solver: &SolverChoice,
+) -> Result<(SystemSolver, HistorySettings), RunError> {
     let settings = solver.settings(problem, loading)?;
     if let Some(LinearAlgebra::Whole(_)) = solver.linear {
         return Ok((solver.linear.unwrap_or_default().into(), settings));
@@ -110,14 +110,14 @@ fn prepared(
         Some(LinearAlgebra::Condensed(cholesky)) => Some(cholesky),
         _ => None,
     };
-    let mut reach = reach::Reach::default();
+    let mut reach = InitialWorkingSet::default();
     if !solver.method.is_of_paper() {
-        reach = reach::working_set(problem, loading, times, reach::AFFORDABLE, condensing)?;
+        reach = initial_working_set::working_set(problem, loading, times, initial_working_set::AFFORDABLE, condensing)?;
     }
     let linear = if let Some(linear) = solver.linear {
         linear
     } else {
-        Choice::cheapest(problem, &reach, solver.method, times.len(), Means::of_process())?.linear
+        Choice::cheapest(problem, &reach, solver.method, times.len(), AvailableSolvers::of_process())?.linear
     };
     Ok((linear.into(), HistorySettings { working_set: reach.nodes, ..settings }))
 }
@@ -143,7 +143,7 @@ pub(crate) fn exported<'py>(
 impl Problem {
     /// K by the columns of its lower triangle, the maps by rows.
     #[new]
-    #[pyo3(signature = (order, stiffness, maps, mu, weight, free_motions))]
+    #[pyo3(signature = (order, stiffness, maps, mu, weight, rigid_modes))]
     fn new(
         py: Python<'_>,
         order: usize,
@@ -151,7 +151,7 @@ impl Problem {
         maps: [Compressed<'_>; 3],
         mu: Vector<'_>,
         weight: Option<Vector<'_>>,
-        free_motions: Option<Rows<'_>>,
+        rigid_modes: Option<Rows<'_>>,
     ) -> PyResult<Self> {
         let [c_n, c_t, c_o] = [0, 1, 2].map(|k| map(["C_n", "C_t", "C_t[1]"][k], order, &maps[k]));
         let parts = Parts {
@@ -161,7 +161,7 @@ impl Problem {
             c_o: c_o?,
             mu: mu.as_slice()?.to_vec(),
             weight: weight.map(|weight| weight.as_slice().map(<[f64]>::to_vec)).transpose()?,
-            free_motions: free_motions.as_ref().map(rows),
+            rigid_modes: rigid_modes.as_ref().map(rows),
         };
         detached(py, || ContactProblem::new(parts)).map(|problem| Problem(Arc::new(problem))).map_err(of_problem)
     }
@@ -192,8 +192,8 @@ impl Problem {
         PyArray1::from_vec(py, detached(py, || self.0.contact_stiffness()))
     }
 
-    fn free_motions(&self) -> Vec<Vec<f64>> {
-        self.0.free_motions().to_vec()
+    fn rigid_modes(&self) -> Vec<Vec<f64>> {
+        self.0.rigid_modes().to_vec()
     }
 
     /// The lower triangle of K by columns: data, row indices, column starts.

@@ -4,9 +4,10 @@ use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::history::{IncrementRecord, Observer, Step};
+use std::ops::ControlFlow;
+use stickslip::history::{IncrementRecord, IncrementView, Observer};
 use stickslip::laws::ContactStatus;
-use stickslip::nonlinear::{Flow, IterationRecord};
+use stickslip::nonlinear::IterationRecord;
 
 use crate::arrays::table;
 use crate::foreign::Raised;
@@ -92,24 +93,24 @@ impl Recorder {
     }
 
     /// Calls Python, if the time has come; whether to go on.
-    fn look(&mut self, call: impl FnOnce(Python<'_>) -> PyResult<()>, now: bool) -> Flow {
+    fn look(&mut self, call: impl FnOnce(Python<'_>) -> PyResult<()>, now: bool) -> ControlFlow<()> {
         if self.raised.is_set() {
-            return Flow::Stop;
+            return ControlFlow::Break(());
         }
         if !now && self.looked.elapsed() < PATIENCE {
-            return Flow::Continue;
+            return ControlFlow::Continue(());
         }
         self.looked = Instant::now();
         match Python::attach(|py| py.check_signals().and_then(|()| call(py))) {
-            Ok(()) => Flow::Continue,
+            Ok(()) => ControlFlow::Continue(()),
             Err(error) => {
                 self.raised.set(error);
-                Flow::Stop
+                ControlFlow::Break(())
             }
         }
     }
 
-    fn keep(&mut self, step: &Step<'_>) {
+    fn keep(&mut self, step: &IncrementView<'_>) {
         let (number, state) = (step.record.index, step.state);
         // Every row has its rest, which is empty where it does not matter.
         let rest = if state.u_rest.is_empty() { vec![0.0; state.u.len()] } else { state.u_rest.clone() };
@@ -149,13 +150,13 @@ impl Observer for Recorder {
         false
     }
 
-    fn iteration(&mut self, index: usize, record: &IterationRecord) -> Flow {
+    fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
         let IterationRecord { iteration, theta, step, error, .. } = *record;
         self.iterations.push(&[index as f64, iteration as f64, theta, step, error.unwrap_or(f64::NAN)]);
         self.look(|_| Ok(()), false)
     }
 
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.keep(step);
         let (state, data) = (step.state, step.increment);
         let columns: [&[f64]; OF_NODES.len()] =

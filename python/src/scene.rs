@@ -6,7 +6,7 @@ use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use stickslip::history::Solver;
+use stickslip::history::SolverChoice;
 use stickslip::mesh::{Boundary, Cell, CellKind, Mesh};
 use stickslip::model::Model;
 use stickslip::run::{Run, discretise};
@@ -214,7 +214,7 @@ impl SceneModel {
         let SceneModel { scene, model, .. } = self;
         let raised = Raised::default();
         let (linear, own) = Algebra::new(linear, &raised)?.split(scene.solver.linear);
-        let solver = Solver {
+        let solver = SolverChoice {
             linear,
             max_iterations: max_iterations.unwrap_or(scene.solver.max_iterations),
             tolerance: tolerance.unwrap_or(scene.solver.tolerance),

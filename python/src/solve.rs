@@ -9,7 +9,7 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 use stickslip::formulation::NewtonSystem;
-use stickslip::history::{LinearAlgebra, Method, Start, System};
+use stickslip::history::{LinearAlgebra, Method, Start, SystemSolver};
 use stickslip::jobs::keep_in_this_thread;
 use stickslip::run::RunError;
 
@@ -47,12 +47,12 @@ impl Algebra {
     }
 
     /// What a run is told of it, where a scene says `said`, and the system that takes the place of the chosen one.
-    pub fn split(self, said: Option<LinearAlgebra>) -> (Option<LinearAlgebra>, Option<System>) {
+    pub fn split(self, said: Option<LinearAlgebra>) -> (Option<LinearAlgebra>, Option<SystemSolver>) {
         match self {
             Algebra::Unsaid => (said, None),
             Algebra::Auto => (None, None),
             Algebra::Named(linear) => (Some(linear), None),
-            Algebra::Foreign(solver) => (Some(LinearAlgebra::default()), Some(System::from(solver as Box<_>))),
+            Algebra::Foreign(solver) => (Some(LinearAlgebra::default()), Some(SystemSolver::from(solver as Box<_>))),
         }
     }
 }

@@ -5,11 +5,11 @@ use std::sync::{Arc, Mutex};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::auto::{Choice, Means};
-use stickslip::history::{self, Solver, System};
+use stickslip::auto::{AvailableSolvers, Choice};
+use stickslip::history::{self, SolverChoice, SystemSolver};
+use stickslip::initial_working_set::InitialWorkingSet;
 use stickslip::loading::Loading;
 use stickslip::problem::ContactProblem;
-use stickslip::reach::Reach;
 use stickslip::run::RunError;
 
 use crate::foreign::Raised;
@@ -27,22 +27,22 @@ type Steps = history::Stepper<Arc<ContactProblem>>;
 #[pyclass(frozen, module = "stickslip._core")]
 pub(crate) struct Stepper {
     problem: Arc<ContactProblem>,
-    solver: Solver,
+    solver: SolverChoice,
     raised: Raised,
     /// What waits for the first increment, and then what goes on.
-    on_the_way: Mutex<(Option<System>, Option<Steps>)>,
+    on_the_way: Mutex<(Option<SystemSolver>, Option<Steps>)>,
 }
 
 impl Stepper {
     /// What the first increment begins: its load tells the units inside.
-    fn begin(&self, loading: &Loading, own: &mut Option<System>) -> Result<Steps, RunError> {
+    fn begin(&self, loading: &Loading, own: &mut Option<SystemSolver>) -> Result<Steps, RunError> {
         let settings = self.solver.settings(&self.problem, loading)?;
         let system = match (own.take(), self.solver.linear) {
             (Some(own), _) => own,
             (None, Some(linear)) => linear.into(),
             (None, None) => {
-                let every = Reach::default();
-                Choice::cheapest(&self.problem, &every, self.solver.method, EXPECTED, Means::of_process())?
+                let every = InitialWorkingSet::default();
+                Choice::cheapest(&self.problem, &every, self.solver.method, EXPECTED, AvailableSolvers::of_process())?
                     .linear
                     .into()
             }

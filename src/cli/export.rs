@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
+use std::ops::ControlFlow;
 use stickslip::exchange::{Info, export, export_local};
-use stickslip::history::{Observer, Status, Step};
-use stickslip::nonlinear::Flow;
+use stickslip::history::{IncrementView, Observer, Status};
 use stickslip::problem::State;
 use stickslip::run::{RecordedIncrement, Run};
 
@@ -44,13 +44,13 @@ struct One {
 }
 
 impl Observer for One {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         if step.record.index == self.number || step.record.status != Status::Converged {
             self.found = Some(RecordedIncrement::new(step));
-            return Flow::Stop;
+            return ControlFlow::Break(());
         }
         self.before = Some(step.state.clone());
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

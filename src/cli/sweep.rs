@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use clap::Args;
 use stickslip::report::{FolderLock, write_file};
 use stickslip::scene::{Override, Scene};
-use stickslip::sweep::{Outcome, Row, Sweep, Variation, combinations};
+use stickslip::sweep::{Row, Sweep, VariantResult, Variation, combinations};
 
 use super::progress::bar;
 use super::run::write_failure;
@@ -87,7 +87,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     }
     processes.tidy();
 
-    let mut outcomes: Vec<Option<Outcome>> = tasks.iter().map(|task| processes.kept(task)).collect();
+    let mut outcomes: Vec<Option<VariantResult>> = tasks.iter().map(|task| processes.kept(task)).collect();
     let waiting: Vec<usize> = (0..tasks.len()).filter(|&k| outcomes[k].is_none()).collect();
     if !args.json {
         let kept = tasks.len() - waiting.len();
@@ -101,7 +101,9 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
         // A result of a scene that has changed since is not of the scene that was asked for.
         let same = one(args, &tasks[k].overrides).is_ok_and(|(now, _)| now == tasks[k].fingerprint);
         outcomes[k] = Some(match outcome {
-            _ if !same => Outcome::failed("bad-input", "the scene, or a file of it, changed while it ran".to_string()),
+            _ if !same => {
+                VariantResult::failed("bad-input", "the scene, or a file of it, changed while it ran".to_string())
+            }
             outcome => processes.keep(&tasks[k], outcome),
         });
         bar.inc(1);
@@ -110,14 +112,14 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     ended.map_err(|error| write_failure(&results.path, &error))?;
 
     let rows = tasks.iter().zip(outcomes).map(|(task, outcome)| {
-        let stays = |_: &Outcome| !results.passes && results.path.join(&task.fingerprint).is_dir();
+        let stays = |_: &VariantResult| !results.passes && results.path.join(&task.fingerprint).is_dir();
         Row {
             values: task.values.clone(),
             results: outcome
                 .as_ref()
                 .filter(|outcome| stays(outcome))
                 .map(|_| format!("variants/{}", task.fingerprint)),
-            outcome: outcome.unwrap_or_else(|| Outcome::failed("interrupted", String::new())),
+            outcome: outcome.unwrap_or_else(|| VariantResult::failed("interrupted", String::new())),
         }
     });
     let sweep = Sweep::new(&first, args.variations.clone(), rows.collect());
@@ -138,8 +140,8 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     }
     let outcomes = || sweep.variants.iter().map(|row| &row.outcome);
     Ok(match () {
-        () if outcomes().all(Outcome::is_converged) => ExitCode::SUCCESS,
-        () if outcomes().any(Outcome::is_of_the_machine) => ExitCode::from(3),
+        () if outcomes().all(VariantResult::is_converged) => ExitCode::SUCCESS,
+        () if outcomes().any(VariantResult::is_of_the_machine) => ExitCode::from(3),
         () => ExitCode::from(1),
     })
 }

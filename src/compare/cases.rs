@@ -7,17 +7,18 @@ use super::errors::{End, TimeErrors};
 use super::mesh::MeshChoice;
 use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
 use crate::formulation::Layout;
-use crate::history::{Method, Observer, Solver, Status, Step};
+use crate::history::{IncrementView, Method, Observer, SolverChoice, Status};
 use crate::model::Model;
-use crate::nonlinear::{Flow, IterationRecord};
+use crate::nonlinear::IterationRecord;
 use crate::report::{EstimateWatch, Estimates, thread_cpu_seconds};
 use crate::run::{Run, RunError};
 use crate::scene::{Override, Scene};
 use crate::units::UnitSystem;
+use std::ops::ControlFlow;
 
 /// What the reference is computed with: the linear algebra that is estimated to take least time.
-fn reference_solver(method: Method, of_scene: &Solver) -> Solver {
-    Solver { method, linear: None, ..*of_scene }
+fn reference_solver(method: Method, of_scene: &SolverChoice) -> SolverChoice {
+    SolverChoice { method, linear: None, ..*of_scene }
 }
 
 /// Whether increments come to the exact path, the more there are: it is known where nodes slide along lines and friction stays, and
@@ -140,7 +141,7 @@ fn solve(
     scene: &Scene,
     model: &Model,
     built: [f64; 2],
-    solver: Solver,
+    solver: SolverChoice,
     increments: usize,
     last: Option<&mut LastIncrement<'_>>,
 ) -> Result<Solved, RunError> {
@@ -182,12 +183,12 @@ fn solve(
 
 impl SolverPath {
     /// The solver, with the tolerance and the limit of iterations of the scene's.
-    fn solver(self, of_scene: &Solver) -> Solver {
-        let Solver { max_iterations, tolerance, .. } = *of_scene;
+    fn solver(self, of_scene: &SolverChoice) -> SolverChoice {
+        let SolverChoice { max_iterations, tolerance, .. } = *of_scene;
         let SolverPath { method, linear } = self;
         let tolerance =
             if let Method::PaperIp { .. } = method { tolerance.max(method.default_tolerance()) } else { tolerance };
-        Solver { method, linear: Some(linear), max_iterations, tolerance }
+        SolverChoice { method, linear: Some(linear), max_iterations, tolerance }
     }
 }
 
@@ -200,7 +201,7 @@ struct LastIncrement<'a> {
 }
 
 impl LastIncrement<'_> {
-    fn see(&mut self, step: &Step<'_>) {
+    fn see(&mut self, step: &IncrementView<'_>) {
         if self.end.is_some_and(|end| step.record.time >= end) {
             self.watch.see(self.model, step);
         }
@@ -220,7 +221,7 @@ impl Observer for Recorder<'_, '_> {
         false
     }
 
-    fn iteration(&mut self, increment: usize, record: &IterationRecord) -> Flow {
+    fn iteration(&mut self, increment: usize, record: &IterationRecord) -> ControlFlow<()> {
         // What was solved ahead and taken back comes again.
         while self.iterates.last().is_some_and(|last| last.increment > increment) {
             self.iterates.pop();
@@ -231,23 +232,23 @@ impl Observer for Recorder<'_, '_> {
         }
         let iteration = match begun {
             // A further attempt at the increment starts where the last one is known to have failed.
-            Some(_) if record.iteration == 0 => return Flow::Continue,
+            Some(_) if record.iteration == 0 => return ControlFlow::Continue(()),
             Some(last) => last + 1,
             None => record.iteration,
         };
         let seconds = thread_cpu_seconds() - self.since;
         self.iterates.push(Iterate { increment, iteration, seconds, theta: record.theta, error: record.error });
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         if let Some(last) = self.iterates.iter_mut().rfind(|last| last.increment == step.record.index) {
             last.error = Some(step.record.kkt.worst().1);
         }
         if let Some(last) = &mut self.last {
             last.see(step);
         }
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

@@ -4,7 +4,7 @@ use crate::vector::{across, cross, dot, minus, norm, plus};
 
 /// The points `x` with `r ≤ z tan α`, where `z` is how far `x` lies behind the tip along the axis and `r` how far from it.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Cone {
+pub(super) struct SolidCone {
     /// The tip, m.
     pub apex: [f64; 3],
     /// Unit vector from the tip into the cone.
@@ -13,7 +13,7 @@ pub(super) struct Cone {
     pub half_angle: f64,
 }
 
-impl Cone {
+impl SolidCone {
     /// `z`, and the vector of length `r` from the axis.
     fn split(&self, from: [f64; 3]) -> (f64, [f64; 3]) {
         (dot(from, self.axis), across(from, self.axis))
@@ -75,7 +75,7 @@ mod tests {
     /// Whatever the direction, the line ends on the surface, and the point before it is outside.
     #[test]
     fn lines_end_where_they_enter() {
-        let cone = Cone { apex: [0.1, -0.2, 0.3], axis: [0.0, 0.6, 0.8], half_angle: 0.7 };
+        let cone = SolidCone { apex: [0.1, -0.2, 0.3], axis: [0.0, 0.6, 0.8], half_angle: 0.7 };
         let depth = |x: [f64; 3]| {
             let (z, q) = cone.split(minus(x, cone.apex));
             z * cone.half_angle.tan() - norm(q)

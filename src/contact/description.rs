@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fault::{Fault, demand, finite, not_huge, positive};
 use crate::formula::Formula;
+use crate::input_error::{InputError, ensure, finite, not_huge, positive};
 use crate::timeline::check_points;
 use crate::vector::{Vector, dot, norm, plus, unit};
 
@@ -203,15 +203,15 @@ impl Obstacle {
     /// Whether all values are possible and none contradicts another.
     ///
     /// # Errors
-    /// [`Fault`] of the key that is wrong, as it stands under `obstacle`.
-    pub fn check(&self) -> Result<(), Fault> {
+    /// [`InputError`] of the key that is wrong, as it stands under `obstacle`.
+    pub fn check(&self) -> Result<(), InputError> {
         self.shape.check()?;
         let normal = self.normal.map(|normal| direction("normal", normal)).transpose()?;
         if let Some(given) = self.tangent {
             let tangent = direction("tangent", given)?;
             let help = "give both, at right angles, or leave the tangent out";
             let sound = normal.is_some_and(|normal| dot(normal, tangent).abs() <= SKEW);
-            demand(sound, "tangent", &given, "at right angles to a given normal", help)?;
+            ensure(sound, "tangent", &given, "at right angles to a given normal", help)?;
         }
         let one_normal = matches!(
             self.shape,
@@ -219,7 +219,7 @@ impl Obstacle {
         );
         if self.direction == GapDirection::Nearest && one_normal {
             let message = "a plane, a formula and a table have no direction \"nearest\"";
-            return Err(Fault::new("direction", message, "remove the key: gaps are measured along the normal"));
+            return Err(InputError::new("direction", message, "remove the key: gaps are measured along the normal"));
         }
         if let Some(approach) = &self.approach {
             check_points("approach", "distance", approach)?;
@@ -228,11 +228,11 @@ impl Obstacle {
             not_huge("motion.translation", self.path().into_iter().flatten())?;
             let message = "translation is not a list of points with increasing times";
             check_points("motion.translation", "x, y, z", &self.path())
-                .map_err(|fault| Fault { message: message.to_string(), ..fault })?;
+                .map_err(|fault| InputError { message: message.to_string(), ..fault })?;
         }
         self.rotation
             .as_ref()
-            .map_or(Ok(()), |rotation| rotation.check().map_err(|fault| fault.under("motion.rotation")))
+            .map_or(Ok(()), |rotation| rotation.check().map_err(|fault| fault.with_key("motion.rotation")))
     }
 
     /// The points `[time (s), x, y, z (m)]` of the translation; none if there is none.
@@ -278,7 +278,7 @@ impl Shape {
         }
     }
 
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), InputError> {
         let (point, axis) = self.stands();
         if let Some((key, value)) = point {
             self::point(key, value)?;
@@ -306,29 +306,29 @@ impl Shape {
     }
 }
 
-fn acute(key: &str, angle: f64, help: &str) -> Result<(), Fault> {
+fn acute(key: &str, angle: f64, help: &str) -> Result<(), InputError> {
     finite(key, angle)?;
-    demand(angle > 0.0 && angle < std::f64::consts::FRAC_PI_2, key, &angle, "between 0 and pi/2", help)
+    ensure(angle > 0.0 && angle < std::f64::consts::FRAC_PI_2, key, &angle, "between 0 and pi/2", help)
 }
 
 impl Rotation {
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), InputError> {
         self.axis.map_or(Ok(()), |axis| direction("axis", axis).map(drop))?;
         point("through", self.through)?;
         check_points("history", "angle", &self.history)
     }
 }
 
-fn point(key: &str, value: Vector) -> Result<(), Fault> {
+fn point(key: &str, value: Vector) -> Result<(), InputError> {
     let sound = value.components().iter().all(|x| x.is_finite());
-    demand(sound, key, &value, "finite numbers", "give numbers other than nan or inf")?;
+    ensure(sound, key, &value, "finite numbers", "give numbers other than nan or inf")?;
     not_huge(key, value.components())
 }
 
 /// The unit vector along `value`.
-fn direction(key: &str, value: Vector) -> Result<[f64; 3], Fault> {
+fn direction(key: &str, value: Vector) -> Result<[f64; 3], InputError> {
     point(key, value)?;
     let length = norm(value.components());
-    demand(length > 0.0 && length.is_finite(), key, &value, "a vector with a direction", "give e.g. [0, -1]")?;
+    ensure(length > 0.0 && length.is_finite(), key, &value, "a vector with a direction", "give e.g. [0, -1]")?;
     Ok(unit(value.components()))
 }

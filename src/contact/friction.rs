@@ -1,7 +1,7 @@
 //! Coulomb's coefficient, as an input describes it.
 
-use crate::fault::{Fault, demand, finite};
 use crate::formula::Formula;
+use crate::input_error::{InputError, ensure, finite};
 
 /// Coulomb's coefficient `μ ≥ 0` on a boundary.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,13 +28,13 @@ impl Friction {
     /// Whether its value is possible, as far as that is known without the positions of nodes.
     ///
     /// # Errors
-    /// [`Fault`] of `friction`.
-    pub fn check(&self) -> Result<(), Fault> {
+    /// [`InputError`] of `friction`.
+    pub fn check(&self) -> Result<(), InputError> {
         match *self {
             Friction::Uniform(coefficient) => {
                 finite("friction", coefficient)?;
                 let help = "give Coulomb's coefficient, 0 for a frictionless contact";
-                demand(coefficient >= 0.0, "friction", &coefficient, "0 or more", help)
+                ensure(coefficient >= 0.0, "friction", &coefficient, "0 or more", help)
             }
             Friction::Formula(_) => Ok(()),
         }

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use crate::fault::not_huge;
+use crate::input_error::not_huge;
 
 /// Gaps (m) at the points of a line or of a rectangular grid.
 #[derive(Debug, Clone, PartialEq)]

@@ -285,8 +285,8 @@ struct Sum {
 }
 
 impl Sum {
-    fn add(&mut self, mesh: &Mesh, edges: &Edges, along: Option<[f64; 3]>, part: basis::Part) {
-        let basis::Part { node, weight, slave, master, bulge } = part;
+    fn add(&mut self, mesh: &Mesh, edges: &Edges, along: Option<[f64; 3]>, part: basis::FacetShare) {
+        let basis::FacetShare { node, weight, slave, master, bulge } = part;
         let [slave, master] = [slave, master].map(|terms| nodal(terms, edges));
         // Seen from the node itself, what is one with it adds nothing.
         let mean = |terms: &BTreeMap<usize, f64>| {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::cone::Cone;
+use super::cone::SolidCone;
 use super::description::{GapDirection, Obstacle, Place, Rotation, SKEW, Shape};
 use super::gap_table::GapTable;
 use super::obstacle_error::ObstacleError;
@@ -132,7 +132,7 @@ impl PlacedObstacle {
                 if dot(axis, normal) <= SKEW {
                     return Err(ObstacleError::ConeTowardsBody);
                 }
-                Surface::Cone(Cone { apex: apex.components(), axis, half_angle: *half_angle })
+                Surface::Cone(SolidCone { apex: apex.components(), axis, half_angle: *half_angle })
             }
             Shape::Wedge { apex, angle, axis: given } => {
                 let aside = unit(cross(axis(*given)?, normal));

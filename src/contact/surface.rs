@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::cone::Cone;
+use super::cone::SolidCone;
 use super::crossing::{GRAZING, crossing};
 use super::description::SKEW;
 use super::gap_table::GapTable;
@@ -20,7 +20,7 @@ pub(super) enum Surface {
     /// radius is negative: its centre is on the other side of the apex.
     Round { radius: f64, apex: [f64; 3], axis: Option<[f64; 3]> },
     /// A cone.
-    Cone(Cone),
+    Cone(SolidCone),
     /// Two half-planes from a ridge through `apex`, each leaning away from the body by the angle whose
     /// tangent is `slope`, to both sides along `aside` (unit).
     Wedge { apex: [f64; 3], aside: [f64; 3], slope: f64 },

@@ -53,7 +53,7 @@ pub(super) struct Entry {
 
 /// A part of a triangle.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Part {
+pub(super) enum TriangleFeature {
     Face,
     Side(usize),
     Corner(usize),
@@ -215,7 +215,7 @@ impl Triangles {
     /// The distance (m) from `x` to the nearest point, negative inside, and the unit vector into the obstacle in which that
     /// is; nothing if `x` is beyond the rim.
     pub(super) fn nearest(&self, x: [f64; 3]) -> Option<(f64, [f64; 3])> {
-        let mut best = (f64::INFINITY, 0, x, Part::Face);
+        let mut best = (f64::INFINITY, 0, x, TriangleFeature::Face);
         self.tree.near(x, |triangle| {
             let (foot, part) = nearest_of(&self.corners[triangle], x);
             let away = minus(foot, x);
@@ -228,12 +228,12 @@ impl Triangles {
         let (_, triangle, foot, part) = best;
         let to = minus(foot, x);
         let feature = match part {
-            Part::Face => {
+            TriangleFeature::Face => {
                 let normal = self.normals[triangle].map(|c| -c);
                 return Some((dot(to, normal), normal));
             }
-            Part::Side(k) => &self.edges[self.sides[triangle][k]],
-            Part::Corner(k) => &self.vertices[self.points[triangle][k]],
+            TriangleFeature::Side(k) => &self.edges[self.sides[triangle][k]],
+            TriangleFeature::Corner(k) => &self.vertices[self.points[triangle][k]],
         };
         let distance = norm(to);
         if feature.off.iter().any(|off| -dot(to, off) > SINGLE * distance.max(self.extent)) {
@@ -251,7 +251,7 @@ impl Triangles {
 
 /// The point of a triangle, or of a side if two of its corners are one, that is nearest to `x`, and the part of it that it lies on
 /// (Ericson, Real-Time Collision Detection, 5.1.5).
-pub(super) fn nearest_of(&[a, b, c]: &[[f64; 3]; 3], x: [f64; 3]) -> ([f64; 3], Part) {
+pub(super) fn nearest_of(&[a, b, c]: &[[f64; 3]; 3], x: [f64; 3]) -> ([f64; 3], TriangleFeature) {
     let (ab, ac) = (minus(b, a), minus(c, a));
     let [from_a, from_b, from_c] = [a, b, c].map(|corner| minus(x, corner));
     let (d1, d2) = (dot(ab, from_a), dot(ac, from_a));
@@ -259,17 +259,17 @@ pub(super) fn nearest_of(&[a, b, c]: &[[f64; 3]; 3], x: [f64; 3]) -> ([f64; 3], 
     let (d5, d6) = (dot(ab, from_c), dot(ac, from_c));
     let (of_a, of_b, of_c) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
     match () {
-        () if d1 <= 0.0 && d2 <= 0.0 => (a, Part::Corner(0)),
-        () if d3 >= 0.0 && d4 <= d3 => (b, Part::Corner(1)),
-        () if d6 >= 0.0 && d5 <= d6 => (c, Part::Corner(2)),
-        () if of_c <= 0.0 && d1 >= 0.0 && d3 <= 0.0 => (plus(a, d1 / (d1 - d3), ab), Part::Side(0)),
-        () if of_b <= 0.0 && d2 >= 0.0 && d6 <= 0.0 => (plus(a, d2 / (d2 - d6), ac), Part::Side(2)),
+        () if d1 <= 0.0 && d2 <= 0.0 => (a, TriangleFeature::Corner(0)),
+        () if d3 >= 0.0 && d4 <= d3 => (b, TriangleFeature::Corner(1)),
+        () if d6 >= 0.0 && d5 <= d6 => (c, TriangleFeature::Corner(2)),
+        () if of_c <= 0.0 && d1 >= 0.0 && d3 <= 0.0 => (plus(a, d1 / (d1 - d3), ab), TriangleFeature::Side(0)),
+        () if of_b <= 0.0 && d2 >= 0.0 && d6 <= 0.0 => (plus(a, d2 / (d2 - d6), ac), TriangleFeature::Side(2)),
         () if of_a <= 0.0 && d4 >= d3 && d5 >= d6 => {
-            (plus(b, (d4 - d3) / ((d4 - d3) + (d5 - d6)), minus(c, b)), Part::Side(1))
+            (plus(b, (d4 - d3) / ((d4 - d3) + (d5 - d6)), minus(c, b)), TriangleFeature::Side(1))
         }
         () => {
             let all = of_a + of_b + of_c;
-            (plus(plus(a, of_b / all, ab), of_c / all, ac), Part::Face)
+            (plus(plus(a, of_b / all, ab), of_c / all, ac), TriangleFeature::Face)
         }
     }
 }

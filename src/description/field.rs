@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use crate::fault::{Fault, finite};
 use crate::formula::Formula;
+use crate::input_error::{InputError, finite};
 
 /// A number, or a formula of the position.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +32,7 @@ impl Field {
     }
 
     /// Whether it is possible, as the value of `key`.
-    pub(super) fn check(&self, key: &str) -> Result<(), Fault> {
+    pub(super) fn check(&self, key: &str) -> Result<(), InputError> {
         self.uniform().map_or(Ok(()), |value| finite(key, value))
     }
 }

@@ -2,16 +2,16 @@
 
 use super::{Action, Description, Field, FirstGap, Opposite};
 use crate::contact::{Friction, Shape};
-use crate::fault::Fault;
 use crate::formula::Formula;
+use crate::input_error::InputError;
 
 impl Description {
     /// Refuses formulas of z for a body of two dimensions.
-    pub(crate) fn formulas_suit(&self, dimension: usize) -> Result<(), Fault> {
+    pub(crate) fn formulas_suit(&self, dimension: usize) -> Result<(), InputError> {
         match self.formulas().into_iter().find(|(_, formula)| formula.has_coordinate(2)) {
             Some((key, formula)) if dimension == 2 => {
                 let message = format!("`{}` has z, but the body has two dimensions", formula.text());
-                Err(Fault::new(key, message, "use x and y: y points up in the plane"))
+                Err(InputError::new(key, message, "use x and y: y points up in the plane"))
             }
             _ => Ok(()),
         }

@@ -1,7 +1,7 @@
 //! What loads a body.
 
 use super::Field;
-use crate::fault::{Fault, demand, finite, not_huge};
+use crate::input_error::{InputError, ensure, finite, not_huge};
 use crate::timeline::check_points;
 use crate::units::{Quantity, UnitSystem};
 use crate::vector::{Vector, norm};
@@ -90,7 +90,7 @@ impl Load {
         self.history.clone().unwrap_or_else(|| vec![[0.0, 0.0], [end, 1.0]])
     }
 
-    pub(super) fn check(&self) -> Result<(), Fault> {
+    pub(super) fn check(&self) -> Result<(), InputError> {
         self.action.check()?;
         self.history.as_ref().map_or(Ok(()), |history| check_points("history", "factor", history))
     }
@@ -106,7 +106,7 @@ impl Action {
         }
     }
 
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), InputError> {
         match self {
             Action::Traction { traction, .. } => {
                 let sound = (2..=3).contains(&traction.len());
@@ -116,7 +116,7 @@ impl Action {
                     ("two or three finite numbers or formulas", "give one for each axis, not nan or inf");
                 if !sound {
                     let message = format!("traction is [{}], but must be {must}", given.join(", "));
-                    return Err(Fault::new("traction", message, help));
+                    return Err(InputError::new("traction", message, help));
                 }
                 not_huge("traction", traction.iter().filter_map(Field::uniform))
             }
@@ -145,7 +145,7 @@ impl Where {
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), Fault> {
+    pub(super) fn check(&self) -> Result<(), InputError> {
         match self {
             Where::Boundary(_) => Ok(()),
             Where::Point(point) => components("point", &point.components()),
@@ -154,15 +154,15 @@ impl Where {
 }
 
 /// Two or three finite numbers.
-pub(super) fn components(key: &str, values: &[f64]) -> Result<(), Fault> {
+pub(super) fn components(key: &str, values: &[f64]) -> Result<(), InputError> {
     let sound = (2..=3).contains(&values.len()) && values.iter().all(|x| x.is_finite());
-    demand(sound, key, &values, "two or three finite numbers", "give one for each axis, not nan or inf")?;
+    ensure(sound, key, &values, "two or three finite numbers", "give one for each axis, not nan or inf")?;
     not_huge(key, values.iter().copied())
 }
 
 /// A vector with a direction.
-pub(super) fn direction(key: &str, given: Vector) -> Result<(), Fault> {
+pub(super) fn direction(key: &str, given: Vector) -> Result<(), InputError> {
     components(key, &given.components())?;
     let length = norm(given.components());
-    demand(length > 0.0 && length.is_finite(), key, &given, "a vector with a direction", "give e.g. [0, 1]")
+    ensure(length > 0.0 && length.is_finite(), key, &given, "a vector with a direction", "give e.g. [0, 1]")
 }

@@ -1,7 +1,7 @@
 //! A boundary in front of another, as an input describes it.
 
-use crate::fault::{Fault, demand, finite, not_huge, positive};
 use crate::formula::Formula;
+use crate::input_error::{InputError, ensure, finite, not_huge, positive};
 use crate::vector::{Vector, norm};
 
 /// The boundary of a deformable body in front of another.
@@ -83,13 +83,13 @@ impl Opposite {
     /// Whether all values are possible.
     ///
     /// # Errors
-    /// [`Fault`] of the key that is wrong, as it stands under `contact`.
-    pub fn check(&self) -> Result<(), Fault> {
+    /// [`InputError`] of the key that is wrong, as it stands under `contact`.
+    pub fn check(&self) -> Result<(), InputError> {
         if let Some(search) = self.search {
             positive("search", search, "give the distance in m or as [units] says")?;
         }
         finite("adjust", self.adjust)?;
-        demand(self.adjust >= 0.0, "adjust", &self.adjust, "0 or more", "give a distance in m or as [units] says")?;
+        ensure(self.adjust >= 0.0, "adjust", &self.adjust, "0 or more", "give a distance in m or as [units] says")?;
         if let FirstGap::Uniform(gap) = self.gap {
             finite("gap", gap)?;
             not_huge("gap", [gap])?;
@@ -97,16 +97,16 @@ impl Opposite {
         if let Some(direction) = self.direction {
             let length = norm(direction.components());
             let sound = length > 0.0 && length.is_finite();
-            demand(sound, "direction", &direction, "a vector with a direction", "give e.g. [0, -1]")?;
+            ensure(sound, "direction", &direction, "a vector with a direction", "give e.g. [0, -1]")?;
         }
         let help = "name the boundary that is in front of it";
-        demand(!self.boundaries.is_empty(), "against", &"[]", "a name, or a list of names", help)?;
+        ensure(!self.boundaries.is_empty(), "against", &"[]", "a name, or a list of names", help)?;
         if let Some(twice) = (1..self.boundaries.len()).find(|&k| self.boundaries[..k].contains(&self.boundaries[k])) {
             let message = format!("`{}` stands there twice", self.boundaries[twice]);
-            return Err(Fault::new("against", message, "keep it once"));
+            return Err(InputError::new("against", message, "keep it once"));
         }
         let measured = self.gap == FirstGap::Measured;
-        demand(
+        ensure(
             measured || self.adjust == 0.0,
             "adjust",
             &self.adjust,

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::fault::{Fault, demand, finite};
+use crate::input_error::{InputError, ensure, finite};
 use crate::vector::Vector;
 
 /// More points than these belong into a file of fields.
@@ -62,14 +62,14 @@ impl Probe {
     /// Whether `probes` are possible, as far as that is known without a mesh.
     ///
     /// # Errors
-    /// [`Fault`] of the key that is wrong, such as `output.probe[0].point`.
-    pub fn check(probes: &[Probe]) -> Result<(), Fault> {
+    /// [`InputError`] of the key that is wrong, such as `output.probe[0].point`.
+    pub fn check(probes: &[Probe]) -> Result<(), InputError> {
         let mut names = HashSet::new();
         for (k, probe) in probes.iter().enumerate() {
             let key = |name: &str| format!("output.probe[{k}].{name}");
             if probe.name.is_empty() || !names.insert(&probe.name) {
                 let message = format!("the probe is called {:?}, which is empty or the name of another", probe.name);
-                return Err(Fault::new(key("name"), message, "give each probe a name of its own"));
+                return Err(InputError::new(key("name"), message, "give each probe a name of its own"));
             }
             let each = |name: &str, point: Vector| point.components().iter().try_for_each(|x| finite(&key(name), *x));
             match probe.place {
@@ -79,10 +79,10 @@ impl Probe {
                     each("to", to)?;
                     let help = "the ends count; use output.fields for the whole body";
                     let sound = (2..=MOST_POINTS).contains(&count);
-                    demand(sound, &key("points"), &count, "at least 2 and at most 10000", help)?;
+                    ensure(sound, &key("points"), &count, "at least 2 and at most 10000", help)?;
                     if from == to {
                         let message = "the line from a point to itself has no length";
-                        return Err(Fault::new(key("to"), message, "give point = [x, y] for a single point"));
+                        return Err(InputError::new(key("to"), message, "give point = [x, y] for a single point"));
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! What a body stands on elastically.
 
 use super::load::{Where, components};
-use crate::fault::{Fault, demand, finite};
+use crate::input_error::{InputError, ensure, finite};
 use crate::units::UnitSystem;
 
 /// An elastic foundation of a boundary, or a spring at the node at a point; it is without force in the undeformed body.
@@ -40,11 +40,11 @@ impl Bed {
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), Fault> {
+    pub(super) fn check(&self) -> Result<(), InputError> {
         let help = "give stiffnesses of 0 or more, not all of them 0";
         let stiff = |key: &str, values: &[f64]| {
             let sound = values.iter().all(|k| *k >= 0.0) && values.iter().any(|k| *k > 0.0);
-            demand(sound, key, &values, "0 or more, and not 0 throughout", help)
+            ensure(sound, key, &values, "0 or more, and not 0 throughout", help)
         };
         match self {
             Bed::Axes { at, stiffness } => {

@@ -2,7 +2,7 @@
 
 use super::Axis;
 use super::load::{Where, direction};
-use crate::fault::{Fault, demand, finite};
+use crate::input_error::{InputError, ensure, finite};
 use crate::timeline::check_points;
 use crate::vector::Vector;
 
@@ -85,10 +85,10 @@ impl Support {
         self.held.iter().any(|held| held.displacement != 0.0)
     }
 
-    pub(super) fn check(&self) -> Result<(), Fault> {
+    pub(super) fn check(&self) -> Result<(), InputError> {
         self.at.check()?;
         if self.held.is_empty() {
-            return Err(Fault::new("fix", "fix is empty, so the support holds nothing", "use [\"x\", \"y\"]"));
+            return Err(InputError::new("fix", "fix is empty, so the support holds nothing", "use [\"x\", \"y\"]"));
         }
         for Held { direction: along, displacement } in &self.held {
             finite("displacement", *displacement)?;
@@ -97,7 +97,7 @@ impl Support {
                 Direction::Normal => {
                     let sound = matches!(self.at, Where::Boundary(_));
                     let help = "name a boundary, or give a direction";
-                    demand(sound, "fix", &"normal", "an axis where a single point is held", help)?;
+                    ensure(sound, "fix", &"normal", "an axis where a single point is held", help)?;
                 }
                 Direction::Along(vector) => direction("direction", *vector)?,
             }

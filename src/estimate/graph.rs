@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::model::Model;
-use crate::sets::Sets;
+use crate::union_find::UnionFind;
 use crate::vector::dot;
 
 /// A direction whose component along a normal is smaller than this lies along the surface, as symmetry planes have it that cut
@@ -37,7 +37,7 @@ impl ContactGraph {
         let n = model.contacts.len();
         let mut neighbours = vec![BTreeSet::new(); n];
         let mut sides: BTreeMap<[usize; 2], usize> = BTreeMap::new();
-        let mut together = Sets::new(model.contact_boundaries.len());
+        let mut together = UnionFind::new(model.contact_boundaries.len());
         let mut first_of = vec![None; n];
         for (b, boundary) in model.contact_boundaries.iter().enumerate() {
             let contact: BTreeMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();

@@ -13,7 +13,7 @@ const ROUNDING: f64 = 1e-10;
 
 /// The elastic strains of a body.
 pub(super) struct Strains<'a> {
-    body: Body<'a>,
+    body: StrainedBody<'a>,
     /// At the points that integrate the stiffness, cell by cell.
     points: Vec<Sample>,
     /// Where those of each cell begin, and the end.
@@ -27,7 +27,7 @@ pub(super) struct Strains<'a> {
 impl<'a> Strains<'a> {
     /// Those of `displacements` of all nodes (m), with the `factors` of [`Model::thermal_factors`].
     pub(super) fn new(model: &'a Model, factors: &'a [f64], displacements: &'a [[f64; 3]]) -> Self {
-        let body = Body { model, factors, displacements, kinds: ReferenceCells::new(&model.mesh) };
+        let body = StrainedBody { model, factors, displacements, kinds: ReferenceCells::new(&model.mesh) };
         let (mut points, mut begins) = (Vec::new(), vec![0]);
         let (mut volumes, mut energies) = (Vec::new(), Vec::new());
         for (e, law) in model.materials().iter().enumerate() {
@@ -94,14 +94,14 @@ impl<'a> Strains<'a> {
 }
 
 /// What strains follow from.
-struct Body<'a> {
+struct StrainedBody<'a> {
     model: &'a Model,
     factors: &'a [f64],
     displacements: &'a [[f64; 3]],
     kinds: ReferenceCells,
 }
 
-impl Body<'_> {
+impl StrainedBody<'_> {
     /// Adds volume and strain of the displacements of cell `e`, less that of heat, at the points of a rule.
     fn sample(
         &self,

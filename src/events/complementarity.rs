@@ -14,7 +14,7 @@
 //! one nodes are held, and leave it by motions.
 
 use super::lemke::lemke;
-use super::node::{Contact, Given, May, NodeStatus};
+use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus};
 use super::rate_problem::{Effort, RateProblem};
 use super::tangent::Tangent;
 use crate::linear::LinearError;
@@ -41,9 +41,9 @@ enum Way {
 
 impl Unknowns {
     /// The status of a node in the base.
-    fn base(self, may: May, is_rough: bool) -> NodeStatus {
+    fn base(self, may: AdmissibleTransition, is_rough: bool) -> NodeStatus {
         match (self, may) {
-            (Unknowns::Forces, May::Turn(sign)) => NodeStatus::slip(sign),
+            (Unknowns::Forces, AdmissibleTransition::Turn(sign)) => NodeStatus::slip(sign),
             (Unknowns::Forces, _) => NodeStatus::Open,
             (Unknowns::Motions, _) if is_rough => NodeStatus::Stick,
             (Unknowns::Motions, _) => NodeStatus::Forward,
@@ -51,10 +51,10 @@ impl Unknowns {
     }
 
     /// The ways in which a node may leave it.
-    fn ways(self, may: May, is_rough: bool) -> &'static [Way] {
+    fn ways(self, may: AdmissibleTransition, is_rough: bool) -> &'static [Way] {
         match (self, may) {
-            (_, May::Turn(sign)) if sign < 0.0 => &[Way::Tangential(-1.0)],
-            (_, May::Turn(_)) => &[Way::Tangential(1.0)],
+            (_, AdmissibleTransition::Turn(sign)) if sign < 0.0 => &[Way::Tangential(-1.0)],
+            (_, AdmissibleTransition::Turn(_)) => &[Way::Tangential(1.0)],
             _ if !is_rough => &[Way::Normal],
             (Unknowns::Forces, _) => &[Way::Normal, Way::Tangential(1.0), Way::Tangential(-1.0), Way::Slip],
             (Unknowns::Motions, _) => &[Way::Normal, Way::Tangential(1.0), Way::Tangential(-1.0)],
@@ -62,10 +62,11 @@ impl Unknowns {
     }
 
     /// The status of a node which leaves the base by the ways that are `taken`.
-    fn status(self, may: May, is_rough: bool, taken: &[bool]) -> NodeStatus {
+    fn status(self, may: AdmissibleTransition, is_rough: bool, taken: &[bool]) -> NodeStatus {
         match (self, may, taken) {
-            (Unknowns::Forces, May::Turn(_), [true]) | (Unknowns::Motions, May::Turn(_), [false]) => NodeStatus::Stick,
-            (_, May::Turn(sign), _) => NodeStatus::slip(sign),
+            (Unknowns::Forces, AdmissibleTransition::Turn(_), [true])
+            | (Unknowns::Motions, AdmissibleTransition::Turn(_), [false]) => NodeStatus::Stick,
+            (_, AdmissibleTransition::Turn(sign), _) => NodeStatus::slip(sign),
             (Unknowns::Forces, _, [false, ..]) | (Unknowns::Motions, _, [true, ..] | [_, true, true]) => {
                 NodeStatus::Open
             }
@@ -90,7 +91,7 @@ impl RateProblem<'_> {
         tangent: &mut dyn Tangent,
         statuses: &[NodeStatus],
         concerned: &[usize],
-        rate: &mut Contact,
+        rate: &mut NodalContact,
         effort: &mut Effort,
     ) -> Result<Option<Vec<NodeStatus>>, LinearError> {
         let mut base = statuses.to_vec();
@@ -102,7 +103,7 @@ impl RateProblem<'_> {
             return Ok(None);
         }
         let ways = |i: usize| unknowns.ways(self.may[i], self.rough[i]);
-        let rows = |given: &Given, rate: &Contact| -> Vec<f64> {
+        let rows = |given: &Given, rate: &NodalContact| -> Vec<f64> {
             let row = |&i: &usize| ways(i).iter().map(move |way| self.row(unknowns, i, *way, given, rate));
             concerned.iter().flat_map(row).collect()
         };
@@ -155,12 +156,12 @@ impl RateProblem<'_> {
     }
 
     /// What stands against node `i` taking a `way`, as far as it follows from rates in the base.
-    fn row(&self, unknowns: Unknowns, i: usize, way: Way, given: &Given, rate: &Contact) -> f64 {
+    fn row(&self, unknowns: Unknowns, i: usize, way: Way, given: &Given, rate: &NodalContact) -> f64 {
         let slip = rate.w_t[i] - given.slide[i];
         let reserve = |sign: f64| self.mu[i] * rate.p_n[i] - sign * rate.p_t[i];
         match (unknowns, way, self.may[i]) {
             (Unknowns::Forces, Way::Normal, _) => given.gap[i] - rate.w_n[i],
-            (Unknowns::Forces, Way::Tangential(sign), May::Turn(_)) => sign * slip,
+            (Unknowns::Forces, Way::Tangential(sign), AdmissibleTransition::Turn(_)) => sign * slip,
             (Unknowns::Forces, Way::Tangential(sign), _) => -sign * slip,
             (Unknowns::Motions, Way::Normal, _) => rate.p_n[i],
             (Unknowns::Motions, Way::Tangential(sign), _) => reserve(sign),
@@ -182,7 +183,7 @@ impl RateProblem<'_> {
             }
             (Unknowns::Forces, Way::Tangential(sign)) => {
                 // Of a node that slips on, friction falls behind; of a free one it comes up.
-                let sign = if let May::Turn(_) = self.may[i] { -sign } else { sign };
+                let sign = if let AdmissibleTransition::Turn(_) = self.may[i] { -sign } else { sign };
                 let row = self.tangents[i].map_or(&[][..], |k| maps[k].row(i));
                 for &(dof, c) in row {
                     unit.force[dof] -= sign * c;
@@ -199,7 +200,7 @@ impl RateProblem<'_> {
 mod tests {
     use super::*;
     use crate::events::sparse::SparseTangent;
-    use crate::linear::Direct;
+    use crate::linear::RefinedSolver;
     use crate::problem::{ContactProblem, Parts};
     use crate::sparse::{Csr, Symmetric};
     use crate::units::Scaling;
@@ -242,11 +243,11 @@ mod tests {
                 given: &given,
                 mu: problem.mu(),
                 rough: &[true; NODES],
-                may: &[May::Anything; NODES],
+                may: &[AdmissibleTransition::Anything; NODES],
             };
-            let mut linear = Direct::default();
+            let mut linear = RefinedSolver::default();
             let mut tangent = SparseTangent::new(&problem, vec![Some(0); NODES], Scaling::SI, &mut linear).unwrap();
-            let (mut rate, mut effort) = (Contact::zero(NODES), Effort::default());
+            let (mut rate, mut effort) = (NodalContact::zero(NODES), Effort::default());
             let concerned: Vec<usize> = (0..NODES).collect();
             let open = [NodeStatus::Open; NODES];
             let found = rate_problem

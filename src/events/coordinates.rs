@@ -8,7 +8,7 @@ use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 
 use crate::problem::ContactProblem;
-use crate::sets::Sets;
+use crate::union_find::UnionFind;
 
 /// A row of which those before leave less than this share depends on them.
 const INDEPENDENT: f64 = 1e-10;
@@ -41,7 +41,7 @@ impl Coordinates {
     /// on each other, so that their forces cannot be told apart.
     pub(super) fn new(problem: &ContactProblem, tangents: &[Option<usize>]) -> Option<Self> {
         let (order, contacts) = (problem.displacements(), problem.contacts());
-        let mut sets = Sets::new(order);
+        let mut sets = UnionFind::new(order);
         let maps = problem.tangential_maps();
         let mut rows = Vec::new();
         for (node, tangent) in tangents.iter().enumerate() {

@@ -16,9 +16,9 @@ use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 
 use super::coordinates::Coordinates;
-use super::node::{Contact, Given, NodeStatus, largest};
+use super::node::{Given, NodalContact, NodeStatus, largest};
 use super::tangent::{Taken, Tangent};
-use crate::linear::{Direct, LinearError, Statistics};
+use crate::linear::{LinearError, RefinedSolver, Statistics};
 use crate::problem::ContactProblem;
 use crate::units::Scaling;
 use crate::vector::dot;
@@ -259,7 +259,7 @@ impl Tangent for Dictionary {
         Ok(self.renew(statuses))
     }
 
-    fn solve(&mut self, given: &Given, answer: &mut Contact) -> Result<bool, LinearError> {
+    fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Result<bool, LinearError> {
         if self.table.is_empty() && self.coordinates.order() > 0 {
             return Ok(false);
         }
@@ -358,7 +358,7 @@ impl Tangent for Dictionary {
         Ok(fits)
     }
 
-    fn lend(&mut self) -> Option<&mut Direct> {
+    fn lend(&mut self) -> Option<&mut RefinedSolver> {
         None
     }
 }

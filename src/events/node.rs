@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::sparse::Twofold;
+use crate::sparse::DoubleDouble;
 
 /// What a contact node does while the loads go on at one rate. Its rates then obey one linear row for each of its forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -62,7 +62,7 @@ impl fmt::Display for NodeStatus {
 
 /// What a node may do when the rates change: a set of complementary rates that its place among the laws leaves open.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum May {
+pub(super) enum AdmissibleTransition {
     /// What it does: it is off the borders of all laws.
     Stay,
     /// Stick or slip in the direction of this sign: its friction is on the border of the cone.
@@ -74,7 +74,7 @@ pub(super) enum May {
 /// Contact displacements and forces of all contact nodes, n_c each, and all displacements, n_u, or their rates, in the units of the
 /// walk.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Contact {
+pub(super) struct NodalContact {
     pub w_n: Vec<f64>,
     pub w_t: Vec<f64>,
     pub p_n: Vec<f64>,
@@ -86,14 +86,14 @@ pub(super) struct Contact {
     pub rounding: f64,
 }
 
-impl Contact {
+impl NodalContact {
     pub(super) fn zero(contacts: usize) -> Self {
         let zeros = || vec![0.0; contacts];
-        Contact { w_n: zeros(), w_t: zeros(), p_n: zeros(), p_t: zeros(), ..Contact::default() }
+        NodalContact { w_n: zeros(), w_t: zeros(), p_n: zeros(), p_t: zeros(), ..NodalContact::default() }
     }
 
     /// `self + share other`; displacements keep what rounding takes off them, if they have kept it so far.
-    pub(super) fn add(&mut self, share: f64, other: &Contact) {
+    pub(super) fn add(&mut self, share: f64, other: &NodalContact) {
         let plus = |to: &mut [f64], by: &[f64]| to.iter_mut().zip(by).for_each(|(to, by)| *to += share * by);
         plus(&mut self.w_n, &other.w_n);
         plus(&mut self.w_t, &other.w_t);
@@ -105,7 +105,7 @@ impl Contact {
         }
         self.u_rest.resize(self.u.len(), 0.0);
         for (k, (u, rest)) in self.u.iter_mut().zip(&mut self.u_rest).enumerate() {
-            let mut sum = Twofold::default();
+            let mut sum = DoubleDouble::default();
             sum.add(*u);
             sum.add_product(share, other.u[k]);
             sum.add(*rest + share * other.u_rest.get(k).copied().unwrap_or(0.0));

@@ -7,7 +7,7 @@
 //! ray and the nodes are few, all their statuses are tried, so that what is said of a lost continuation is so.
 
 use super::complementarity::Unknowns;
-use super::node::{Contact, May, NodeStatus};
+use super::node::{AdmissibleTransition, NodalContact, NodeStatus};
 use super::rate_problem::{Breach, Effort, ROUNDING, RateProblem};
 use super::tangent::Tangent;
 use crate::linear::LinearError;
@@ -48,14 +48,15 @@ impl RateProblem<'_> {
         &self,
         tangent: &mut dyn Tangent,
         statuses: &mut Vec<NodeStatus>,
-        rate: &mut Contact,
+        rate: &mut NodalContact,
         effort: &mut Effort,
     ) -> Result<Found, LinearError> {
         let mut best: Option<(f64, Vec<NodeStatus>)> = None;
         if self.by_correction(tangent, statuses, rate, &mut best, effort)? {
             return Ok(Found::Rates);
         }
-        let concerned: Vec<usize> = (0..self.may.len()).filter(|&i| self.may[i] != May::Stay).collect();
+        let concerned: Vec<usize> =
+            (0..self.may.len()).filter(|&i| self.may[i] != AdmissibleTransition::Stay).collect();
         for unknowns in [Unknowns::Forces, Unknowns::Motions] {
             let Some(found) = self.by_lemke(unknowns, tangent, statuses, &concerned, rate, effort)? else { continue };
             let size = self.try_out(tangent, &found, rate, effort)?;
@@ -94,11 +95,11 @@ impl RateProblem<'_> {
         &self,
         tangent: &mut dyn Tangent,
         statuses: &mut [NodeStatus],
-        rate: &mut Contact,
+        rate: &mut NodalContact,
         best: &mut Option<(f64, Vec<NodeStatus>)>,
         effort: &mut Effort,
     ) -> Result<bool, LinearError> {
-        let concerned = self.may.iter().filter(|may| **may != May::Stay).count();
+        let concerned = self.may.iter().filter(|may| **may != AdmissibleTransition::Stay).count();
         let mut seen: Vec<Vec<NodeStatus>> = Vec::new();
         let mut tried = vec![[0_usize; 4]; statuses.len()];
         let mut alone = false;
@@ -127,7 +128,7 @@ impl RateProblem<'_> {
             let worst = breaches.iter().max_by(|a, b| a.size.total_cmp(&b.size));
             let Some(Breach { node, to, .. }) = worst else { return Ok(true) };
             // A grazing node may go in circles past the status that is right, so each has its turn.
-            let next = if self.may[*node] == May::Anything && self.rough[*node] {
+            let next = if self.may[*node] == AdmissibleTransition::Anything && self.rough[*node] {
                 tried[*node][place(statuses[*node])] += 1;
                 let others = ALL.into_iter().filter(|status| *status != statuses[*node]);
                 others.min_by_key(|status| (tried[*node][place(*status)], *status != *to)).unwrap_or(*to)
@@ -145,7 +146,7 @@ impl RateProblem<'_> {
         tangent: &mut dyn Tangent,
         statuses: &mut [NodeStatus],
         concerned: &[usize],
-        rate: &mut Contact,
+        rate: &mut NodalContact,
         best: &mut Option<(f64, Vec<NodeStatus>)>,
         effort: &mut Effort,
     ) -> Result<Tried, LinearError> {
@@ -173,7 +174,7 @@ impl RateProblem<'_> {
     /// The statuses that node `i` may take.
     fn choices(&self, i: usize) -> Vec<NodeStatus> {
         match self.may[i] {
-            May::Turn(sign) => vec![NodeStatus::Stick, NodeStatus::slip(sign)],
+            AdmissibleTransition::Turn(sign) => vec![NodeStatus::Stick, NodeStatus::slip(sign)],
             _ if self.rough[i] => ALL.to_vec(),
             _ => vec![NodeStatus::Forward, NodeStatus::Open],
         }

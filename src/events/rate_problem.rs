@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::node::{Contact, Given, May, NodeStatus, largest};
+use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus, largest};
 use super::tangent::Tangent;
 use crate::linear::LinearError;
 use crate::problem::ContactProblem;
@@ -19,7 +19,7 @@ pub(super) struct RateProblem<'a> {
     pub mu: &'a [f64],
     /// Whether each node has friction.
     pub rough: &'a [bool],
-    pub may: &'a [May],
+    pub may: &'a [AdmissibleTransition],
 }
 
 /// A law that a node's rates break, and the status that would mend it.
@@ -49,7 +49,7 @@ impl RateProblem<'_> {
         &self,
         tangent: &mut dyn Tangent,
         statuses: &[NodeStatus],
-        rate: &mut Contact,
+        rate: &mut NodalContact,
         effort: &mut Effort,
     ) -> Result<Option<f64>, LinearError> {
         effort.solves += 1;
@@ -60,7 +60,7 @@ impl RateProblem<'_> {
     }
 
     /// The laws that rates break by more than rounding.
-    pub(super) fn breaches(&self, statuses: &[NodeStatus], rate: &Contact) -> Vec<Breach> {
+    pub(super) fn breaches(&self, statuses: &[NodeStatus], rate: &NodalContact) -> Vec<Breach> {
         let force = rate.force_scale(self.given);
         let length = rate.largest_displacement().max(largest(&self.given.gap)).max(largest(&self.given.slide));
         let mut breaches = Vec::new();
@@ -69,15 +69,19 @@ impl RateProblem<'_> {
             let beyond = |sign: f64| sign * rate.p_t[i] - self.mu[i] * rate.p_n[i];
             let along = |sign: f64| if self.rough[i] { NodeStatus::slip(sign) } else { NodeStatus::Forward };
             let (value, scale, to) = match (may, status) {
-                (May::Anything, NodeStatus::Open) => (rate.w_n[i] - self.given.gap[i], length, along(slip)),
-                (May::Anything, _) if rate.p_n[i] < -ROUNDING * force => (-rate.p_n[i], force, NodeStatus::Open),
-                (May::Stay, _) | (_, NodeStatus::Open) => continue,
+                (AdmissibleTransition::Anything, NodeStatus::Open) => {
+                    (rate.w_n[i] - self.given.gap[i], length, along(slip))
+                }
+                (AdmissibleTransition::Anything, _) if rate.p_n[i] < -ROUNDING * force => {
+                    (-rate.p_n[i], force, NodeStatus::Open)
+                }
+                (AdmissibleTransition::Stay, _) | (_, NodeStatus::Open) => continue,
                 _ if !self.rough[i] => continue,
-                (May::Anything, NodeStatus::Stick) => {
+                (AdmissibleTransition::Anything, NodeStatus::Stick) => {
                     let sign = if rate.p_t[i] < 0.0 { -1.0 } else { 1.0 };
                     (beyond(sign), force, NodeStatus::slip(sign))
                 }
-                (May::Turn(sign), NodeStatus::Stick) => (beyond(sign), force, NodeStatus::slip(sign)),
+                (AdmissibleTransition::Turn(sign), NodeStatus::Stick) => (beyond(sign), force, NodeStatus::slip(sign)),
                 (_, NodeStatus::Forward | NodeStatus::Backward) => (-status.sign() * slip, length, NodeStatus::Stick),
             };
             if value > ROUNDING * scale {

@@ -4,9 +4,9 @@
 //! all forces are nothing but rounding. What a solution leaves out of balance is then worked out in twice the precision, and
 //! solved for with the same equations.
 
-use super::node::{Contact, Given, NodeStatus, largest};
+use super::node::{Given, NodalContact, NodeStatus, largest};
 use super::tangent::{Taken, Tangent};
-use crate::linear::{Direct, LinearError, Statistics};
+use crate::linear::{LinearError, RefinedSolver, Statistics};
 use crate::problem::{ContactProblem, State};
 use crate::units::Scaling;
 
@@ -45,7 +45,7 @@ impl<'a> Refined<'a> {
     }
 
     /// A solution in SI units.
-    pub(super) fn state(&self, of: &Contact) -> State {
+    pub(super) fn state(&self, of: &NodalContact) -> State {
         let Scaling { force, length } = self.scaling;
         let [p_t, p_o] = self.along_both(&of.p_t.iter().map(|p| p * force).collect::<Vec<_>>());
         State {
@@ -58,7 +58,7 @@ impl<'a> Refined<'a> {
     }
 
     /// What a solution leaves of what is `given`.
-    fn left(&self, given: &Given, of: &Contact) -> Given {
+    fn left(&self, given: &Given, of: &NodalContact) -> Given {
         let Scaling { force, length } = self.scaling;
         let state = self.state(of);
         let load: Vec<f64> = given.force.iter().map(|f| f * force).collect();
@@ -88,7 +88,7 @@ impl Tangent for Refined<'_> {
         self.equations.take(statuses)
     }
 
-    fn solve(&mut self, given: &Given, answer: &mut Contact) -> Result<bool, LinearError> {
+    fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Result<bool, LinearError> {
         if !self.equations.solve(given, answer)? {
             return Ok(false);
         }
@@ -105,7 +105,7 @@ impl Tangent for Refined<'_> {
                 break;
             }
             before = violation;
-            let mut change = Contact::zero(self.statuses.len());
+            let mut change = NodalContact::zero(self.statuses.len());
             if !self.equations.solve(&left, &mut change)? {
                 break;
             }
@@ -130,7 +130,7 @@ impl Tangent for Refined<'_> {
         self.equations.take_up(taken)
     }
 
-    fn lend(&mut self) -> Option<&mut Direct> {
+    fn lend(&mut self) -> Option<&mut RefinedSolver> {
         self.equations.lend()
     }
 }

@@ -2,15 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::node::{Contact, Given, NodeStatus};
+use super::node::{Given, NodalContact, NodeStatus};
 use super::rate_problem::Effort;
 use super::tangent::{Taken, Tangent};
-use super::walk::Walk;
+use super::walk::ExactPath;
 use crate::linear::{LinearError, Statistics};
 
 /// All that a walk goes on from.
 #[derive(Clone, Serialize, Deserialize)]
-pub(crate) struct SavedWalk {
+pub(crate) struct SavedExactPath {
     corners: Vec<f64>,
     times: [f64; 2],
     given: Given,
@@ -18,8 +18,8 @@ pub(crate) struct SavedWalk {
     share: f64,
     statuses: Vec<NodeStatus>,
     stuck: Vec<f64>,
-    at: Contact,
-    rate: Contact,
+    at: NodalContact,
+    rate: NodalContact,
     decided: bool,
     hit: Vec<bool>,
     largest: [f64; 2],
@@ -29,7 +29,7 @@ pub(crate) struct SavedWalk {
     statistics: Statistics,
 }
 
-impl SavedWalk {
+impl SavedExactPath {
     /// What the linear algebra had done.
     pub(crate) fn statistics(&self) -> Statistics {
         self.statistics
@@ -40,8 +40,8 @@ impl SavedWalk {
         let given = |given: &Given| {
             given.force.len() == displacements && given.gap.len() == contacts && given.slide.len() == contacts
         };
-        let contact = |contact: &Contact| {
-            let Contact { w_n, w_t, p_n, p_t, u, u_rest, .. } = contact;
+        let contact = |contact: &NodalContact| {
+            let NodalContact { w_n, w_t, p_n, p_t, u, u_rest, .. } = contact;
             // Rates that were never asked for have no displacements.
             [w_n, w_t, p_n, p_t].iter().all(|values| values.len() == contacts)
                 && [u, u_rest].iter().all(|values| [0, displacements].contains(&values.len()))
@@ -56,10 +56,10 @@ impl SavedWalk {
     }
 }
 
-impl Walk<'_> {
+impl ExactPath<'_> {
     /// Where the walk is, to go on from there another time.
-    pub(crate) fn save(&self) -> SavedWalk {
-        SavedWalk {
+    pub(crate) fn save(&self) -> SavedExactPath {
+        SavedExactPath {
             corners: self.stretch.corners.clone(),
             times: self.stretch.times,
             given: self.stretch.at.clone(),
@@ -83,7 +83,7 @@ impl Walk<'_> {
     ///
     /// # Errors
     /// When the linear algebra cannot go on.
-    pub(crate) fn resume(&mut self, saved: SavedWalk) -> Result<bool, LinearError> {
+    pub(crate) fn resume(&mut self, saved: SavedExactPath) -> Result<bool, LinearError> {
         if !saved.fits(self.at.u.len(), self.statuses.len()) || !self.equations.take_up(&saved.equations)? {
             return Ok(false);
         }

@@ -1,10 +1,10 @@
 //! The equations of the statuses as a sparse system: one factorisation for each set of statuses, on one pattern.
 
-use super::node::{Contact, Given, NodeStatus, largest};
+use super::node::{Given, NodalContact, NodeStatus, largest};
 use super::tangent::{Taken, Tangent};
-use crate::formulation::{Bdiff, Conventions};
+use crate::formulation::{Bdiff, FormulationScaling};
 use crate::laws::coulomb::{NormalCase, TangentialCase};
-use crate::linear::{Direct, LinearError, Statistics};
+use crate::linear::{LinearError, RefinedSolver, Statistics};
 use crate::problem::ContactProblem;
 use crate::units::Scaling;
 
@@ -15,7 +15,7 @@ const UNSOLVED: f64 = 1e-9;
 pub(super) struct SparseTangent<'a> {
     problem: &'a ContactProblem,
     tangents: Vec<Option<usize>>,
-    linear: &'a mut Direct,
+    linear: &'a mut RefinedSolver,
     rows: Bdiff,
     /// `r` of the rows of closed and of sticking nodes, scaled.
     r_n: Vec<f64>,
@@ -34,9 +34,9 @@ impl<'a> SparseTangent<'a> {
         problem: &'a ContactProblem,
         tangents: Vec<Option<usize>>,
         scaling: Scaling,
-        linear: &'a mut Direct,
+        linear: &'a mut RefinedSolver,
     ) -> Result<Self, LinearError> {
-        let conventions = Conventions::natural(problem);
+        let conventions = FormulationScaling::natural(problem);
         let rows = Bdiff::new(problem, scaling, &conventions);
         linear.analyze(rows.jacobian())?;
         let scaled = |r: &[f64]| r.iter().map(|r| r / scaling.stiffness()).collect();
@@ -90,7 +90,7 @@ impl Tangent for SparseTangent<'_> {
         Ok(self.regular)
     }
 
-    fn solve(&mut self, given: &Given, answer: &mut Contact) -> Result<bool, LinearError> {
+    fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Result<bool, LinearError> {
         if !self.regular {
             return Ok(false);
         }
@@ -141,7 +141,7 @@ impl Tangent for SparseTangent<'_> {
         Ok(true)
     }
 
-    fn lend(&mut self) -> Option<&mut Direct> {
+    fn lend(&mut self) -> Option<&mut RefinedSolver> {
         (self.lent, self.regular) = (true, false);
         Some(self.linear)
     }

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::node::{Contact, Given, NodeStatus};
-use crate::linear::{Direct, LinearError, Statistics};
+use super::node::{Given, NodalContact, NodeStatus};
+use crate::linear::{LinearError, RefinedSolver, Statistics};
 
 /// What equations have taken, from which they can be taken up.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -34,7 +34,7 @@ pub(super) trait Tangent {
     ///
     /// # Errors
     /// When the linear algebra cannot go on.
-    fn solve(&mut self, given: &Given, answer: &mut Contact) -> Result<bool, LinearError>;
+    fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Result<bool, LinearError>;
 
     /// What the linear algebra has done.
     fn statistics(&self) -> Statistics;
@@ -49,5 +49,5 @@ pub(super) trait Tangent {
     fn take_up(&mut self, taken: &Taken) -> Result<bool, LinearError>;
 
     /// The linear algebra, for other equations in between, if it is of use to them.
-    fn lend(&mut self) -> Option<&mut Direct>;
+    fn lend(&mut self) -> Option<&mut RefinedSolver>;
 }

@@ -1,17 +1,17 @@
 //! The way from event to event.
 
 use super::dictionary::Dictionary;
-use super::node::{Contact, Given, May, NodeStatus, largest};
+use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus, largest};
 use super::rate::Found;
 use super::rate_problem::{Effort, ROUNDING, RateProblem};
 use super::refined::Refined;
 use super::sparse::SparseTangent;
 use super::stretch::Stretch;
 use super::tangent::Tangent;
-use super::{Equations, Event, Lost, PathError, Step, Stop};
+use super::{Equations, Event, PathEnd, PathError, PathSegment, SegmentEnd};
 use crate::formulation::Layout;
 use crate::laws::ContactStatus;
-use crate::linear::{Direct, LinearError, Statistics};
+use crate::linear::{LinearError, RefinedSolver, Statistics};
 use crate::loading::Loading;
 use crate::problem::{ContactProblem, State};
 use crate::solvability::{Landing, Load, NEARBY, is_carried_without_strain, landing};
@@ -24,7 +24,7 @@ const NONE: f64 = 1e-13;
 const STANDSTILL: usize = 50;
 
 /// A history on its way.
-pub struct Walk<'a> {
+pub struct ExactPath<'a> {
     problem: &'a ContactProblem,
     scaling: Scaling,
     mu: &'a [f64],
@@ -37,8 +37,8 @@ pub struct Walk<'a> {
     pub(super) statuses: Vec<NodeStatus>,
     /// Where each node last stuck, past its obstacle.
     pub(super) stuck: Vec<f64>,
-    pub(super) at: Contact,
-    pub(super) rate: Contact,
+    pub(super) at: NodalContact,
+    pub(super) rate: NodalContact,
     /// Whether `rate` holds on; if not, which nodes have just come to the border of a law.
     pub(super) decided: bool,
     pub(super) hit: Vec<bool>,
@@ -48,7 +48,7 @@ pub struct Walk<'a> {
     pub(super) effort: Effort,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> ExactPath<'a> {
     /// The unloaded body at the start of `loading`, with the `equations` to solve; `scaling` are the units inside.
     ///
     /// # Errors
@@ -76,8 +76,8 @@ impl<'a> Walk<'a> {
             Equations::Sparse(linear) => Box::new(SparseTangent::new(problem, tangents.clone(), scaling, linear)?),
             Equations::Dense => Box::new(Dictionary::new(problem, &tangents, scaling).ok_or(PathError::DependentRows)?),
         };
-        let none = || Contact::zero(contacts);
-        let mut walk = Walk {
+        let none = || NodalContact::zero(contacts);
+        let mut walk = ExactPath {
             problem,
             scaling,
             mu: problem.mu(),
@@ -88,7 +88,7 @@ impl<'a> Walk<'a> {
             share: 0.0,
             statuses: vec![NodeStatus::Open; contacts],
             stuck: vec![0.0; contacts],
-            at: Contact { u: vec![0.0; problem.displacements()], ..none() },
+            at: NodalContact { u: vec![0.0; problem.displacements()], ..none() },
             rate: none(),
             decided: false,
             hit: vec![false; contacts],
@@ -109,12 +109,12 @@ impl<'a> Walk<'a> {
             None => (0..gap.len()).filter(|&i| gap[i] <= 0.0).collect(),
             Some(Landing { weights, nodes }) => {
                 let mut u = vec![0.0; self.problem.displacements()];
-                for (weight, motion) in weights.iter().zip(self.problem.free_motions()) {
+                for (weight, motion) in weights.iter().zip(self.problem.rigid_modes()) {
                     u.iter_mut().zip(motion).for_each(|(u, r)| *u += weight * r);
                 }
                 let [w_n, w_t, w_o] = self.problem.contact_motion(&u);
                 let w_t = self.along([&w_t, &w_o], 1.0);
-                self.at = Contact { w_n, w_t, u, ..Contact::zero(self.statuses.len()) };
+                self.at = NodalContact { w_n, w_t, u, ..NodalContact::zero(self.statuses.len()) };
                 nodes
             }
         };
@@ -191,7 +191,7 @@ impl<'a> Walk<'a> {
     }
 
     /// The linear algebra, for other equations in between, if it is of use to them.
-    pub(crate) fn lend(&mut self) -> Option<&mut Direct> {
+    pub(crate) fn lend(&mut self) -> Option<&mut RefinedSolver> {
         self.equations.lend()
     }
 
@@ -211,7 +211,7 @@ impl<'a> Walk<'a> {
             })
             .collect();
         self.stuck = w_t.iter().zip(&self.stretch.at.slide).map(|(w, slide)| w - slide).collect();
-        self.at = Contact {
+        self.at = NodalContact {
             w_n: scaled(&w_n, length),
             w_t,
             p_n: scaled(&state.p_n, force),
@@ -220,7 +220,7 @@ impl<'a> Walk<'a> {
             u_rest: scaled(&state.u_rest, length),
             rounding: 0.0,
         };
-        self.rate = Contact::zero(statuses.len());
+        self.rate = NodalContact::zero(statuses.len());
         (self.hit, self.standstill) = (vec![false; statuses.len()], 0);
         self.measure(&self.stretch.at.clone());
     }
@@ -232,7 +232,7 @@ impl<'a> Walk<'a> {
     pub(crate) fn response(&mut self, forces: &[f64]) -> Result<State, LinearError> {
         let zeros = || vec![0.0; self.statuses.len()];
         let force = forces.iter().map(|f| f / self.scaling.force).collect();
-        let mut change = Contact::zero(self.statuses.len());
+        let mut change = NodalContact::zero(self.statuses.len());
         if !self.equations.solve(&Given { force, gap: zeros(), slide: zeros() }, &mut change)? {
             return Err(LinearError::NotFinite);
         }
@@ -243,7 +243,7 @@ impl<'a> Walk<'a> {
     ///
     /// # Errors
     /// When the linear algebra cannot go on.
-    pub fn step(&mut self, until: f64) -> Result<Step, PathError> {
+    pub fn step(&mut self, until: f64) -> Result<PathSegment, PathError> {
         let mut events = Vec::new();
         let [start, end] = self.stretch.times;
         let wanted = if end.is_infinite() {
@@ -257,8 +257,8 @@ impl<'a> Walk<'a> {
             let before = self.statuses.clone();
             if let Some(lost) = self.decide()? {
                 // What was asked for is reached all the same; whoever wants to go on will hear it.
-                let stop = if wanted - self.share <= NONE { Stop::Until } else { Stop::Lost(lost) };
-                return Ok(Step { events, friction_work: 0.0, stop });
+                let stop = if wanted - self.share <= NONE { SegmentEnd::Until } else { SegmentEnd::PathEnd(lost) };
+                return Ok(PathSegment { events, friction_work: 0.0, stop });
             }
             let time = self.time();
             let changed = before.into_iter().zip(&self.statuses).enumerate().filter(|(_, (from, to))| from != *to);
@@ -274,13 +274,13 @@ impl<'a> Walk<'a> {
             self.hit = hit;
             self.decided = false;
             if self.standstill > STANDSTILL {
-                let lost = Lost { time: self.time(), certain: false };
-                return Ok(Step { events, friction_work, stop: Stop::Lost(lost) });
+                let lost = PathEnd { time: self.time(), certain: false };
+                return Ok(PathSegment { events, friction_work, stop: SegmentEnd::PathEnd(lost) });
             }
-            return Ok(Step { events, friction_work, stop: Stop::Event });
+            return Ok(PathSegment { events, friction_work, stop: SegmentEnd::Event });
         }
         if end.is_infinite() || until < end {
-            return Ok(Step { events, friction_work, stop: Stop::Until });
+            return Ok(PathSegment { events, friction_work, stop: SegmentEnd::Until });
         }
         let arrived = until == end && start < end;
         if happens {
@@ -289,12 +289,12 @@ impl<'a> Walk<'a> {
         let hit = std::mem::take(&mut self.hit);
         self.next_stretch();
         self.hit = hit;
-        Ok(Step { events, friction_work, stop: if arrived { Stop::Until } else { Stop::Corner } })
+        Ok(PathSegment { events, friction_work, stop: if arrived { SegmentEnd::Until } else { SegmentEnd::Corner } })
     }
 
     /// Finds the statuses with which the path goes on, and their rates.
-    fn decide(&mut self) -> Result<Option<Lost>, PathError> {
-        let may: Vec<May> = (0..self.statuses.len()).map(|i| self.may(i)).collect();
+    fn decide(&mut self) -> Result<Option<PathEnd>, PathError> {
+        let may: Vec<AdmissibleTransition> = (0..self.statuses.len()).map(|i| self.may(i)).collect();
         let mut statuses: Vec<NodeStatus> = (0..self.statuses.len()).map(|i| self.guess(i, may[i])).collect();
         let problem = RateProblem {
             problem: self.problem,
@@ -309,7 +309,7 @@ impl<'a> Walk<'a> {
             found => {
                 // Back to the equations of the state that was reached.
                 self.equations.take(&self.statuses)?;
-                return Ok(Some(Lost { time: self.time(), certain: matches!(found, Found::None) }));
+                return Ok(Some(PathEnd { time: self.time(), certain: matches!(found, Found::None) }));
             }
         }
         let mut given = self.stretch.given_at(self.share);
@@ -321,7 +321,7 @@ impl<'a> Walk<'a> {
         (self.statuses, self.decided) = (statuses, true);
         // Not by the rates before but anew, so that neither rounding nor the distance at which a node was said to touch adds up.
         given.slide.iter_mut().zip(&self.stuck).for_each(|(slide, stuck)| *slide += stuck);
-        let mut anew = Contact::zero(self.statuses.len());
+        let mut anew = NodalContact::zero(self.statuses.len());
         if self.equations.solve(&given, &mut anew)? {
             self.at = anew;
         }
@@ -348,38 +348,42 @@ impl<'a> Walk<'a> {
     }
 
     /// What the place of node `i` among the laws lets it do.
-    fn may(&self, i: usize) -> May {
+    fn may(&self, i: usize) -> AdmissibleTransition {
         let [force, length] = self.largest;
         match self.statuses[i] {
-            NodeStatus::Open if self.hit[i] || self.distance(i) <= NONE * length => May::Anything,
-            NodeStatus::Open => May::Stay,
-            _ if self.at.p_n[i] <= NONE * force => May::Anything,
-            status if status.sign() != 0.0 && self.rough[i] => May::Turn(status.sign()),
+            NodeStatus::Open if self.hit[i] || self.distance(i) <= NONE * length => AdmissibleTransition::Anything,
+            NodeStatus::Open => AdmissibleTransition::Stay,
+            _ if self.at.p_n[i] <= NONE * force => AdmissibleTransition::Anything,
+            status if status.sign() != 0.0 && self.rough[i] => AdmissibleTransition::Turn(status.sign()),
             NodeStatus::Stick => {
                 let sign = if self.at.p_t[i] < 0.0 { -1.0 } else { 1.0 };
-                if self.hit[i] || self.reserve(i, sign) <= NONE * force { May::Turn(sign) } else { May::Stay }
+                if self.hit[i] || self.reserve(i, sign) <= NONE * force {
+                    AdmissibleTransition::Turn(sign)
+                } else {
+                    AdmissibleTransition::Stay
+                }
             }
-            _ => May::Stay,
+            _ => AdmissibleTransition::Stay,
         }
     }
 
     /// The status of node `i` with which to begin: that into which its last rates lead.
-    fn guess(&self, i: usize, may: May) -> NodeStatus {
+    fn guess(&self, i: usize, may: AdmissibleTransition) -> NodeStatus {
         let status = self.statuses[i];
         let slip = self.rate.w_t[i] - self.stretch.change.slide[i];
         match (may, status) {
             _ if !self.hit[i] => status,
-            (May::Anything, NodeStatus::Open) if self.rough[i] => NodeStatus::slip(slip),
-            (May::Anything, NodeStatus::Open) => NodeStatus::Forward,
-            (May::Anything, _) => NodeStatus::Open,
-            (May::Turn(sign), NodeStatus::Stick) => NodeStatus::slip(sign),
+            (AdmissibleTransition::Anything, NodeStatus::Open) if self.rough[i] => NodeStatus::slip(slip),
+            (AdmissibleTransition::Anything, NodeStatus::Open) => NodeStatus::Forward,
+            (AdmissibleTransition::Anything, _) => NodeStatus::Open,
+            (AdmissibleTransition::Turn(sign), NodeStatus::Stick) => NodeStatus::slip(sign),
             _ => status,
         }
     }
 
     /// How much of the stretch passes until a node comes to the border of a law, and which nodes do then.
     fn reach(&self) -> (f64, Vec<bool>) {
-        let Walk { rate, stretch, .. } = self;
+        let ExactPath { rate, stretch, .. } = self;
         let force = rate.force_scale(&stretch.change);
         let length = rate.largest_displacement().max(largest(&stretch.change.gap));
         let until = |left: f64, pace: f64, scale: f64| {

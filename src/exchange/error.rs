@@ -3,7 +3,7 @@
 use std::io;
 
 use super::Hdf5Error;
-use crate::fault::Fault;
+use crate::input_error::InputError;
 
 /// Why a file holds no problem that can be read.
 #[derive(Debug, thiserror::Error)]
@@ -29,7 +29,7 @@ pub enum ExchangeError {
         /// The file.
         file: String,
         /// The dataset or the line, what is wrong there, and the cure.
-        fault: Fault,
+        fault: InputError,
     },
 }
 
@@ -47,6 +47,6 @@ impl ExchangeError {
 }
 
 /// The fault of the dataset at `path`.
-pub(super) fn of_dataset(path: &str, error: &Hdf5Error) -> Fault {
-    Fault::new(format!("dataset {path}"), error.to_string(), error.help())
+pub(super) fn of_dataset(path: &str, error: &Hdf5Error) -> InputError {
+    InputError::new(format!("dataset {path}"), error.to_string(), error.help())
 }

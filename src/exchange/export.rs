@@ -3,14 +3,14 @@
 use super::global::Parts;
 use super::reduction::{Reduction, ReductionError};
 use super::{GlobalProblem, Info, Problem, ProblemFile, Solution};
-use crate::fault::Fault;
+use crate::input_error::InputError;
 use crate::problem::{ContactProblem, Increment, State};
 use crate::sparse::Csc;
 
 /// One increment of `problem` in space of `dimension` (2 or 3), which ends in `state` and began in `before`, as a global problem.
 ///
 /// # Errors
-/// [`Fault`] of an array that does not fit.
+/// [`InputError`] of an array that does not fit.
 pub fn export(
     problem: &ContactProblem,
     dimension: usize,
@@ -18,9 +18,9 @@ pub fn export(
     state: &State,
     before: &State,
     info: Info,
-) -> Result<ProblemFile, Fault> {
+) -> Result<ProblemFile, InputError> {
     let help = "give the state and the increment of this problem";
-    let refused = |error: crate::problem::ProblemError| Fault::new("increment", error.to_string(), help);
+    let refused = |error: crate::problem::ProblemError| InputError::new("increment", error.to_string(), help);
     problem.equilibrium(increment.force, state).map_err(refused)?;
     problem.equilibrium(increment.force, before).map_err(refused)?;
     let (n, n_c) = (problem.displacements(), problem.contacts());
@@ -28,10 +28,10 @@ pub fn export(
         [("gap", increment.gap), ("mu", increment.mu), ("w_t", increment.w_t_last), ("w_o", increment.w_o_last)]
     {
         if values.len() != n_c {
-            return Err(Fault::new(key, format!("it has {} entries, but must have {n_c}", values.len()), help));
+            return Err(InputError::new(key, format!("it has {} entries, but must have {n_c}", values.len()), help));
         }
     }
-    let wrong = |error: crate::sparse::MatrixError| Fault::new("problem", error.to_string(), help);
+    let wrong = |error: crate::sparse::MatrixError| InputError::new("problem", error.to_string(), help);
     let m = Csc::from_triplets(n, n, &problem.stiffness().entries().collect::<Vec<_>>()).map_err(wrong)?;
     let maps = [(problem.c_n(), -1.0), (problem.c_t(), 1.0), (problem.c_o(), 1.0)];
     let mut entries = Vec::new();

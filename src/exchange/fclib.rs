@@ -20,7 +20,7 @@ use super::error::of_dataset;
 use super::global::Parts;
 use super::hdf5::{Dataset, File};
 use super::{GlobalProblem, Info, Problem, ProblemFile, Solution};
-use crate::fault::Fault;
+use crate::input_error::InputError;
 use crate::local::LocalProblem;
 use crate::sparse::Csc;
 use matrix::{has_sizes, is_empty, matrix};
@@ -33,16 +33,16 @@ const GUESSES: i64 = 1000;
 /// Memory for a number of a vector while it is read, bytes: in the file, as an element, as a number, in the problem.
 const BYTES_OF_A_NUMBER: u64 = 32;
 
-fn open(bytes: &[u8]) -> Result<File<'_>, Fault> {
-    File::open(bytes).map_err(|error| Fault::new("head of the file", error.to_string(), error.help()))
+fn open(bytes: &[u8]) -> Result<File<'_>, InputError> {
+    File::open(bytes).map_err(|error| InputError::new("head of the file", error.to_string(), error.help()))
 }
 
-fn has(file: &File<'_>, path: &str) -> Result<bool, Fault> {
+fn has(file: &File<'_>, path: &str) -> Result<bool, InputError> {
     file.has(path).map_err(|error| of_dataset(path, &error))
 }
 
 /// The problem in the `bytes` of an FCLIB file.
-pub(super) fn read(bytes: &[u8]) -> Result<ProblemFile, Fault> {
+pub(super) fn read(bytes: &[u8]) -> Result<ProblemFile, InputError> {
     let file = open(bytes)?;
     let (problem, group) = match (has(&file, GLOBAL)?, has(&file, LOCAL)?) {
         (true, _) => (Problem::Global(global(&file)?), GLOBAL),
@@ -50,7 +50,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<ProblemFile, Fault> {
         (false, false) => {
             let (message, help) =
                 ("neither fclib_global nor fclib_local is there", "name a file that holds an FCLIB problem");
-            return Err(Fault::new("groups", message, help));
+            return Err(InputError::new("groups", message, help));
         }
     };
     // What cannot be read of it is no reason to refuse the problem.
@@ -71,22 +71,22 @@ pub(super) fn read(bytes: &[u8]) -> Result<ProblemFile, Fault> {
 }
 
 /// The solution of `problem` in the `bytes` of an FCLIB file, with or without a problem of its own.
-pub(super) fn read_solution(bytes: &[u8], problem: &Problem) -> Result<Solution, Fault> {
+pub(super) fn read_solution(bytes: &[u8], problem: &Problem) -> Result<Solution, InputError> {
     solution(&open(bytes)?, "solution", problem)?.ok_or_else(|| {
         let help = "name a file with a solution, such as `stickslip solve --out` writes";
         let what = match problem {
             Problem::Global(_) => "v, u and r are not all there",
             Problem::Local(_) => "r and u are not both there",
         };
-        Fault::new("group solution", format!("{what}, or nothing was written into them"), help)
+        InputError::new("group solution", format!("{what}, or nothing was written into them"), help)
     })
 }
 
-fn dimension(file: &File<'_>, path: &str) -> Result<usize, Fault> {
+fn dimension(file: &File<'_>, path: &str) -> Result<usize, InputError> {
     match one(file, path)? {
         2 => Ok(2),
         3 => Ok(3),
-        other => Err(Fault::new(
+        other => Err(InputError::new(
             format!("dataset {path}"),
             format!("it is {other}"),
             "the dimension is 2 in the plane and 3 in space",
@@ -101,12 +101,12 @@ struct Vectors<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Vectors<'a, N> {
-    fn open(file: &File<'a>, group: &str, names: [&str; N]) -> Result<Self, Fault> {
+    fn open(file: &File<'a>, group: &str, names: [&str; N]) -> Result<Self, InputError> {
         let paths = names.map(|name| format!("{group}/{name}"));
         let datasets: Vec<Dataset<'a>> = paths.iter().map(|path| need(file, path)).collect::<Result<_, _>>()?;
         match datasets.try_into() {
             Ok(datasets) => Ok(Vectors { paths, datasets }),
-            Err(_) => Err(Fault::new(group, "it has other vectors", "write those of FCLIB")),
+            Err(_) => Err(InputError::new(group, "it has other vectors", "write those of FCLIB")),
         }
     }
 
@@ -115,7 +115,7 @@ impl<'a, const N: usize> Vectors<'a, N> {
     }
 
     /// Reads them, if there is memory for all of them.
-    fn read(&self, file: &File<'_>) -> Result<[Vec<f64>; N], Fault> {
+    fn read(&self, file: &File<'_>) -> Result<[Vec<f64>; N], InputError> {
         for (path, length) in self.paths.iter().zip(self.lengths()) {
             let bytes = BYTES_OF_A_NUMBER.saturating_mul(length as u64);
             file.take_room(bytes).map_err(|error| of_dataset(path, &error))?;
@@ -129,14 +129,14 @@ impl<'a, const N: usize> Vectors<'a, N> {
 }
 
 /// An error unless there is a coefficient of friction at `path` for each contact, of which each has so many of the `rows` of a matrix as there are directions.
-fn friction_fits(path: &str, dimension: usize, rows: usize, coefficients: usize) -> Result<(), Fault> {
+fn friction_fits(path: &str, dimension: usize, rows: usize, coefficients: usize) -> Result<(), InputError> {
     if rows.is_multiple_of(dimension) && rows / dimension != coefficients {
         return Err(length(path, rows / dimension, coefficients, "one for each contact that the matrices have"));
     }
     Ok(())
 }
 
-fn global(file: &File<'_>) -> Result<GlobalProblem, Fault> {
+fn global(file: &File<'_>) -> Result<GlobalProblem, InputError> {
     let dimension = dimension(file, "fclib_global/spacedim")?;
     let vectors = Vectors::open(file, "fclib_global/vectors", ["f", "w", "mu"])?;
     let [n, rows, coefficients] = vectors.lengths();
@@ -157,7 +157,7 @@ fn global(file: &File<'_>) -> Result<GlobalProblem, Fault> {
     if constraints.is_empty() {
         if !is_empty(file, "fclib_global/G")? {
             let help = "write fclib_global/vectors/b, one number for each column of G";
-            return Err(Fault::new("dataset fclib_global/G", "there are constraints, but no b", help));
+            return Err(InputError::new("dataset fclib_global/G", "there are constraints, but no b", help));
         }
         return GlobalProblem::new(Parts { dimension, m, h, f, w, mu, constraints: 0 });
     }
@@ -167,19 +167,20 @@ fn global(file: &File<'_>) -> Result<GlobalProblem, Fault> {
     // M v - G l = f + H r, Gᵀ v = -b.
     let entries: Vec<_> =
         m.entries().chain(g.entries().flat_map(|(i, j, x)| [(i, n + j, -x), (n + j, i, x)])).collect();
-    let wrong =
-        |error: crate::sparse::MatrixError| Fault::new("group fclib_global", error.to_string(), "mend the matrices");
+    let wrong = |error: crate::sparse::MatrixError| {
+        InputError::new("group fclib_global", error.to_string(), "mend the matrices")
+    };
     let m = Csc::from_triplets(all, all, &entries).map_err(wrong)?;
     let h = Csc::from_triplets(all, w.len(), &h.entries().collect::<Vec<_>>()).map_err(wrong)?;
     GlobalProblem::new(Parts { dimension, m, h, f, w, mu, constraints: constraints.len() })
 }
 
-fn local(file: &File<'_>) -> Result<LocalProblem, Fault> {
+fn local(file: &File<'_>) -> Result<LocalProblem, InputError> {
     let dimension = dimension(file, "fclib_local/spacedim")?;
     for name in ["fclib_local/V", "fclib_local/R"] {
         if !is_empty(file, name)? {
             let help = "eliminate them, or give the problem in its global form, where constraints are read";
-            return Err(Fault::new(format!("group {name}"), "constraints of a local problem are not read", help));
+            return Err(InputError::new(format!("group {name}"), "constraints of a local problem are not read", help));
         }
     }
     let vectors = Vectors::open(file, "fclib_local/vectors", ["q", "mu"])?;
@@ -190,18 +191,18 @@ fn local(file: &File<'_>) -> Result<LocalProblem, Fault> {
     let delassus = matrix(file, "fclib_local/W", rows, rows)?;
     let help = "q has one number for each direction of each contact, mu one for each contact";
     LocalProblem::new(dimension, delassus, q, mu)
-        .map_err(|error| Fault::new("group fclib_local", error.to_string(), help))
+        .map_err(|error| InputError::new("group fclib_local", error.to_string(), help))
 }
 
 /// The solution of `problem` at `path`. `None` unless all vectors that such a problem needs are there and were written: some tools make
 /// the datasets of a solution that they do not have.
-fn solution(file: &File<'_>, path: &str, problem: &Problem) -> Result<Option<Solution>, Fault> {
+fn solution(file: &File<'_>, path: &str, problem: &Problem) -> Result<Option<Solution>, InputError> {
     let rows = problem.contacts() * problem.dimension();
     let (unknowns, multipliers) = match problem {
         Problem::Global(problem) => (problem.unknowns() - problem.constraints(), problem.constraints()),
         Problem::Local(_) => (0, 0),
     };
-    let vector = |name: &str, expected: usize| -> Result<Option<Vec<f64>>, Fault> {
+    let vector = |name: &str, expected: usize| -> Result<Option<Vec<f64>>, InputError> {
         let path = format!("{path}/{name}");
         if expected == 0 {
             return Ok(Some(Vec::new()));
@@ -210,7 +211,7 @@ fn solution(file: &File<'_>, path: &str, problem: &Problem) -> Result<Option<Sol
         if dataset.count() != expected {
             let message = format!("it has {} entries, but the problem needs {expected}", dataset.count());
             let help = "give a solution of this problem, in the same form: global or local";
-            return Err(Fault::new(format!("dataset {path}"), message, help));
+            return Err(InputError::new(format!("dataset {path}"), message, help));
         }
         numbers(&dataset, &path).map(Some)
     };

@@ -2,7 +2,7 @@
 
 use super::Problem;
 use super::Solution;
-use crate::fault::Fault;
+use crate::input_error::InputError;
 use crate::loading::{LoadCase, Loading, Motion};
 use crate::problem::{ContactProblem, Parts as ContactParts, ProblemError};
 use crate::sparse::{Csc, Csr, Symmetric};
@@ -33,11 +33,11 @@ pub struct Parts {
     pub constraints: usize,
 }
 
-fn fault(key: &str, message: String, help: &str) -> Fault {
-    Fault::new(key, message, help)
+fn fault(key: &str, message: String, help: &str) -> InputError {
+    InputError::new(key, message, help)
 }
 
-fn finite(key: &str, values: impl Iterator<Item = f64>) -> Result<(), Fault> {
+fn finite(key: &str, values: impl Iterator<Item = f64>) -> Result<(), InputError> {
     match values.enumerate().find(|(_, value)| !value.is_finite()) {
         None => Ok(()),
         Some((place, value)) => Err(fault(
@@ -52,8 +52,8 @@ impl GlobalProblem {
     /// The problem of these parts. There may be no contact at all.
     ///
     /// # Errors
-    /// [`Fault`] of the array that does not fit the others, or holds a number that is not finite or a negative μ.
-    pub fn new(parts: Parts) -> Result<Self, Fault> {
+    /// [`InputError`] of the array that does not fit the others, or holds a number that is not finite or a negative μ.
+    pub fn new(parts: Parts) -> Result<Self, InputError> {
         let Parts { dimension, m, h, f, w, mu, constraints } = &parts;
         if !matches!(dimension, 2 | 3) {
             return Err(fault(
@@ -194,8 +194,8 @@ impl Solution {
     /// Whether it has the lengths of `problem`.
     ///
     /// # Errors
-    /// [`Fault`] of the array that has not, or holds a number that is not finite.
-    pub fn check(&self, problem: &Problem) -> Result<(), Fault> {
+    /// [`InputError`] of the array that has not, or holds a number that is not finite.
+    pub fn check(&self, problem: &Problem) -> Result<(), InputError> {
         let rows = problem.contacts() * problem.dimension();
         let arrays = [("v", problem.unknowns(), &self.v), ("r", rows, &self.r), ("u", rows, &self.u)];
         for (key, expected, values) in arrays {

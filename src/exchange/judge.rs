@@ -17,9 +17,9 @@ mod laws;
 use serde::{Deserialize, Serialize};
 
 use super::{GlobalProblem, Problem, Solution};
-use crate::fault::Fault;
+use crate::input_error::InputError;
 use crate::local::{LocalErrors, SOLVED};
-use crate::sparse::Twofold;
+use crate::sparse::DoubleDouble;
 use laws::{Scales, laws, raise, relative};
 
 /// A problem counts as solved when no error is above this.
@@ -109,15 +109,15 @@ impl From<LocalErrors> for Errors {
 /// The errors of `solution`.
 ///
 /// # Errors
-/// [`Fault`] when it has other lengths than `problem` asks for, or a number that is not finite.
-pub fn judge(problem: &Problem, solution: &Solution) -> Result<Errors, Fault> {
+/// [`InputError`] when it has other lengths than `problem` asks for, or a number that is not finite.
+pub fn judge(problem: &Problem, solution: &Solution) -> Result<Errors, InputError> {
     solution.check(problem)?;
     match problem {
         Problem::Global(problem) => Ok(global(problem, solution)),
         Problem::Local(problem) => {
             let errors = problem.errors(&solution.r, Some(&solution.u));
             Ok(errors
-                .map_err(|error| Fault::new("solution", error.to_string(), "give a solution of this problem"))?
+                .map_err(|error| InputError::new("solution", error.to_string(), "give a solution of this problem"))?
                 .into())
         }
     }
@@ -126,7 +126,7 @@ pub fn judge(problem: &Problem, solution: &Solution) -> Result<Errors, Fault> {
 fn global(problem: &GlobalProblem, Solution { v, r, u }: &Solution) -> Errors {
     let n = problem.unknowns();
     let mut diagonal = vec![0.0; n];
-    let mut balance = vec![Twofold::default(); n];
+    let mut balance = vec![DoubleDouble::default(); n];
     let (mut rounding, mut forces) = (vec![0.0; n], problem.f().iter().map(|f| f.abs()).collect::<Vec<_>>());
     for (row, column, m) in problem.m().entries() {
         balance[row].add_product(m, v[column]);
@@ -135,7 +135,7 @@ fn global(problem: &GlobalProblem, Solution { v, r, u }: &Solution) -> Errors {
             diagonal[row] = m.abs();
         }
     }
-    let mut exact: Vec<Twofold> = vec![Twofold::default(); u.len()];
+    let mut exact: Vec<DoubleDouble> = vec![DoubleDouble::default(); u.len()];
     let mut sizes: Vec<f64> = problem.w().iter().map(|w| w.abs()).collect();
     for (row, column, h) in problem.h().entries() {
         balance[row].add_product(-h, r[column]);

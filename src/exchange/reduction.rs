@@ -1,7 +1,7 @@
 //! From the global to the local problem and back: `W = Hᵀ M⁻¹ H`, `q = Hᵀ M⁻¹ f + w`, `v = M⁻¹ (f + H r)`.
 
 use super::{GlobalProblem, Solution};
-use crate::linear::{Direct, LinearError};
+use crate::linear::{LinearError, RefinedSolver};
 use crate::local::{LocalProblem, LocalProblemError};
 use crate::sparse::{Csc, MatrixError, SystemMatrix};
 
@@ -33,7 +33,7 @@ pub enum ReductionError {
 pub struct Reduction<'a> {
     global: &'a GlobalProblem,
     matrix: SystemMatrix,
-    direct: Direct,
+    direct: RefinedSolver,
     local: LocalProblem,
 }
 
@@ -48,7 +48,7 @@ impl<'a> Reduction<'a> {
             return Err(ReductionError::TooLarge { rows });
         }
         let matrix = SystemMatrix::from(global.m().clone());
-        let mut direct = Direct::default();
+        let mut direct = RefinedSolver::default();
         direct.analyze(&matrix)?;
         direct.factorize(&matrix)?;
         let n = global.unknowns();

@@ -16,7 +16,7 @@ mod words;
 
 use super::global::Parts;
 use super::{GlobalProblem, Info, Problem, ProblemFile};
-use crate::fault::Fault;
+use crate::input_error::InputError;
 use crate::local::LocalProblem;
 use crate::sparse::Csc;
 use words::Words;
@@ -31,9 +31,9 @@ struct Unsized {
 
 impl Unsized {
     /// The matrix, if it has this size, which that of a vector in the text has confirmed.
-    fn sized(self, what: &str, rows: usize, columns: usize) -> Result<Csc, Fault> {
+    fn sized(self, what: &str, rows: usize, columns: usize) -> Result<Csc, InputError> {
         let Unsized { line, entries, .. } = self;
-        let fault = |message: String| Fault::new(format!("line {line}"), message, SIZES);
+        let fault = |message: String| InputError::new(format!("line {line}"), message, SIZES);
         if (self.rows, self.columns) != (rows, columns) {
             let found = format!("{} × {}", self.rows, self.columns);
             return Err(fault(format!("the matrix {what} is {found}, but must be {rows} × {columns}")));
@@ -45,7 +45,7 @@ impl Unsized {
 const SIZES: &str = "mend the sizes, which contradict each other";
 
 /// The problem in `text`.
-pub(super) fn read(text: &str) -> Result<ProblemFile, Fault> {
+pub(super) fn read(text: &str) -> Result<ProblemFile, InputError> {
     let mut words = Words::new(text);
     let dimension = words.count("the dimension, 2 or 3")?;
     if !matches!(dimension, 2 | 3) {
@@ -67,7 +67,7 @@ pub(super) fn read(text: &str) -> Result<ProblemFile, Fault> {
         let delassus = first.sized("W", rows, rows)?;
         let help = "mu is 0 or more, and all numbers are finite";
         let fault =
-            |error: crate::local::LocalProblemError| Fault::new(format!("line {line}"), error.to_string(), help);
+            |error: crate::local::LocalProblemError| InputError::new(format!("line {line}"), error.to_string(), help);
         Problem::Local(LocalProblem::new(dimension, delassus, q, mu).map_err(fault)?)
     } else {
         let second = matrix(&mut words)?;
@@ -77,7 +77,7 @@ pub(super) fn read(text: &str) -> Result<ProblemFile, Fault> {
         let line = words.line();
         let (m, h) = (first.sized("M", f.len(), f.len())?, second.sized("H", f.len(), rows)?);
         let parts = Parts { dimension, m, h, f, w, mu, constraints: 0 };
-        let at = |fault: Fault| Fault { key: format!("line {line}, {}", fault.key), ..fault };
+        let at = |fault: InputError| InputError { key: format!("line {line}, {}", fault.key), ..fault };
         Problem::Global(GlobalProblem::new(parts).map_err(at)?)
     };
     if !words.are_at_most(1) {
@@ -86,7 +86,7 @@ pub(super) fn read(text: &str) -> Result<ProblemFile, Fault> {
     Ok(ProblemFile { info: Info::default(), problem, solution: None, guesses: Vec::new() })
 }
 
-fn matrix(words: &mut Words<'_>) -> Result<Unsized, Fault> {
+fn matrix(words: &mut Words<'_>) -> Result<Unsized, InputError> {
     let kind = words.count("how a matrix is stored, 0, 1 or 2")?;
     let line = words.line();
     let (rows, columns) = (words.count("the rows of a matrix")?, words.count("its columns")?);
@@ -96,14 +96,14 @@ fn matrix(words: &mut Words<'_>) -> Result<Unsized, Fault> {
         2 => csparse::read(words, rows, columns)?,
         other => {
             let help = "0 stands for a dense matrix, 1 for sparse blocks, 2 for the print of CSparse";
-            return Err(Fault::new(format!("line {line}"), format!("the storage of a matrix is {other}"), help));
+            return Err(InputError::new(format!("line {line}"), format!("the storage of a matrix is {other}"), help));
         }
     };
     Ok(Unsized { line, rows, columns, entries })
 }
 
 /// All entries, column by column, behind the sizes once more.
-fn dense(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, Fault> {
+fn dense(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, InputError> {
     let again = [words.count("the rows of a matrix")?, words.count("its columns")?];
     if again != [rows, columns] {
         return Err(words

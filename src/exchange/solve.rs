@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 use super::judge::judge;
 use super::reduction::{Reduction, ReductionError};
 use super::{Errors, GlobalProblem, Problem, Solution};
-use crate::fault::Fault;
-use crate::history::{self, HistorySettings, Method, Observer, Step, System};
+use crate::history::{self, HistorySettings, IncrementView, Method, Observer, SystemSolver};
+use crate::input_error::InputError;
 use crate::local::{self, CascadeSettings, LocalProblem, LocalProblemError};
-use crate::nonlinear::Flow;
 use crate::problem::State;
+use std::ops::ControlFlow;
 
 /// What BN is to reach, so that the laws hold in everybody's units.
 const WHOLE_TOLERANCE: f64 = 1e-13;
@@ -92,7 +92,7 @@ impl Way {
 pub enum SolveError {
     /// A guess does not fit the problem.
     #[error(transparent)]
-    Guess(#[from] Fault),
+    Guess(#[from] InputError),
     /// The local problem or a guess for it is refused.
     #[error(transparent)]
     Local(#[from] LocalProblemError),
@@ -198,7 +198,7 @@ fn whole(global: &GlobalProblem) -> Result<Option<(Solution, usize)>, SolveError
     // Parts of an increment would be another problem.
     let settings = HistorySettings { halvings: 0, ..settings };
     let mut last = Last(None);
-    let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut last);
+    let outcome = history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut last);
     match (outcome, last.0) {
         (Ok(outcome), Some(state)) => Ok(Some((of_state(global, &state), outcome.tally.iterations))),
         // The reduction may do better, or say more.
@@ -210,9 +210,9 @@ fn whole(global: &GlobalProblem) -> Result<Option<(Solution, usize)>, SolveError
 struct Last(Option<State>);
 
 impl Observer for Last {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.0 = Some(step.state.clone());
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

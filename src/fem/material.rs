@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::elastic::Elasticity;
-use crate::fault::{Fault, demand, finite, positive};
+use crate::input_error::{InputError, ensure, finite, positive};
 use crate::mesh::Mesh;
 
 /// The isotropic linear elastic materials of a body; in two dimensions it is of unit thickness, or axisymmetric.
@@ -66,7 +66,7 @@ pub enum Plane {
 }
 
 /// What a constant of a material called by a name must be.
-type Limit = fn(&str, f64) -> Result<(), Fault>;
+type Limit = fn(&str, f64) -> Result<(), InputError>;
 
 const THICKNESS: Limit = |name, value| positive(name, value, "give the thickness of the layer in m or as [units] says");
 
@@ -76,7 +76,7 @@ const POISSON: Limit = |name, value| {
     let help = "thermodynamics sets the lower limit; an incompressible material is beyond displacements alone, \
                 use e.g. 0.49, or 0.4999 with mesh.element = \"b-bar\" or \"nodal-volume\"";
     finite(name, value)?;
-    demand(value > -1.0 && value < 0.5, name, &value, "above -1 and below 0.5", help)
+    ensure(value > -1.0 && value < 0.5, name, &value, "above -1 and below 0.5", help)
 };
 
 const DENSITY: Limit = |name, value| positive(name, value, "give the density in kg/m³ or as [units] says");
@@ -93,14 +93,15 @@ impl Material {
     /// [`crate::mesh::MeshSource::Bodies`]. A group of a body's own is called `name:group` there.
     ///
     /// # Errors
-    /// [`Fault`] of the key of the body, such as `body[1].material.plane`: layers, which only a single body has, another plane state than
+    /// [`InputError`] of the key of the body, such as `body[1].material.plane`: layers, which only a single body has, another plane state than
     /// that of the first, no body.
-    pub fn of_bodies(bodies: impl IntoIterator<Item = (String, Material)>) -> Result<Self, Fault> {
+    pub fn of_bodies(bodies: impl IntoIterator<Item = (String, Material)>) -> Result<Self, InputError> {
         let mut all: Option<Material> = None;
         for (k, (name, material)) in bodies.into_iter().enumerate() {
             let Material { young, poisson, plane, density, expansion, layers, groups } = material;
-            let fault =
-                |key: &str, message: String, help: &str| Fault::new(format!("body[{k}].material.{key}"), message, help);
+            let fault = |key: &str, message: String, help: &str| {
+                InputError::new(format!("body[{k}].material.{key}"), message, help)
+            };
             if !layers.is_empty() {
                 let message = format!("the body `{name}` has layers, which are those of a scene with a single body");
                 return Err(fault("layers", message, "use groups of its mesh, or a body for each layer"));
@@ -121,7 +122,7 @@ impl Material {
                 ..group
             }));
         }
-        all.ok_or_else(|| Fault::new("body", "there is no body", "give one at least"))
+        all.ok_or_else(|| InputError::new("body", "there is no body", "give one at least"))
     }
 
     /// The same in `plane`.
@@ -138,8 +139,8 @@ impl Material {
     /// Whether all constants are possible, and layers and groups do not contradict each other.
     ///
     /// # Errors
-    /// [`Fault`] of the key that is wrong, such as `material.young`.
-    pub fn check(&self) -> Result<(), Fault> {
+    /// [`InputError`] of the key that is wrong, such as `material.young`.
+    pub fn check(&self) -> Result<(), InputError> {
         YOUNG("material.young", self.young)?;
         POISSON("material.poisson", self.poisson)?;
         self.density.map_or(Ok(()), |density| DENSITY("material.density", density))?;
@@ -147,7 +148,7 @@ impl Material {
         for (k, &Layer { thickness, young, poisson }) in self.layers.iter().enumerate() {
             let key = format!("material.layers[{k}]");
             let of_layer = |what: &str, value: f64, limit: Limit| {
-                limit(&format!("{what} in {key}"), value).map_err(|fault| Fault { key: key.clone(), ..fault })
+                limit(&format!("{what} in {key}"), value).map_err(|fault| InputError { key: key.clone(), ..fault })
             };
             of_layer("the thickness", thickness, THICKNESS)?;
             of_layer("Young's modulus", young, YOUNG)?;
@@ -157,10 +158,10 @@ impl Material {
             let key = |what: &str| format!("material.group[{k}].{what}");
             if self.groups[..k].iter().any(|other| other.name == *name) {
                 let message = format!("the group `{name}` has a [[material.group]] already");
-                return Err(Fault::new(key("name"), message, "keep one [[material.group]] for each group"));
+                return Err(InputError::new(key("name"), message, "keep one [[material.group]] for each group"));
             }
             let of_group = |what: &str, key: String, value: f64, limit: Limit| {
-                limit(&format!("{what} of the group `{name}`"), value).map_err(|fault| Fault { key, ..fault })
+                limit(&format!("{what} of the group `{name}`"), value).map_err(|fault| InputError { key, ..fault })
             };
             of_group("Young's modulus", key("young"), *young, YOUNG)?;
             of_group("Poisson's ratio", key("poisson"), *poisson, POISSON)?;
@@ -169,7 +170,7 @@ impl Material {
         }
         if !self.layers.is_empty() && !self.groups.is_empty() {
             let message = "the material has layers and groups, which both say what an element is made of";
-            return Err(Fault::new("material.layers", message, "keep material.layers or [[material.group]]"));
+            return Err(InputError::new("material.layers", message, "keep material.layers or [[material.group]]"));
         }
         Ok(())
     }
@@ -193,12 +194,12 @@ impl Material {
     /// itself.
     ///
     /// # Errors
-    /// [`Fault`] of the key that `mesh` contradicts: a plane state in three dimensions, a group it does not have, a
+    /// [`InputError`] of the key that `mesh` contradicts: a plane state in three dimensions, a group it does not have, a
     /// layer without a cell.
-    pub fn laws(&self, mesh: &Mesh) -> Result<Vec<Elasticity>, Fault> {
+    pub fn laws(&self, mesh: &Mesh) -> Result<Vec<Elasticity>, InputError> {
         if mesh.dimension == 3 && self.plane.is_some() {
             let message = "the material has a plane state, but the body has three dimensions";
-            return Err(Fault::new("material.plane", message, "remove material.plane"));
+            return Err(InputError::new("material.plane", message, "remove material.plane"));
         }
         let law = |young, poisson| match (mesh.dimension, self.plane.unwrap_or_default()) {
             (2, Plane::Stress) => Elasticity::plane_stress(young, poisson),
@@ -217,7 +218,7 @@ impl Material {
         if let Some(k) = (0..self.layers.len()).find(|k| !of_cell.contains(&Some(*k))) {
             let message = format!("no element of the mesh has its centre in material.layers[{k}]");
             let help = "use more elements, a thicker layer or fewer layers; thicknesses are in m or as [units] says, from the bottom up";
-            return Err(Fault::new(format!("material.layers[{k}]"), message, help));
+            return Err(InputError::new(format!("material.layers[{k}]"), message, help));
         }
         let laws: Vec<Elasticity> = self.layers.iter().map(|layer| law(layer.young, layer.poisson)).collect();
         Ok(of_cell.into_iter().map(|layer| layer.map_or(base, |k| laws[k])).collect())
@@ -226,8 +227,8 @@ impl Material {
     /// The density (kg/m³) of each cell of `mesh`.
     ///
     /// # Errors
-    /// [`Fault`] of the key that is missing, or names a group that `mesh` does not have.
-    pub fn densities(&self, mesh: &Mesh) -> Result<Vec<f64>, Fault> {
+    /// [`InputError`] of the key that is missing, or names a group that `mesh` does not have.
+    pub fn densities(&self, mesh: &Mesh) -> Result<Vec<f64>, InputError> {
         let help = "give the density, e.g. 7850 kg/m³ for steel, 7.85e-9 t/mm³ where [units] has mm and MPa";
         self.of_cells(mesh, "density", help, self.density, |group| group.density)
     }
@@ -235,8 +236,8 @@ impl Material {
     /// The coefficient of thermal expansion (1/K) of each cell of `mesh`.
     ///
     /// # Errors
-    /// [`Fault`] of the key that is missing, or names a group that `mesh` does not have.
-    pub fn expansions(&self, mesh: &Mesh) -> Result<Vec<f64>, Fault> {
+    /// [`InputError`] of the key that is missing, or names a group that `mesh` does not have.
+    pub fn expansions(&self, mesh: &Mesh) -> Result<Vec<f64>, InputError> {
         let help = "give the coefficient of thermal expansion in 1/K, e.g. 12e-6 for steel";
         self.of_cells(mesh, "expansion", help, self.expansion, |group| group.expansion)
     }
@@ -249,14 +250,14 @@ impl Material {
         help: &str,
         itself: Option<f64>,
         of_group: impl Fn(&MaterialGroup) -> Option<f64>,
-    ) -> Result<Vec<f64>, Fault> {
+    ) -> Result<Vec<f64>, InputError> {
         let groups = self.groups_of(mesh)?;
         let missing = |group: usize| match groups[group] {
             Some(k) => {
                 let message = format!("a load needs the {key} of the group `{}`", self.groups[k].name);
-                Fault::new(format!("material.group[{k}].{key}"), message, help)
+                InputError::new(format!("material.group[{k}].{key}"), message, help)
             }
-            None => Fault::new(format!("material.{key}"), format!("a load needs the {key} of the material"), help),
+            None => InputError::new(format!("material.{key}"), format!("a load needs the {key} of the material"), help),
         };
         let value = |group: usize| groups[group].and_then(|k| of_group(&self.groups[k])).or(itself);
         mesh.cells.iter().map(|cell| value(cell.group).ok_or_else(|| missing(cell.group))).collect()
@@ -264,7 +265,7 @@ impl Material {
 
     /// For each group of `mesh`, which of the groups here it is. A group `upper:rim` that is not named has the material of
     /// `upper`, if that is named.
-    fn groups_of(&self, mesh: &Mesh) -> Result<Vec<Option<usize>>, Fault> {
+    fn groups_of(&self, mesh: &Mesh) -> Result<Vec<Option<usize>>, InputError> {
         let body = |group: &'_ str| group.split_once(':').map(|(body, _)| body.to_string());
         for (k, MaterialGroup { name, .. }) in self.groups.iter().enumerate() {
             let has = |group: &String| {
@@ -274,11 +275,11 @@ impl Material {
                 let message = format!("the mesh has no material group `{name}`");
                 let named: Vec<_> = mesh.groups.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
                 let help = format!("the mesh has the groups {}", named.join(", "));
-                return Err(Fault::new(format!("material.group[{k}].name"), message, help));
+                return Err(InputError::new(format!("material.group[{k}].name"), message, help));
             }
         }
         let called = |name: &str| self.groups.iter().position(|group| group.name == name);
-        let one_of = |group: &String| -> Result<Option<usize>, Fault> {
+        let one_of = |group: &String| -> Result<Option<usize>, InputError> {
             let members: Vec<usize> = mesh.notes.members(group).iter().filter_map(|member| called(member)).collect();
             match members[..] {
                 [] => Ok(called(group).or_else(|| called(&body(group)?))),
@@ -288,7 +289,7 @@ impl Material {
                     let message =
                         format!("elements are in the groups `{first}` and `{name}`, which have a material each");
                     let help = "name one of the two groups, or let them share no element";
-                    Err(Fault::new(format!("material.group[{second}].name"), message, help))
+                    Err(InputError::new(format!("material.group[{second}].name"), message, help))
                 }
             }
         };

@@ -7,7 +7,7 @@ use super::dofs::Dofs;
 use super::spring::Spring;
 use crate::mesh::{Bodies, Geometry, Mesh};
 use crate::null_space::{NEGLIGIBLE, null_space};
-use crate::sets::Sets;
+use crate::union_find::UnionFind;
 use crate::units::{Quantity, UnitSystem};
 use crate::vector::{cross, dot, minus, norm};
 
@@ -175,7 +175,7 @@ pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], ties: &[
     let bodies = mesh.bodies();
     let own: Vec<Vec<BodyMotion>> = (0..bodies.count()).map(|k| all_motions(mesh, &bodies, k)).collect();
     let of = bodies.of_nodes();
-    let mut joined = Sets::new(bodies.count());
+    let mut joined = UnionFind::new(bodies.count());
     for tie in ties {
         tie.windows(2).for_each(|pair| joined.join(of[pair[0].0], of[pair[1].0]));
     }

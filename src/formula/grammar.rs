@@ -9,7 +9,7 @@
 //! ```
 
 use super::functions::{Function, constant, function};
-use super::{FormulaError, Step};
+use super::{FormulaError, Instruction};
 
 /// The names of the coordinates, m.
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
@@ -18,7 +18,7 @@ const COORDINATES: [&str; 3] = ["x", "y", "z"];
 const DEEPEST: usize = 100;
 
 /// The steps of the formula `text`, in postfix order.
-pub(super) fn steps(text: &str) -> Result<Vec<Step>, FormulaError> {
+pub(super) fn steps(text: &str) -> Result<Vec<Instruction>, FormulaError> {
     let mut parser = Parser { text, at: 0, depth: 0, steps: Vec::new() };
     if parser.peek().is_none() {
         return Err(parser.error(parser.at, 0, "nothing is given"));
@@ -36,7 +36,7 @@ struct Parser<'a> {
     at: usize,
     /// How deep the present part is nested.
     depth: usize,
-    steps: Vec<Step>,
+    steps: Vec<Instruction>,
 }
 
 impl Parser<'_> {
@@ -44,7 +44,7 @@ impl Parser<'_> {
         self.product()?;
         while let Some(operator) = self.take(&['+', '-']) {
             self.product()?;
-            self.steps.push(Step::Two(if operator == '+' { |a, b| a + b } else { |a, b| a - b }));
+            self.steps.push(Instruction::Two(if operator == '+' { |a, b| a + b } else { |a, b| a - b }));
         }
         Ok(())
     }
@@ -53,7 +53,7 @@ impl Parser<'_> {
         self.signed()?;
         while let Some(operator) = self.take(&['*', '/']) {
             self.signed()?;
-            self.steps.push(Step::Two(if operator == '*' { |a, b| a * b } else { |a, b| a / b }));
+            self.steps.push(Instruction::Two(if operator == '*' { |a, b| a * b } else { |a, b| a / b }));
         }
         Ok(())
     }
@@ -70,7 +70,7 @@ impl Parser<'_> {
             Some(sign) => {
                 self.signed()?;
                 if sign == '-' {
-                    self.steps.push(Step::One(|a| -a));
+                    self.steps.push(Instruction::One(|a| -a));
                 }
             }
         }
@@ -82,7 +82,7 @@ impl Parser<'_> {
         self.operand()?;
         if self.take(&['^']).is_some() {
             self.signed()?;
-            self.steps.push(Step::Two(f64::powf));
+            self.steps.push(Instruction::Two(f64::powf));
         }
         Ok(())
     }
@@ -104,7 +104,7 @@ impl Parser<'_> {
     }
 
     /// A number as Rust writes them, `1e-3` among them.
-    fn number(&mut self) -> Result<Step, FormulaError> {
+    fn number(&mut self) -> Result<Instruction, FormulaError> {
         let text = &self.text[self.at..];
         let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
         let mut length = digits(text);
@@ -125,25 +125,25 @@ impl Parser<'_> {
             return Err(self.error(self.at, length, format!("{number} is too large")));
         }
         self.at += length;
-        Ok(Step::Number(value))
+        Ok(Instruction::Number(value))
     }
 
     /// A coordinate, a constant or the call of a function: its step, unless the steps stand between the arguments.
-    fn name(&mut self) -> Result<Option<Step>, FormulaError> {
+    fn name(&mut self) -> Result<Option<Instruction>, FormulaError> {
         let (start, text) = (self.at, &self.text[self.at..]);
         let name = &text[..text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len())];
         self.at += name.len();
         if let Some(k) = COORDINATES.iter().position(|coordinate| *coordinate == name) {
-            return Ok(Some(Step::Coordinate(k)));
+            return Ok(Some(Instruction::Coordinate(k)));
         }
         if let Some(value) = constant(name) {
-            return Ok(Some(Step::Number(value)));
+            return Ok(Some(Instruction::Number(value)));
         }
         let bracket = self.peek() == Some('(');
         let message = match function(name) {
             Some(function) if bracket => match (function, self.enclosed(Some(function))?) {
-                (Function::One(f), 1) => return Ok(Some(Step::One(f))),
-                (Function::Two(f), 2) => return Ok(Some(Step::Two(f))),
+                (Function::One(f), 1) => return Ok(Some(Instruction::One(f))),
+                (Function::Two(f), 2) => return Ok(Some(Instruction::Two(f))),
                 (Function::Several(_), 2..) => return Ok(None),
                 (_, given) => format!("`{name}` takes {}, not {given}", function.arguments()),
             },
@@ -164,7 +164,7 @@ impl Parser<'_> {
             self.sum()?;
             count += 1;
             if let Some(Function::Several(f)) = of {
-                self.steps.push(Step::Two(f));
+                self.steps.push(Instruction::Two(f));
             }
         }
         match self.peek() {

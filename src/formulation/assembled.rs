@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Layout;
 use super::mixed::MixedMatrix;
-use super::scaled::Scaled;
+use super::scaled::ScaledData;
 use crate::problem::ContactProblem;
 use crate::sparse::Pattern;
 use crate::units::Scaling;
@@ -14,14 +14,14 @@ use crate::units::Scaling;
 /// for all of them, one symbolic analysis serves BN, its rescue and an interior point method alike.
 #[derive(Clone)]
 pub struct Assembled {
-    pub(super) data: Scaled,
+    pub(super) data: ScaledData,
     pub(super) matrix: MixedMatrix,
 }
 
 impl Assembled {
     /// Sets up the matrix of `problem`.
     pub fn new(problem: &ContactProblem, scaling: Scaling) -> Self {
-        let data = Scaled::new(problem, scaling);
+        let data = ScaledData::new(problem, scaling);
         let matrix = MixedMatrix::new(problem, &data.layout, &scaling);
         Assembled { data, matrix }
     }
@@ -40,7 +40,7 @@ impl Assembled {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formulation::{Bdiff, Constrained, Conventions, InteriorPoint, Partition};
+    use crate::formulation::{Bdiff, Constrained, FormulationScaling, InteriorPoint, Partition};
     use crate::problem::Parts;
     use crate::sparse::{Csr, Symmetric};
 
@@ -49,7 +49,7 @@ mod tests {
         let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 0, 1.0), (1, 1, 2.0)]).unwrap();
         let [c_n, c_t] = [1, 0].map(|dof| Csr::of_rows(2, [[(dof, 1.0)]]));
         let problem = ContactProblem::new(Parts { c_t, mu: vec![0.3], ..Parts::new(stiffness, c_n) }).unwrap();
-        let conventions = Conventions::natural(&problem);
+        let conventions = FormulationScaling::natural(&problem);
         let bn = Bdiff::new(&problem, Scaling::SI, &conventions);
         let ip = Constrained::on(bn.assembled(), &conventions, Partition::Products);
         assert!(Arc::ptr_eq(bn.jacobian().pattern(), ip.matrix().pattern()));

@@ -10,18 +10,19 @@ pub use kept::Linearization;
 use super::mixed::{MixedMatrix, TangentialRow};
 use super::natural::Pressure;
 use super::natural::{NaturalRows, half_square};
-use super::scaled::Scaled;
-use super::{Assembled, Conventions, Layout};
+use super::scaled::ScaledData;
+use super::{Assembled, FormulationScaling, Layout};
 use crate::laws::coulomb::{
-    Germ, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case, tangential_case_ahead,
+    DirectionalDerivative, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case,
+    tangential_case_ahead,
 };
 use crate::problem::{ContactProblem, Increment, strained};
-use crate::sparse::{SystemMatrix, Twofold};
+use crate::sparse::{DoubleDouble, SystemMatrix};
 use crate::units::Scaling;
 
 /// `H_N` of a problem, in the units of its scaling, with its Jacobian on one fixed pattern.
 pub struct Bdiff {
-    data: Scaled,
+    data: ScaledData,
     rows: NaturalRows,
     matrix: MixedMatrix,
     cases: Vec<Option<Case>>,
@@ -32,12 +33,12 @@ type Case = (NormalCase, Option<TangentialCase>);
 
 impl Bdiff {
     /// Sets up `H_N` of `problem`.
-    pub fn new(problem: &ContactProblem, scaling: Scaling, conventions: &Conventions) -> Self {
+    pub fn new(problem: &ContactProblem, scaling: Scaling, conventions: &FormulationScaling) -> Self {
         Self::on(Assembled::new(problem, scaling), conventions)
     }
 
     /// `H_N` of a problem that is set up already.
-    pub fn on(assembled: Assembled, conventions: &Conventions) -> Self {
+    pub fn on(assembled: Assembled, conventions: &FormulationScaling) -> Self {
         let Assembled { data, matrix } = assembled;
         let cases = vec![None; data.layout.contacts()];
         Bdiff { rows: NaturalRows::new(conventions, &data.scaling), matrix, cases, data }
@@ -81,15 +82,16 @@ impl Bdiff {
     fn case_ahead(&self, i: usize, z: &[f64], dz: &[f64]) -> Case {
         let (data, r_n, r_t) = (&self.data, self.rows.r_n[i], self.rows.r_t[i]);
         let n = data.layout.p_n(i);
-        let trial = Germ::new(z[n], r_n * (data.w_n(i, z) - data.gap[i]), dz[n] + r_n * data.w_n(i, dz));
+        let trial =
+            DirectionalDerivative::new(z[n], r_n * (data.w_n(i, z) - data.gap[i]), dz[n] + r_n * data.w_n(i, dz));
         let tangential = data.layout.has_friction(i).then(|| {
             let pressure = match self.rows.kind {
-                Pressure::Unknown => Germ::new(z[n], 0.0, dz[n]),
+                Pressure::Unknown => DirectionalDerivative::new(z[n], 0.0, dz[n]),
                 Pressure::Trial => trial,
             };
             let (p, dp, dw) = (data.friction(i, z), data.friction(i, dz), data.tangential(i, dz));
             let slip = data.slip(i, data.tangential(i, z));
-            let q = [0, 1].map(|d| Germ::new(p[d], r_t * slip[d], dp[d] + r_t * dw[d]));
+            let q = [0, 1].map(|d| DirectionalDerivative::new(p[d], r_t * slip[d], dp[d] + r_t * dw[d]));
             self.of_tangents(i, tangential_case_ahead(pressure, q, data.mu[i]))
         });
         (normal_case_ahead(trial), tangential)
@@ -195,9 +197,9 @@ impl Bdiff {
 
     /// `h = H_N(z + rest)`, the linear rows in twice the working precision; `rest` is below the rounding of `z`.
     pub fn residual_beyond(&self, z: &[f64], rest: &[f64], h: &mut [f64]) {
-        let mut sums = vec![Twofold::default(); h.len()];
+        let mut sums = vec![DoubleDouble::default(); h.len()];
         let n = self.layout().displacements();
-        let (mut strained, mut strained_rest) = strained(&self.data.free_motions, &z[..n], &rest[..n]);
+        let (mut strained, mut strained_rest) = strained(&self.data.rigid_modes, &z[..n], &rest[..n]);
         strained.extend(&z[n..]);
         strained_rest.extend(&rest[n..]);
         self.matrix.matrix().add_beyond(&strained, &strained_rest, &mut sums);
@@ -210,7 +212,7 @@ impl Bdiff {
         self.contact_rows(z, Some(rest), h);
     }
 
-    /// `Theta` (10) of a residual, `½ Hᵀ H` with every row in its unit of [`Conventions`], SI.
+    /// `Theta` (10) of a residual, `½ Hᵀ H` with every row in its unit of [`FormulationScaling`], SI.
     pub fn merit(&self, h: &[f64]) -> f64 {
         self.rows.theta_of(&self.data, h)
     }

@@ -21,8 +21,8 @@ use super::interior::InteriorPoint;
 use super::mixed::{MixedMatrix, TangentialRow};
 use super::natural::{NaturalRows, half_square};
 use super::pairs::{Face, Pair};
-use super::scaled::Scaled;
-use super::{Assembled, Conventions, Layout};
+use super::scaled::ScaledData;
+use super::{Assembled, FormulationScaling, Layout};
 use crate::laws::coulomb::{direction, length as size};
 use crate::problem::{ContactProblem, Increment};
 use crate::sparse::SystemMatrix;
@@ -30,8 +30,8 @@ use crate::units::Scaling;
 use crate::vector::dot;
 
 /// The equations of a problem, in the units of its scaling, and their Newton system on `(u, p_t, p_o, p_n)`.
-pub struct Cone {
-    data: Scaled,
+pub struct ConeSystem {
+    data: ScaledData,
     natural: NaturalRows,
     matrix: MixedMatrix,
     pairs: Vec<Pair>,
@@ -59,14 +59,14 @@ impl Node {
     }
 }
 
-impl Cone {
+impl ConeSystem {
     /// Sets up the equations of `problem`. The `conventions` are for [`InteriorPoint::theta`] alone.
-    pub fn new(problem: &ContactProblem, scaling: Scaling, conventions: &Conventions) -> Self {
+    pub fn new(problem: &ContactProblem, scaling: Scaling, conventions: &FormulationScaling) -> Self {
         Self::on(Assembled::new(problem, scaling), conventions)
     }
 
     /// The equations of a problem that is set up already.
-    pub fn on(assembled: Assembled, conventions: &Conventions) -> Self {
+    pub fn on(assembled: Assembled, conventions: &FormulationScaling) -> Self {
         let Assembled { data, matrix } = assembled;
         let (first, contacts) = (data.layout.unknowns(), data.layout.contacts());
         let normal = (0..contacts).map(|i| Pair { force: data.layout.p_n(i), length: first + i });
@@ -82,7 +82,7 @@ impl Cone {
         };
         let friction: Vec<Option<Pair>> = (0..contacts).map(&mut place).collect();
         pairs.extend(friction.iter().flatten());
-        Cone {
+        ConeSystem {
             natural: NaturalRows::new(conventions, &data.scaling),
             matrix,
             row_scale: vec![[1.0; 2]; contacts],
@@ -107,7 +107,7 @@ impl Cone {
     }
 }
 
-impl InteriorPoint for Cone {
+impl InteriorPoint for ConeSystem {
     fn unknowns(&self) -> usize {
         self.data.layout.unknowns() + 2 * self.pairs.len() - self.data.layout.contacts()
     }

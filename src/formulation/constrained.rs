@@ -30,8 +30,8 @@ use serde::{Deserialize, Serialize};
 use super::interior::InteriorPoint;
 use super::natural::{NaturalRows, half_square};
 use super::pairs::{Face, Pair, largest_step, least, reach};
-use super::scaled::Scaled;
-use super::{Assembled, Conventions, Layout};
+use super::scaled::ScaledData;
+use super::{Assembled, FormulationScaling, Layout};
 use crate::problem::{ContactProblem, Increment};
 use crate::sparse::SystemMatrix;
 use crate::units::Scaling;
@@ -60,20 +60,20 @@ pub enum NewtonSystem {
     Extended,
 }
 
-enum System {
+enum NewtonMatrices {
     Reduced(Reduced),
     Extended(Extended),
 }
 
 /// `H_I` of a problem, in the units of its scaling.
 pub struct Constrained {
-    data: Scaled,
+    data: ScaledData,
     natural: NaturalRows,
     layout: SlackLayout,
     /// Complementary pairs of unknowns, and the place of their product.
     pairs: Vec<Pair>,
     partition: Partition,
-    system: System,
+    system: NewtonMatrices,
 }
 
 impl Constrained {
@@ -81,28 +81,28 @@ impl Constrained {
     pub fn new(
         problem: &ContactProblem,
         scaling: Scaling,
-        conventions: &Conventions,
+        conventions: &FormulationScaling,
         partition: Partition,
         newton: NewtonSystem,
     ) -> Self {
         match newton {
             NewtonSystem::Reduced => Self::on(Assembled::new(problem, scaling), conventions, partition),
             NewtonSystem::Extended => {
-                let data = Scaled::new(problem, scaling);
-                let system = System::Extended(Extended::new(problem, &data));
+                let data = ScaledData::new(problem, scaling);
+                let system = NewtonMatrices::Extended(Extended::new(problem, &data));
                 Self::with(data, conventions, partition, system)
             }
         }
     }
 
     /// `H_I`, in the reduced Newton system, of a problem that is set up already.
-    pub fn on(assembled: Assembled, conventions: &Conventions, partition: Partition) -> Self {
+    pub fn on(assembled: Assembled, conventions: &FormulationScaling, partition: Partition) -> Self {
         let Assembled { data, matrix } = assembled;
-        let system = System::Reduced(Reduced::new(matrix, data.layout.contacts()));
+        let system = NewtonMatrices::Reduced(Reduced::new(matrix, data.layout.contacts()));
         Self::with(data, conventions, partition, system)
     }
 
-    fn with(data: Scaled, conventions: &Conventions, partition: Partition, system: System) -> Self {
+    fn with(data: ScaledData, conventions: &FormulationScaling, partition: Partition, system: NewtonMatrices) -> Self {
         let layout = SlackLayout::new(&data.layout);
         let pairs = layout.pairs().collect();
         Constrained { natural: NaturalRows::new(conventions, &data.scaling), data, layout, pairs, partition, system }
@@ -231,27 +231,27 @@ impl InteriorPoint for Constrained {
 
     fn linearize(&mut self, z: &[f64]) {
         match &mut self.system {
-            System::Reduced(system) => system.linearize(&self.data, &self.layout, z),
-            System::Extended(system) => system.linearize(&self.layout, z),
+            NewtonMatrices::Reduced(system) => system.linearize(&self.data, &self.layout, z),
+            NewtonMatrices::Extended(system) => system.linearize(&self.layout, z),
         }
     }
 
     fn matrix(&self) -> &SystemMatrix {
         match &self.system {
-            System::Reduced(system) => system.matrix(),
-            System::Extended(system) => system.matrix(),
+            NewtonMatrices::Reduced(system) => system.matrix(),
+            NewtonMatrices::Extended(system) => system.matrix(),
         }
     }
 
     fn reduce(&self, z: &[f64], b: &[f64], rhs: &mut [f64]) {
         match &self.system {
-            System::Reduced(system) => system.reduce(&self.data, &self.layout, z, b, rhs),
-            System::Extended(_) => rhs.copy_from_slice(b),
+            NewtonMatrices::Reduced(system) => system.reduce(&self.data, &self.layout, z, b, rhs),
+            NewtonMatrices::Extended(_) => rhs.copy_from_slice(b),
         }
     }
 
     fn recover(&self, z: &[f64], b: &[f64], dz: &mut [f64]) {
-        if let System::Reduced(_) = &self.system {
+        if let NewtonMatrices::Reduced(_) = &self.system {
             reduced::recover(&self.data, &self.layout, z, b, dz);
         }
     }

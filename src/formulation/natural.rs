@@ -1,7 +1,7 @@
 //! The contact rows of `H_N` (19) and the merit `Theta` (10), by which every method is stopped.
 
 use super::Layout;
-use super::scaled::Scaled;
+use super::scaled::ScaledData;
 use crate::laws::coulomb::{normal_residual, tangential_residual};
 use crate::problem::ContactProblem;
 use crate::units::Scaling;
@@ -9,7 +9,7 @@ use crate::units::Scaling;
 /// The free choices of `H_N` and `Theta`: `r`, the pressure that limits friction, and the units in
 /// which `Theta` adds its rows.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Conventions {
+pub struct FormulationScaling {
     /// `r` of the normal rows, n_c, N/m.
     pub r_n: Vec<f64>,
     /// `r` of the tangential rows, n_c, N/m; the paper has one `r_i` for both.
@@ -40,17 +40,17 @@ const SHARES_ALONG_A_LINE: [f64; 2] = [0.15, 0.15];
 /// for both 3.99, 4.23, 4.74 and 5.31, with 0.35 and 1.05 4.02, 4.23 and 4.70 up to 10³, with 0.7 and 1.4 3.99, 4.20 and 4.82.
 const SHARES_IN_A_PLANE: [f64; 2] = [0.5, 1.0];
 
-impl Conventions {
+impl FormulationScaling {
     /// The paper's: `r_i = 10¹² l_i`, and contact rows as stresses (Pa) beside equilibrium rows as
     /// forces (N). `weight` are the `l_i`, n_c.
     pub fn paper(weight: &[f64]) -> Self {
         let r: Vec<f64> = weight.iter().map(|l| 1e12 * l).collect();
-        Conventions { r_n: r.clone(), r_t: r, pressure: Pressure::Unknown, row_unit: weight.to_vec() }
+        FormulationScaling { r_n: r.clone(), r_t: r, pressure: Pressure::Unknown, row_unit: weight.to_vec() }
     }
 
     /// Those that the problem itself gives, by its [`ContactProblem::contact_stiffness`].
     pub fn natural(problem: &ContactProblem) -> Self {
-        Conventions::of_stiffness(problem, &problem.contact_stiffness())
+        FormulationScaling::of_stiffness(problem, &problem.contact_stiffness())
     }
 
     /// `r` from the stiffness of the contact nodes (n_c, N/m), friction limited by the trial pressure,
@@ -59,7 +59,12 @@ impl Conventions {
         let layout = Layout::new(problem);
         let shares = |i| if layout.slides_in_a_plane(i) { SHARES_IN_A_PLANE } else { SHARES_ALONG_A_LINE };
         let r = |row: usize| contact_stiffness.iter().enumerate().map(|(i, k)| shares(i)[row] * k).collect();
-        Conventions { r_n: r(0), r_t: r(1), pressure: Pressure::Trial, row_unit: vec![1.0; contact_stiffness.len()] }
+        FormulationScaling {
+            r_n: r(0),
+            r_t: r(1),
+            pressure: Pressure::Trial,
+            row_unit: vec![1.0; contact_stiffness.len()],
+        }
     }
 
     /// Multiplies every `r` by `factor`, for studies of `r` alone: no solution depends on it.
@@ -80,7 +85,7 @@ pub(super) struct NaturalRows {
 }
 
 impl NaturalRows {
-    pub(super) fn new(conventions: &Conventions, scaling: &Scaling) -> Self {
+    pub(super) fn new(conventions: &FormulationScaling, scaling: &Scaling) -> Self {
         let scaled = |r: &[f64]| r.iter().map(|r| r / scaling.stiffness()).collect();
         NaturalRows {
             r_n: scaled(&conventions.r_n),
@@ -91,26 +96,33 @@ impl NaturalRows {
     }
 
     /// `-min(p_n, r_n (g - w_n))` of node `i`.
-    pub(super) fn normal(&self, data: &Scaled, i: usize, p_n: f64, w_n: f64) -> f64 {
+    pub(super) fn normal(&self, data: &ScaledData, i: usize, p_n: f64, w_n: f64) -> f64 {
         normal_residual(p_n, w_n, data.gap[i], self.r_n[i])
     }
 
     /// `-p_T + Π(p_T + r_t (w_T - w̄_T))` of node `i` with the `pressure` that limits friction.
-    pub(super) fn tangential(&self, data: &Scaled, i: usize, p: [f64; 2], pressure: f64, slip: [f64; 2]) -> [f64; 2] {
+    pub(super) fn tangential(
+        &self,
+        data: &ScaledData,
+        i: usize,
+        p: [f64; 2],
+        pressure: f64,
+        slip: [f64; 2],
+    ) -> [f64; 2] {
         tangential_residual(p, pressure, slip, data.mu[i], self.r_t[i])
     }
 
     /// The pressure that limits friction at node `i`.
-    pub(super) fn pressure(&self, data: &Scaled, i: usize, p_n: f64, w_n: f64) -> f64 {
+    pub(super) fn pressure(&self, data: &ScaledData, i: usize, p_n: f64, w_n: f64) -> f64 {
         match self.kind {
             Pressure::Unknown => p_n,
             Pressure::Trial => p_n + self.r_n[i] * (w_n - data.gap[i]),
         }
     }
 
-    /// `Theta` (N², the rows in their units of [`Conventions`]) at `z + t dz`, where the equilibrium
+    /// `Theta` (N², the rows in their units of [`FormulationScaling`]) at `z + t dz`, where the equilibrium
     /// rows are `equilibrium`.
-    pub(super) fn theta(&self, data: &Scaled, equilibrium: f64, z: &[f64], dz: &[f64], t: f64) -> f64 {
+    pub(super) fn theta(&self, data: &ScaledData, equilibrium: f64, z: &[f64], dz: &[f64], t: f64) -> f64 {
         let layout = &data.layout;
         let mut contact = 0.0;
         for i in 0..layout.contacts() {
@@ -132,7 +144,7 @@ impl NaturalRows {
     }
 
     /// `Theta` of a residual `h` of `H_N`.
-    pub(super) fn theta_of(&self, data: &Scaled, h: &[f64]) -> f64 {
+    pub(super) fn theta_of(&self, data: &ScaledData, h: &[f64]) -> f64 {
         let layout = &data.layout;
         let mut contact = 0.0;
         for i in 0..layout.contacts() {

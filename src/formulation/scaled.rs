@@ -11,7 +11,7 @@ use crate::units::Scaling;
 
 /// The contact maps, and the data of the current increment, scaled.
 #[derive(Clone)]
-pub(super) struct Scaled {
+pub(super) struct ScaledData {
     pub layout: Layout,
     pub scaling: Scaling,
     pub c_n: Arc<Csr>,
@@ -22,13 +22,13 @@ pub(super) struct Scaled {
     pub gap: Vec<f64>,
     pub w_t_last: Vec<f64>,
     pub w_o_last: Vec<f64>,
-    pub free_motions: Arc<[Vec<f64>]>,
+    pub rigid_modes: Arc<[Vec<f64>]>,
 }
 
-impl Scaled {
+impl ScaledData {
     pub(super) fn new(problem: &ContactProblem, scaling: Scaling) -> Self {
         let layout = Layout::new(problem);
-        Scaled {
+        ScaledData {
             force: vec![0.0; layout.displacements()],
             gap: vec![0.0; layout.contacts()],
             w_t_last: vec![0.0; layout.contacts()],
@@ -39,7 +39,7 @@ impl Scaled {
             c_t: Arc::new(problem.c_t().clone()),
             c_o: Arc::new(problem.c_o().clone()),
             mu: problem.mu().into(),
-            free_motions: problem.free_motions().into(),
+            rigid_modes: problem.rigid_modes().into(),
         }
     }
 
@@ -100,20 +100,20 @@ impl Scaled {
     /// Weights of a combination of the free motions that no contact node stops, were they all closed
     /// and sticking.
     pub(super) fn unheld_motion(&self) -> Option<Vec<f64>> {
-        let Scaled { layout, c_n, c_t, c_o, free_motions, .. } = self;
+        let ScaledData { layout, c_n, c_t, c_o, rigid_modes, .. } = self;
         let [c_n, c_t, c_o] = [c_n, c_t, c_o].map(|map| &**map);
         let normal = (0..layout.contacts()).map(|i| (c_n, i));
         let tangential = (0..layout.contacts()).flat_map(|i| {
             let maps = [c_t, c_o].into_iter().zip(layout.tangential(i));
             maps.filter_map(move |(map, place)| place.map(|_| (map, i)))
         });
-        let row = |(c, i): (&Csr, usize)| free_motions.iter().map(|motion| c.dot(i, motion)).collect();
-        null_space(free_motions.len(), normal.chain(tangential).map(row)).into_iter().next()
+        let row = |(c, i): (&Csr, usize)| rigid_modes.iter().map(|motion| c.dot(i, motion)).collect();
+        null_space(rigid_modes.len(), normal.chain(tangential).map(row)).into_iter().next()
     }
 
     /// The displacements that contact forces act on, ascending.
     pub(super) fn contact_displacements(&self) -> Vec<usize> {
-        let Scaled { layout, c_n, c_t, c_o, .. } = self;
+        let ScaledData { layout, c_n, c_t, c_o, .. } = self;
         let mut places: Vec<usize> = (0..layout.contacts())
             .flat_map(|i| {
                 let [p_t, p_o] = layout.tangential(i);
@@ -130,7 +130,7 @@ impl Scaled {
     /// The sum of the free motions with these `weights`, followed by zeros up to `length`.
     pub(super) fn motion(&self, weights: &[f64], length: usize) -> Vec<f64> {
         let mut sum = vec![0.0; length];
-        for (motion, weight) in self.free_motions.iter().zip(weights) {
+        for (motion, weight) in self.rigid_modes.iter().zip(weights) {
             sum.iter_mut().zip(motion).for_each(|(sum, u)| *sum += weight * u);
         }
         sum

@@ -7,7 +7,7 @@ use super::predictor_corrector::PredictorCorrectorMethod;
 use super::rescue::Rescued;
 use super::settings::HistorySettings;
 use super::task::{Algorithm, IncrementSolver};
-use crate::formulation::{Conventions, Layout, NewtonSystem};
+use crate::formulation::{FormulationScaling, Layout, NewtonSystem};
 use crate::loading::Loading;
 use crate::problem::ContactProblem;
 
@@ -39,10 +39,10 @@ impl Algorithm for HistorySettings {
             return None;
         }
         let of = |values: &[f64]| nodes.iter().map(|&i| values[i]).collect();
-        let Conventions { r_n, r_t, row_unit, .. } = &self.conventions;
+        let FormulationScaling { r_n, r_t, row_unit, .. } = &self.conventions;
         let (r_n, r_t, row_unit) = (of(r_n), of(r_t), of(row_unit));
         Some(Box::new(HistorySettings {
-            conventions: Conventions { r_n, r_t, row_unit, ..self.conventions.clone() },
+            conventions: FormulationScaling { r_n, r_t, row_unit, ..self.conventions.clone() },
             contact_stiffness: of(&self.contact_stiffness),
             working_set: None,
             ..self.clone()

@@ -1,14 +1,14 @@
 //! BN along a history: every increment starts from the last solution, in the default setting on the tangent there.
 
 use super::increment_error::{IncrementErrors, Rate};
-use super::memory::{Memory, take_over};
 use super::settings::{FirstGuess, HistorySettings};
+use super::snapshot::{Snapshot, take_over};
 use super::tangent;
 use super::task::{IncrementSolver, Observe, Task};
 use crate::formulation::{Assembled, Bdiff};
-use crate::linear::{Direct, LinearError};
+use crate::linear::{LinearError, RefinedSolver};
 use crate::loading::Loading;
-use crate::nonlinear::{Armijo, Bn, End, Outcome, Stop};
+use crate::nonlinear::{Armijo, Bn, MethodResult, StopCriterion, Termination};
 use crate::problem::{ContactProblem, State};
 use crate::sparse::SystemMatrix;
 
@@ -72,7 +72,7 @@ impl<'a> BnMethod<'a> {
             problem,
             formulation,
             measured: true,
-            closes: !idle && !problem.free_motions().is_empty(),
+            closes: !idle && !problem.rigid_modes().is_empty(),
             start,
             rest: vec![0.0; z.len()],
             z,
@@ -92,7 +92,7 @@ impl<'a> BnMethod<'a> {
     }
 
     /// Estimates what the increment leaves that ends at the present solution.
-    pub(super) fn follow(&mut self, linear: &mut Direct) -> Result<(), LinearError> {
+    pub(super) fn follow(&mut self, linear: &mut RefinedSolver) -> Result<(), LinearError> {
         let BnMethod { problem, formulation, bn, z, errors, rate, .. } = self;
         errors
             .as_mut()
@@ -136,7 +136,12 @@ impl IncrementSolver for BnMethod<'_> {
         self.formulation.unheld_motion().map_or(Ok(()), Err)
     }
 
-    fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError> {
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<MethodResult, LinearError> {
         let solved = self.closes && self.is_solved(task);
         if self.closes && !solved {
             self.close_landed(task);
@@ -168,23 +173,23 @@ impl IncrementSolver for BnMethod<'_> {
         }
         let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpacked_with(z, rest, &scaling));
         let end = match measured {
-            true => End::Measured { tolerance: task.tolerance, error: &mut error },
-            false => End::Merit(PAPER_MERIT),
+            true => StopCriterion::Measured { tolerance: task.tolerance, error: &mut error },
+            false => StopCriterion::Merit(PAPER_MERIT),
         };
         let outcome = bn.solve(formulation, linear, z, end, observe)?;
         rest.copy_from_slice(bn.rest());
         *last = None;
-        if outcome.stop == Stop::Met && formulation.is_tied() {
+        if outcome.stop == Termination::Converged && formulation.is_tied() {
             // One of many solutions: the one that is nearest, if rounding leaves it one.
             let settled = formulation.settled(z, &start);
             if error(&settled, rest) <= error(z, rest).max(task.tolerance) {
                 *z = settled;
             }
         }
-        if outcome.stop == Stop::Met && *measured {
+        if outcome.stop == Termination::Converged && *measured {
             *last = Some([from, z.clone()]);
         }
-        if outcome.stop == Stop::Met {
+        if outcome.stop == Termination::Converged {
             self.follow(linear)?;
         }
         Ok(outcome)
@@ -209,20 +214,20 @@ impl IncrementSolver for BnMethod<'_> {
         self.errors.as_mut()
     }
 
-    fn memory(&self, linear: &Direct) -> Memory {
-        Memory {
+    fn memory(&self, linear: &RefinedSolver) -> Snapshot {
+        Snapshot {
             unknowns: self.z.clone(),
             rest: self.rest.clone(),
             last: self.last.clone(),
             errors: self.errors.clone(),
             linearization: Some(self.formulation.linearization()),
             is_factored: self.bn.has_factors(linear),
-            ..Memory::default()
+            ..Snapshot::default()
         }
     }
 
-    fn recall(&mut self, memory: Memory, linear: &mut Direct) -> Result<bool, LinearError> {
-        let Memory { unknowns, rest, last, errors, linearization, is_factored, .. } = memory;
+    fn restore(&mut self, memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+        let Snapshot { unknowns, rest, last, errors, linearization, is_factored, .. } = memory;
         let n = self.z.len();
         let errors_fit = match (&self.errors, &errors) {
             (Some(own), Some(kept)) => own.fit(kept),

@@ -2,24 +2,25 @@
 
 use std::time::Instant;
 
-use super::jump::{Edge, Landed, Means};
+use super::jump::{JumpSolver, Landed, RestartPoint};
 use super::method::Method;
-use super::observer::{Observer, Step};
+use super::observer::{IncrementView, Observer};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
+use super::recovery::{InteriorRecovery, RecoveredState, Responds};
 use super::saved::SavedPath;
 use super::settings::HistorySettings;
-use super::system::{System, statistics};
-use super::whole::{Balanced, Responds, Whole};
+use super::system::{SystemSolver, statistics};
 use super::{Error, HistoryOutcome};
 use crate::checkpoint::CheckpointError;
 use crate::condense::{Condensation, Condensed};
-use crate::events::{Equations, Event, Jump, Lost, PathError, Stop, Walk};
+use crate::events::{Equations, Event, ExactPath, Jump, PathEnd, PathError, SegmentEnd};
 use crate::laws::{KktErrors, KktScales, Violation, judge, rounding_level, statuses_of};
-use crate::linear::{Direct, LinearError, Statistics};
+use crate::linear::{LinearError, RefinedSolver, Statistics};
 use crate::loading::Loading;
-use crate::nonlinear::{Flow, IterationRecord};
+use crate::nonlinear::IterationRecord;
 use crate::problem::{ContactProblem, Increment, State};
 use crate::solvability::{Load, driven_motion};
+use std::ops::ControlFlow;
 
 /// A history of which each step from event to event is judged, and each end of an increment on the whole body.
 pub(super) struct ExactHistory<'a> {
@@ -40,7 +41,7 @@ struct Begun {
 }
 
 /// What is known of an increment so far.
-struct Underway {
+struct IncrementInProgress {
     index: usize,
     /// Its end, s.
     end: f64,
@@ -58,13 +59,13 @@ impl ExactHistory<'_> {
     ///
     /// # Errors
     /// As [`super::run`].
-    pub(super) fn follow(mut self, system: System, start: Instant) -> Result<HistoryOutcome, Error> {
+    pub(super) fn follow(mut self, system: SystemSolver, start: Instant) -> Result<HistoryOutcome, Error> {
         let (problem, loading, settings) = (self.problem, self.loading, self.settings);
         let saved =
             settings.from.as_ref().map(|from| SavedPath::read(from, problem, self.times, settings)).transpose()?;
         let (mut linear, condensation) = match system {
-            System::Whole(linear) => (linear, None),
-            System::Condensed(condensation) => (Direct::default(), Some(condensation)),
+            SystemSolver::Whole(linear) => (linear, None),
+            SystemSolver::Condensed(condensation) => (RefinedSolver::default(), Some(condensation)),
         };
         if let Some(saved) = &saved {
             linear = linear.after(saved.walk.statistics());
@@ -79,8 +80,10 @@ impl ExactHistory<'_> {
             Err(error) => return Err(error.into()),
         };
         let walk = match &condensed {
-            Some(condensed) => Walk::new(&condensed.problem, &condensed.loading, settings.scaling, Equations::Dense),
-            None => Walk::new(problem, loading, settings.scaling, Equations::Sparse(&mut linear)),
+            Some(condensed) => {
+                ExactPath::new(&condensed.problem, &condensed.loading, settings.scaling, Equations::Dense)
+            }
+            None => ExactPath::new(problem, loading, settings.scaling, Equations::Sparse(&mut linear)),
         };
         let walk = match walk {
             Ok(walk) => walk,
@@ -103,7 +106,7 @@ impl ExactHistory<'_> {
 
     fn walk(
         &mut self,
-        mut walk: Walk<'_>,
+        mut walk: ExactPath<'_>,
         saved: Option<SavedPath>,
         condensed: Option<(&Condensed, &Condensation)>,
     ) -> Result<(), Error> {
@@ -118,7 +121,7 @@ impl ExactHistory<'_> {
             self.outcome.linear = statistics(walk.statistics(), body, 0.0);
         }
         for (k, &time) in self.times.iter().enumerate().skip(self.outcome.tally.increments) {
-            let mut underway = Underway {
+            let mut in_progress = IncrementInProgress {
                 index: k + 1,
                 end: time,
                 clock: Instant::now(),
@@ -133,51 +136,51 @@ impl ExactHistory<'_> {
                 let begun = Begun { places: walk.places(), time: walk.time() };
                 let step = walk.step(time)?;
                 for event in &step.events {
-                    self.observer.event(underway.index, event);
+                    self.observer.event(in_progress.index, event);
                 }
                 self.outcome.event_count += step.events.len();
                 if self.settings.keeps_records {
                     self.outcome.events.extend(step.events);
                 }
-                underway.friction_work += step.friction_work;
+                in_progress.friction_work += step.friction_work;
                 match step.stop {
-                    Stop::Lost(lost) if self.jumps() => {
-                        if !self.jump(&mut walk, lost, &begun, &mut scales[1], condensed, &mut underway)? {
+                    SegmentEnd::PathEnd(lost) if self.jumps() => {
+                        if !self.jump(&mut walk, lost, &begun, &mut scales[1], condensed, &mut in_progress)? {
                             break (begun, Some(lost));
                         }
                     }
-                    Stop::Lost(lost) => break (begun, Some(lost)),
-                    Stop::Event if walk.is_beginning() => {}
+                    SegmentEnd::PathEnd(lost) => break (begun, Some(lost)),
+                    SegmentEnd::Event if walk.is_beginning() => {}
                     stop => {
-                        self.judge_step(&walk, stop, &begun, &mut scales[0], condensed, &mut underway);
-                        if stop == Stop::Until {
+                        self.judge_step(&walk, stop, &begun, &mut scales[0], condensed, &mut in_progress);
+                        if stop == SegmentEnd::Until {
                             break (begun, None);
                         }
                     }
                 }
-                let error = Some(underway.kkt.worst().1);
-                let iteration = walk.effort().solves - underway.rates;
-                let told = IterationRecord { iteration, error, ..IterationRecord::start(f64::NAN) };
-                if self.observer.iteration(underway.index, &told) == Flow::Stop {
+                let error = Some(in_progress.kkt.worst().1);
+                let iteration = walk.effort().solves - in_progress.rates;
+                let progress = IterationRecord { iteration, error, ..IterationRecord::start(f64::NAN) };
+                if self.observer.iteration(in_progress.index, &progress).is_break() {
                     self.outcome.status = Status::Interrupted;
                     return Ok(());
                 }
             };
             let reached = lost.map_or(time, |lost| lost.time);
             let data = Driven::new(self.problem, self.loading, reached, &begun);
-            underway.ends.push(reached);
+            in_progress.ends.push(reached);
             scales[1] = scales[1].with_load(self.problem, &data.increment());
             let balanced = self.balanced(&data, &scales[1], &mut walk, condensed)?;
             scales[1] = scales[1].with_state(&balanced.state);
             self.outcome.lost = lost;
             self.outcome.free_motion = lost.and_then(|_| self.driven_motion(time));
             let status = lost.map(|_| Status::NoContinuation);
-            let flow = self.end(&underway, &data, balanced, scales[1], status, &walk);
+            let flow = self.end(&in_progress, &data, balanced, scales[1], status, &walk);
             self.outcome.linear = statistics(walk.statistics(), body, 0.0);
             if self.outcome.status != Status::Converged {
                 return Ok(());
             }
-            if flow == Flow::Stop && k + 1 < self.times.len() {
+            if flow.is_break() && k + 1 < self.times.len() {
                 self.outcome.status = Status::Interrupted;
                 return Ok(());
             }
@@ -190,12 +193,12 @@ impl ExactHistory<'_> {
     /// Judges a step from event to event, on the problem of the `walk`.
     fn judge_step(
         &self,
-        walk: &Walk<'_>,
-        stop: Stop,
+        walk: &ExactPath<'_>,
+        stop: SegmentEnd,
         begun: &Begun,
         scales: &mut KktScales,
         condensed: Option<(&Condensed, &Condensation)>,
-        underway: &mut Underway,
+        in_progress: &mut IncrementInProgress,
     ) {
         let small = condensed.map_or(self.problem, |(condensed, _)| &condensed.problem);
         let (state, now) = (walk.state(), walk.time());
@@ -204,10 +207,10 @@ impl ExactHistory<'_> {
         let imbalance = small.imbalance(&data.force, &state);
         let (known, tolerance) = (self.above_rounding(*scales, small, &data), self.settings.tolerance);
         let kkt = judge(small, &data.increment(), &state, &imbalance, &known, tolerance);
-        underway.kkt = underway.kkt.max(&kkt);
+        in_progress.kkt = in_progress.kkt.max(&kkt);
         // What is there at t = 0 comes in a part of its own, which takes no time.
-        if stop != Stop::Until && (now > begun.time || now == 0.0) {
-            underway.ends.push(now);
+        if stop != SegmentEnd::Until && (now > begun.time || now == 0.0) {
+            in_progress.ends.push(now);
         }
     }
 
@@ -227,22 +230,22 @@ impl ExactHistory<'_> {
     /// Jumps on from where the `walk` is `lost`, to the end of the increment at most; tells whether it has come anywhere.
     fn jump(
         &mut self,
-        walk: &mut Walk<'_>,
-        lost: Lost,
+        walk: &mut ExactPath<'_>,
+        lost: PathEnd,
         begun: &Begun,
         scales: &mut KktScales,
         condensed: Option<(&Condensed, &Condensation)>,
-        underway: &mut Underway,
+        in_progress: &mut IncrementInProgress,
     ) -> Result<bool, Error> {
         let (problem, loading, settings) = (self.problem, self.loading, self.settings);
         let data = Driven::new(problem, loading, lost.time, begun);
         *scales = scales.with_load(problem, &data.increment());
-        let Balanced { state, .. } = self.balanced(&data, scales, walk, condensed)?;
+        let RecoveredState { state, .. } = self.balanced(&data, scales, walk, condensed)?;
         *scales = scales.with_state(&state);
-        let edge = Edge { problem, loading, settings, time: lost.time, state, scales: *scales };
+        let edge = RestartPoint { problem, loading, settings, time: lost.time, state, scales: *scales };
         let landed = match (condensed, walk.lend()) {
-            (Some((_, condensation)), _) => edge.jump(underway.end, &mut Means::Condensed(condensation))?,
-            (None, Some(linear)) => edge.jump(underway.end, &mut Means::Whole(linear))?,
+            (Some((_, condensation)), _) => edge.jump(in_progress.end, &mut JumpSolver::Condensed(condensation))?,
+            (None, Some(linear)) => edge.jump(in_progress.end, &mut JumpSolver::Whole(linear))?,
             (None, None) => None,
         };
         let Some(Landed { time, state, record }) = landed else { return Ok(false) };
@@ -254,16 +257,18 @@ impl ExactHistory<'_> {
         walk.go_on_from(time, of_walk.as_ref().unwrap_or(&state), &statuses);
         for (node, (from, to)) in before.into_iter().zip(walk.statuses()).enumerate().filter(|(_, (a, b))| a != *b) {
             let event = Event { time, node, from, to: *to };
-            self.observer.event(underway.index, &event);
+            self.observer.event(in_progress.index, &event);
             self.outcome.event_count += 1;
             if self.settings.keeps_records {
                 self.outcome.events.push(event);
             }
         }
-        underway.kkt = underway.kkt.max(&record.kkt);
-        underway.friction_work += record.friction_work;
-        underway.jumps += 1;
-        underway.ends.extend([lost.time, time].into_iter().filter(|end| *end < underway.end && *end > begun.time));
+        in_progress.kkt = in_progress.kkt.max(&record.kkt);
+        in_progress.friction_work += record.friction_work;
+        in_progress.jumps += 1;
+        in_progress
+            .ends
+            .extend([lost.time, time].into_iter().filter(|end| *end < in_progress.end && *end > begun.time));
         self.outcome.jumps.push(Jump { from: lost.time, to: time, certain: lost.certain });
         Ok(true)
     }
@@ -273,14 +278,18 @@ impl ExactHistory<'_> {
         &self,
         data: &Driven,
         scales: &KktScales,
-        walk: &mut Walk<'_>,
+        walk: &mut ExactPath<'_>,
         condensed: Option<(&Condensed, &Condensation)>,
-    ) -> Result<Balanced, Error> {
+    ) -> Result<RecoveredState, Error> {
         let (problem, settings, state) = (self.problem, self.settings, walk.state());
         let Some((condensed, _)) = condensed else {
-            return Ok(Balanced { imbalance: problem.imbalance(&data.force, &state), backward_error: 0.0, state });
+            return Ok(RecoveredState {
+                imbalance: problem.imbalance(&data.force, &state),
+                backward_error: 0.0,
+                state,
+            });
         };
-        let whole = Whole { problem, condensed, settings };
+        let whole = InteriorRecovery { problem, condensed, settings };
         let balanced = whole.states(&[(data.time, state)], std::slice::from_ref(&data.force))?.pop();
         Ok(whole.refined(balanced.unwrap_or_default(), &data.force, scales, walk)?)
     }
@@ -298,39 +307,39 @@ impl ExactHistory<'_> {
     /// Judges the end of an increment on the whole body, and tells of it.
     fn end(
         &mut self,
-        underway: &Underway,
+        in_progress: &IncrementInProgress,
         data: &Driven,
-        balanced: Balanced,
+        balanced: RecoveredState,
         scales: KktScales,
         status: Option<Status>,
-        walk: &Walk<'_>,
-    ) -> Flow {
+        walk: &ExactPath<'_>,
+    ) -> ControlFlow<()> {
         let (problem, tolerance) = (self.problem, self.settings.tolerance);
-        let Balanced { state, imbalance, backward_error } = balanced;
+        let RecoveredState { state, imbalance, backward_error } = balanced;
         let increment = data.increment();
         let known = self.above_rounding(scales, problem, data);
-        let kkt = underway.kkt.max(&judge(problem, &increment, &state, &imbalance, &known, tolerance));
+        let kkt = in_progress.kkt.max(&judge(problem, &increment, &state, &imbalance, &known, tolerance));
         let judged = if kkt.worst().1 <= tolerance { Status::Converged } else { Status::Inaccurate };
         let status = status.unwrap_or(judged);
         let statuses = statuses_of(problem, &increment, &state, &scales);
-        let (after, all) = (walk.statistics(), underway.clock.elapsed().as_secs_f64());
+        let (after, all) = (walk.statistics(), in_progress.clock.elapsed().as_secs_f64());
         let record = IncrementRecord {
-            index: underway.index,
+            index: in_progress.index,
             time: data.time,
             status,
-            jumps: underway.jumps,
-            parts: underway.ends.len(),
-            part_ends: if underway.ends.len() > 1 { underway.ends.clone() } else { Vec::new() },
-            iterations: walk.effort().solves - underway.rates,
+            jumps: in_progress.jumps,
+            parts: in_progress.ends.len(),
+            part_ends: if in_progress.ends.len() > 1 { in_progress.ends.clone() } else { Vec::new() },
+            iterations: walk.effort().solves - in_progress.rates,
             kkt,
             backward_error: after.worst_backward_error.max(backward_error),
             contact: ContactCounts::of(&statuses),
-            friction_work: underway.friction_work,
+            friction_work: in_progress.friction_work,
             strain_energy: problem.energy_in_equilibrium(&data.force, &state),
-            seconds: Seconds::between(&underway.before, &after, 0.0, all),
+            seconds: Seconds::between(&in_progress.before, &after, 0.0, all),
             ..IncrementRecord::undeformed(0)
         };
-        let flow = self.observer.increment(&Step {
+        let flow = self.observer.increment(&IncrementView {
             record: &record,
             increment: &increment,
             state: &state,
@@ -350,7 +359,7 @@ impl ExactHistory<'_> {
 }
 
 /// Between two events a walk responds as its rates do.
-impl Responds for Walk<'_> {
+impl Responds for ExactPath<'_> {
     fn is_regular(&mut self) -> Result<bool, LinearError> {
         Ok(true)
     }
@@ -385,7 +394,7 @@ impl Driven {
     }
 
     /// That of a step of a `walk` of `problem`.
-    fn by(walk: &Walk<'_>, problem: &ContactProblem, begun: &Begun) -> Self {
+    fn by(walk: &ExactPath<'_>, problem: &ContactProblem, begun: &Begun) -> Self {
         let (force, gap, drift) = walk.given();
         let past = |k: usize| begun.places[k].iter().zip(&drift[k]).map(|(place, drift)| place + drift).collect();
         Driven { time: walk.time(), force, gap, mu: problem.mu().to_vec(), w_last: [0, 1].map(past) }

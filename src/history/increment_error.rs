@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use crate::condense::Condensed;
 use crate::formulation::Bdiff;
 use crate::laws::coulomb::{TangentialCase, length, positive};
-use crate::linear::{Direct, LinearError};
+use crate::linear::{LinearError, RefinedSolver};
 use crate::loading::Loading;
 use crate::nonlinear::Bn;
 use crate::problem::{ContactProblem, Increment};
@@ -208,7 +208,7 @@ impl IncrementErrors {
         increment: &Increment<'_>,
         formulation: &mut Bdiff,
         bn: &mut Bn,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
     ) -> Result<Option<Rate>, LinearError> {
         let frees = |(i, node): (usize, &Node)| {
             let slips = matches!(node.case, TangentialCase::Slip { .. });
@@ -249,7 +249,7 @@ impl IncrementErrors {
         weight: Option<&[f64]>,
         formulation: &mut Bdiff,
         bn: &mut Bn,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         z: &[f64],
     ) -> Result<(), LinearError> {
         let layout = formulation.layout().clone();
@@ -317,7 +317,7 @@ impl IncrementErrors {
         weight: Option<&[f64]>,
         formulation: &mut Bdiff,
         bn: &mut Bn,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         z: &[f64],
     ) -> Result<f64, LinearError> {
         let slips = |node: &Node| matches!(node.case, TangentialCase::Slip { .. });
@@ -382,7 +382,7 @@ impl IncrementErrors {
         begins: &[Begin],
         formulation: &mut Bdiff,
         bn: &mut Bn,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
     ) -> Result<Option<Vec<f64>>, LinearError> {
         let moved = |((node, (_, case)), begin): ((&Node, &(bool, TangentialCase)), &Begin)| match case {
             TangentialCase::Stick => [0, 1].map(|d| node.error_w[d] + begin.delta[d]),
@@ -415,7 +415,7 @@ fn linearized(
     cases: &[(bool, TangentialCase)],
     formulation: &mut Bdiff,
     bn: &mut Bn,
-    linear: &mut Direct,
+    linear: &mut RefinedSolver,
 ) -> Result<bool, LinearError> {
     if bn.has_factors(linear) && formulation.is_linearized_for(cases) {
         return Ok(true);
@@ -425,7 +425,7 @@ fn linearized(
 }
 
 /// The answer of the last linearisation; none where there is none in numbers.
-fn solved(linear: &mut Direct, b: &[f64]) -> Result<Option<Vec<f64>>, LinearError> {
+fn solved(linear: &mut RefinedSolver, b: &[f64]) -> Result<Option<Vec<f64>>, LinearError> {
     let mut x = vec![0.0; b.len()];
     match linear.solve_roughly(b, &mut x) {
         Ok(()) => Ok(x.iter().all(|x| x.is_finite()).then_some(x)),

@@ -1,12 +1,12 @@
 //! IP along a history: the paper's starting points.
 
-use super::memory::{Memory, take_over};
 use super::method::Start;
 use super::settings::HistorySettings;
+use super::snapshot::{Snapshot, take_over};
 use super::task::{IncrementSolver, Observe, Task};
 use crate::formulation::{Constrained, InteriorPoint, NewtonSystem, Pair, Partition, SlackLayout};
-use crate::linear::{Direct, LinearError};
-use crate::nonlinear::{Ip, IpSettings, Outcome, Stop};
+use crate::linear::{LinearError, RefinedSolver};
+use crate::nonlinear::{Ip, IpSettings, MethodResult, Termination};
 use crate::problem::{ContactProblem, State};
 use crate::sparse::SystemMatrix;
 
@@ -46,9 +46,9 @@ impl IpMethod {
     fn iterate(
         &mut self,
         settings: &IpSettings,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         observe: Observe<'_>,
-    ) -> Result<Outcome, LinearError> {
+    ) -> Result<MethodResult, LinearError> {
         self.ip.solve(settings, &mut self.formulation, linear, &mut self.z, observe)
     }
 }
@@ -67,7 +67,12 @@ impl IncrementSolver for IpMethod {
         self.formulation.unheld_motion().map_or(Ok(()), Err)
     }
 
-    fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError> {
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<MethodResult, LinearError> {
         self.formulation.begin(task.increment);
         task.response.add_to(&mut self.z);
         let settings = self.settings;
@@ -83,13 +88,15 @@ impl IncrementSolver for IpMethod {
                 hasty.centring.far = far;
                 hasty.max_iterations = settings.max_iterations.min(patience);
                 let before = self.z.clone();
-                let attempt = self.iterate(&hasty, linear, observe)?;
-                if matches!(attempt.stop, Stop::Met | Stop::Interrupted) || patience >= settings.max_iterations {
-                    return Ok(attempt);
+                let substep = self.iterate(&hasty, linear, observe)?;
+                if matches!(substep.stop, Termination::Converged | Termination::Interrupted)
+                    || patience >= settings.max_iterations
+                {
+                    return Ok(substep);
                 }
                 self.z = before;
                 self.move_to_safe_point();
-                Ok(attempt.then(self.iterate(&settings, linear, observe)?))
+                Ok(substep.then(self.iterate(&settings, linear, observe)?))
             }
         }
     }
@@ -110,11 +117,11 @@ impl IncrementSolver for IpMethod {
         &mut self.z
     }
 
-    fn memory(&self, _linear: &Direct) -> Memory {
-        Memory { unknowns: self.z.clone(), ..Memory::default() }
+    fn memory(&self, _linear: &RefinedSolver) -> Snapshot {
+        Snapshot { unknowns: self.z.clone(), ..Snapshot::default() }
     }
 
-    fn recall(&mut self, memory: Memory, _linear: &mut Direct) -> Result<bool, LinearError> {
+    fn restore(&mut self, memory: Snapshot, _linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         Ok(take_over(&mut self.z, &memory.unknowns))
     }
 }

@@ -5,19 +5,19 @@
 
 use std::time::Instant;
 
-use super::position::Position;
+use super::driver::HistoryDriver;
 use super::record::{IncrementRecord, Status};
 use super::settings::HistorySettings;
-use super::stage::Stages;
+use super::state::HistoryState;
 use super::{Error, HistoryOutcome, Observer};
 use crate::condense::Condensation;
 use crate::laws::KktScales;
-use crate::linear::{Direct, Statistics};
+use crate::linear::{RefinedSolver, Statistics};
 use crate::loading::Loading;
 use crate::problem::{ContactProblem, State};
 
 /// From where a jump starts, or increments that are solved again.
-pub(crate) struct Edge<'a> {
+pub(crate) struct RestartPoint<'a> {
     pub problem: &'a ContactProblem,
     pub loading: &'a Loading,
     pub settings: &'a HistorySettings,
@@ -39,19 +39,19 @@ pub(super) struct Landed {
 }
 
 /// The linear algebra of a jump.
-pub(crate) enum Means<'m> {
+pub(crate) enum JumpSolver<'m> {
     /// That of the whole body.
-    Whole(&'m mut Direct),
+    Whole(&'m mut RefinedSolver),
     /// That of the condensed one.
     Condensed(&'m Condensation),
 }
 
-impl Edge<'_> {
+impl RestartPoint<'_> {
     /// Jumps to the time `to` (s), or as far on the way as a solution is found; `None` where there is none.
     ///
     /// # Errors
     /// As [`super::run`].
-    pub(super) fn jump(&self, to: f64, means: &mut Means<'_>) -> Result<Option<Landed>, Error> {
+    pub(super) fn jump(&self, to: f64, means: &mut JumpSolver<'_>) -> Result<Option<Landed>, Error> {
         let settings = HistorySettings { halvings: 0, ..self.settings.clone() };
         for halvings in 0..=self.settings.halvings {
             let time = self.time + (to - self.time) * 0.5_f64.powi(halvings as i32);
@@ -75,7 +75,7 @@ impl Edge<'_> {
         &self,
         times: &[f64],
         observer: &mut dyn Observer,
-        means: &mut Means<'_>,
+        means: &mut JumpSolver<'_>,
     ) -> Result<Status, Error> {
         Ok(self.try_to(times, self.settings, observer, means)?.status)
     }
@@ -85,20 +85,20 @@ impl Edge<'_> {
         times: &[f64],
         settings: &HistorySettings,
         observer: &mut dyn Observer,
-        means: &mut Means<'_>,
+        means: &mut JumpSolver<'_>,
     ) -> Result<HistoryOutcome, Error> {
-        let &Edge { problem, loading, ref state, scales, .. } = self;
+        let &RestartPoint { problem, loading, ref state, scales, .. } = self;
         let [w_n, w_t, w_o] = problem.contact_motion(&state.u);
-        let position = Position {
+        let position = HistoryState {
             reached: Some(self.time),
             state: Some(state.clone()),
             scales,
             w_n,
             w_t,
             w_o,
-            ..Position::start(problem)
+            ..HistoryState::start(problem)
         };
-        let mut stages = Stages {
+        let mut stages = HistoryDriver {
             problem,
             loading,
             times,
@@ -114,10 +114,10 @@ impl Edge<'_> {
             saved: None,
         };
         match means {
-            Means::Whole(linear) => {
+            JumpSolver::Whole(linear) => {
                 stages.stage(settings, None, linear)?;
             }
-            Means::Condensed(condensation) => stages.condensed(settings, condensation)?,
+            JumpSolver::Condensed(condensation) => stages.condensed(settings, condensation)?,
         }
         Ok(stages.outcome)
     }

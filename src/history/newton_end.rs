@@ -5,9 +5,9 @@
 //! step or two.
 
 use super::task::{Observe, Task};
-use crate::formulation::{Assembled, Bdiff, Conventions, Linearization};
-use crate::linear::{Direct, LinearError};
-use crate::nonlinear::{Armijo, Bn, End, Outcome};
+use crate::formulation::{Assembled, Bdiff, FormulationScaling, Linearization};
+use crate::linear::{LinearError, RefinedSolver};
+use crate::nonlinear::{Armijo, Bn, MethodResult, StopCriterion};
 use crate::problem::{ContactProblem, Increment};
 use crate::sparse::SystemMatrix;
 
@@ -21,7 +21,7 @@ pub(super) struct NewtonEnd {
 }
 
 impl NewtonEnd {
-    pub(super) fn new(assembled: Assembled, natural: &Conventions) -> Self {
+    pub(super) fn new(assembled: Assembled, natural: &FormulationScaling) -> Self {
         let formulation = Bdiff::on(assembled, natural);
         let unknowns = formulation.unknowns();
         NewtonEnd { formulation, bn: Bn::new(Armijo::HALVING, ITERATIONS, unknowns), z: vec![0.0; unknowns] }
@@ -37,17 +37,23 @@ impl NewtonEnd {
         &mut self,
         problem: &ContactProblem,
         task: &Task<'_>,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         z: &[f64],
         left: usize,
         observe: Observe<'_>,
-    ) -> Result<Outcome, LinearError> {
+    ) -> Result<MethodResult, LinearError> {
         let NewtonEnd { formulation, bn, z: own } = self;
         bn.limit(left.min(ITERATIONS));
         own.copy_from_slice(&z[..formulation.unknowns()]);
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpacked_with(z, rest, &scaling));
-        bn.solve(formulation, linear, own, End::Measured { tolerance: task.tolerance, error: &mut error }, observe)
+        bn.solve(
+            formulation,
+            linear,
+            own,
+            StopCriterion::Measured { tolerance: task.tolerance, error: &mut error },
+            observe,
+        )
     }
 
     /// Of the solutions along the motions that contact leaves free at `z`, which begins with `(u, p_t, p_n)`, the one nearest to

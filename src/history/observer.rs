@@ -4,12 +4,13 @@ use super::IncrementRecord;
 use crate::checkpoint::Checkpoint;
 use crate::events::Event;
 use crate::laws::ContactStatus;
-use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
+use crate::nonlinear::{IterationRecord, LinearSystem};
 use crate::problem::{Increment, State};
+use std::ops::ControlFlow;
 
 /// An increment with its data and state, for an observer.
 #[derive(Debug, Clone, Copy)]
-pub struct Step<'a> {
+pub struct IncrementView<'a> {
     /// The record.
     pub record: &'a IncrementRecord,
     /// What drove the increment.
@@ -31,13 +32,13 @@ pub trait Observer {
         true
     }
     /// At the start of the iteration of increment `index`, and after each of its steps.
-    fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> Flow {
-        Flow::Continue
+    fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> ControlFlow<()> {
+        ControlFlow::Continue(())
     }
     /// After each step of increment `index`, before [`Observer::iteration`]: the linearised equations that gave it, as
     /// they were solved. Where the body is condensed, they are those of the contact displacements.
-    fn linear_system(&mut self, _index: usize, _system: &LinearSystem<'_>) -> Flow {
-        Flow::Continue
+    fn linear_system(&mut self, _index: usize, _system: &LinearSystem<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
     }
 
     /// After a contact node has changed its status in increment `index`, where the exact path is followed.
@@ -45,11 +46,11 @@ pub trait Observer {
 
     /// After each part of an increment that had to be halved, but the one that ends it. The record is that of the increment
     /// so far: its `time` is the end of the part, its `parts` the number of the part from 1.
-    fn part(&mut self, _part: &Step<'_>) {}
+    fn part(&mut self, _part: &IncrementView<'_>) {}
 
     /// After each increment, the failed one included.
-    fn increment(&mut self, _step: &Step<'_>) -> Flow {
-        Flow::Continue
+    fn increment(&mut self, _step: &IncrementView<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
     }
 
     /// Between two increments, and after the last: where the history can be taken up again. `here` makes the checkpoint, which

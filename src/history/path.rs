@@ -2,48 +2,48 @@
 //!
 //! A part is an increment of its own: friction sees the slip of each. Nothing of a part that fails
 //! stays, and after a part that converges the rest of the increment is tried whole, so that the size
-//! grows back. On the contact displacements alone several increments are solved before they are judged, see `bundle`.
+//! grows back. On the contact displacements alone several increments are solved before they are judged, see `batch`.
 
-mod bundle;
-mod landed;
+mod batch;
+mod rest_position;
 
 use std::borrow::Cow;
 
-pub(super) use bundle::Judged;
+pub(super) use batch::JudgedIncrement;
 
-use super::carried::Carried;
-use super::held::HeldBody;
+use super::clamped::ClampedBody;
 use super::increment_error::{IncrementError, IncrementErrors};
-use super::memory::Memory;
-use super::position::{Position, Underway};
+use super::increment_result::{IncrementResult, SubstepResult};
+use super::progress::Progress;
+use super::recovery::{InteriorRecovery, Linearized, RecoveredState};
+use super::rigid_offset::RigidOffset;
 use super::settings::HistorySettings;
+use super::snapshot::Snapshot;
+use super::state::{HistoryState, IncrementInProgress};
 use super::task::{IncrementSolver, Observe, Task};
-use super::told::Told;
-use super::walked::{Attempt, Walked};
-use super::whole::{Balanced, Linearized, Whole};
-use super::working_set::{self, Lack};
+use super::working_set::{self, MissingNodes};
 use super::{Status, record};
 use crate::condense::Condensed;
 use crate::laws::{KktScales, judge, rounding_level};
-use crate::linear::{Direct, LinearError};
+use crate::linear::{LinearError, RefinedSolver};
 use crate::loading::Loading;
-use crate::nonlinear::{Outcome, Stop};
+use crate::nonlinear::{MethodResult, Termination};
 use crate::problem::{ContactProblem, Increment, State};
 use crate::solvability::{Load, driven_motion, is_carried_without_strain, motion_driven_in_the_equations};
 
 /// The way through a history as far as it has converged, and the data of the part tried last.
-pub(super) struct Path<'a> {
+pub(super) struct IncrementDriver<'a> {
     problem: &'a ContactProblem,
     loading: &'a Loading,
     settings: &'a HistorySettings,
     /// If the method solves for the contact displacements alone.
     condensed: Option<&'a Condensed>,
     method: Box<dyn IncrementSolver + 'a>,
-    held: HeldBody,
+    held: ClampedBody,
     /// How far the history has come.
-    pub at: &'a mut Position,
+    pub at: &'a mut HistoryState,
     /// Whether the body may be carried without strain.
-    may_be_carried: bool,
+    may_move_rigidly: bool,
     force: Vec<f64>,
     condensed_force: Vec<f64>,
     gap: Vec<f64>,
@@ -53,22 +53,22 @@ pub(super) struct Path<'a> {
 }
 
 /// How far an increment came.
-pub(super) enum Walk {
+pub(super) enum IncrementProgress {
     /// To its end, or to where it failed.
-    Ended(Box<Walked>),
+    Ended(Box<IncrementResult>),
     /// To where the equations lack contact nodes: all that they must hold to go on.
-    Lacks(Vec<usize>),
+    NeedsNodes(Vec<usize>),
 }
 
 /// From where a part starts.
 struct Start {
     unknowns: Vec<f64>,
-    carried: Carried,
+    offset: RigidOffset,
     errors: Option<IncrementErrors>,
 }
 
 /// What is known of a part before it is solved, beside its data.
-struct Posed {
+struct SubstepInput {
     /// The time of the state from which the method begins, s.
     begins: Option<f64>,
     /// The sizes of the loads that `force` is the sum of, N.
@@ -79,15 +79,15 @@ struct Posed {
     scales: KktScales,
 }
 
-impl<'a> Path<'a> {
+impl<'a> IncrementDriver<'a> {
     pub(super) fn new(
         problem: &'a ContactProblem,
         loading: &'a Loading,
         settings: &'a HistorySettings,
         condensed: Option<&'a Condensed>,
         mut method: Box<dyn IncrementSolver + 'a>,
-        held: HeldBody,
-        at: &'a mut Position,
+        held: ClampedBody,
+        at: &'a mut HistoryState,
     ) -> Self {
         if let (Some(state), None) = (&at.state, condensed) {
             method.go_on_from(state);
@@ -100,7 +100,7 @@ impl<'a> Path<'a> {
             }
         }
         let n_c = problem.contacts();
-        Path {
+        IncrementDriver {
             problem,
             loading,
             settings,
@@ -108,7 +108,7 @@ impl<'a> Path<'a> {
             method,
             held,
             at,
-            may_be_carried: is_carried_without_strain(problem),
+            may_move_rigidly: is_carried_without_strain(problem),
             force: vec![0.0; problem.displacements()],
             condensed_force: vec![0.0; condensed.map_or(0, |condensed| condensed.problem.displacements())],
             gap: vec![0.0; n_c],
@@ -118,23 +118,23 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// What drove the part tried last, from where the body has been carried; so is the state of an [`Attempt`].
+    /// What drove the part tried last, from where the body has been carried; so is the state of an [`SubstepResult`].
     pub(super) fn data(&self) -> Increment<'_> {
-        let Path { force, gap, mu, w_t_last, w_o_last, .. } = self;
+        let IncrementDriver { force, gap, mu, w_t_last, w_o_last, .. } = self;
         Increment { force, gap, mu, w_t_last, w_o_last }
     }
 
     /// Shows `see` the data of the part tried last, and its `state`, from where the body was at first.
     pub(super) fn show<T>(&self, state: &State, see: impl FnOnce(&Increment<'_>, &State) -> T) -> T {
-        let Carried { w_n, w_t: [w_t, w_o], .. } = &self.at.carried;
-        if !self.at.carried.is_somewhere() {
+        let RigidOffset { w_n, w_t: [w_t, w_o], .. } = &self.at.offset;
+        if !self.at.offset.is_nonzero() {
             return see(&self.data(), state);
         }
         let moved = |x: &[f64], by: &[f64]| x.iter().zip(by).map(|(x, by)| x + by).collect::<Vec<f64>>();
         let gap = moved(&self.gap, w_n);
         let (w_t_last, w_o_last) = (moved(&self.w_t_last, w_t), moved(&self.w_o_last, w_o));
         let data = Increment { gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last, ..self.data() };
-        see(&data, &self.at.carried.whole(state))
+        see(&data, &self.at.offset.whole(state))
     }
 
     /// What the increments so far leave.
@@ -143,25 +143,25 @@ impl<'a> Path<'a> {
     }
 
     /// What the method knows between two increments.
-    pub(super) fn memory(&self, linear: &Direct) -> Memory {
+    pub(super) fn memory(&self, linear: &RefinedSolver) -> Snapshot {
         self.method.memory(linear)
     }
 
     /// Gives the method back what it knew; whether it knows that it did.
-    pub(super) fn recall(&mut self, memory: Memory, linear: &mut Direct) -> Result<bool, LinearError> {
-        self.method.recall(memory, linear)
+    pub(super) fn restore(&mut self, memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+        self.method.restore(memory, linear)
     }
 
     /// From where the next part starts.
     fn start(&mut self) -> Start {
         let errors = self.method.increment_errors().cloned();
-        Start { unknowns: self.method.unknowns().clone(), carried: self.at.carried.clone(), errors }
+        Start { unknowns: self.method.unknowns().clone(), offset: self.at.offset.clone(), errors }
     }
 
     /// Back to where a part started.
     fn go_back(&mut self, start: Start) {
         self.method.unknowns().copy_from_slice(&start.unknowns);
-        self.at.carried = start.carried;
+        self.at.offset = start.offset;
         if let (Some(errors), Some(before)) = (self.method.increment_errors(), start.errors) {
             *errors = before;
         }
@@ -171,65 +171,70 @@ impl<'a> Path<'a> {
     fn increment(
         &mut self,
         time: f64,
-        tried: (Start, Attempt),
-        linear: &mut Direct,
-        told: &mut Told<'_>,
-    ) -> Result<Walk, LinearError> {
-        let underway = self.at.underway.take();
-        let underway = underway.unwrap_or_else(|| Underway::new(self.at.reached.unwrap_or(0.0), time));
-        let Underway { start, mut to_come, mut solved, mut kkt, mut ends, mut friction_work } = underway;
+        tried: (Start, SubstepResult),
+        linear: &mut RefinedSolver,
+        progress: &mut Progress<'_>,
+    ) -> Result<IncrementProgress, LinearError> {
+        let in_progress = self.at.in_progress.take();
+        let in_progress = in_progress.unwrap_or_else(|| IncrementInProgress::new(self.at.reached.unwrap_or(0.0), time));
+        let IncrementInProgress { start, mut pending, mut solved, mut kkt, mut ends, mut friction_work } = in_progress;
         let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
         let mut tried = Some(tried);
         loop {
-            let end = to_come.last().copied().unwrap_or(time);
+            let end = pending.last().copied().unwrap_or(time);
             let from = self.at.reached.unwrap_or(0.0);
-            let (begun, attempt) = match tried.take() {
+            let (begun, substep) = match tried.take() {
                 Some(tried) => tried,
-                None => (self.start(), self.attempt(end, linear, &mut |iteration| told.iteration(iteration))?),
+                None => (self.start(), self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?),
             };
-            let outcome = attempt.outcome.clone();
+            let outcome = substep.outcome.clone();
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
-            if attempt.status == Status::Converged {
-                friction_work += self.problem.friction_work(&self.data(), &attempt.state);
-                self.accept(end, &attempt);
-                kkt = kkt.max(&attempt.kkt);
+            if substep.status == Status::Converged {
+                friction_work += self.problem.friction_work(&self.data(), &substep.state);
+                self.accept(end, &substep);
+                kkt = kkt.max(&substep.kkt);
                 ends.push(end);
-                to_come.pop();
+                pending.pop();
                 let status = Status::Converged;
-                let walked = Walked { solved: so_far, attempt, kkt, status, ends, friction_work };
-                if to_come.is_empty() {
-                    return Ok(Walk::Ended(Box::new(walked)));
+                let walked = IncrementResult { solved: so_far, substep, kkt, status, ends, friction_work };
+                if pending.is_empty() {
+                    return Ok(IncrementProgress::Ended(Box::new(walked)));
                 }
-                self.show(&walked.attempt.state, |increment, state| {
-                    told.part(end, &self.data(), &walked, increment, state);
+                self.show(&walked.substep.state, |increment, state| {
+                    progress.part(end, &self.data(), &walked, increment, state);
                 });
                 (solved, ends) = (Some(walked.solved), walked.ends);
-            } else if let Some(Lack { nodes, solved }) = self.lack(&attempt) {
-                self.at.estimate = solved.then_some(attempt.state);
+            } else if let Some(MissingNodes { nodes, solved }) = self.lack(&substep) {
+                self.at.estimate = solved.then_some(substep.state);
                 self.at.errors = begun.errors.zip(self.condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec));
                 let solved = Some(so_far);
-                self.at.underway = Some(Underway { start, to_come, solved, kkt, ends, friction_work });
-                return Ok(Walk::Lacks(nodes));
+                self.at.in_progress = Some(IncrementInProgress { start, pending, solved, kkt, ends, friction_work });
+                return Ok(IncrementProgress::NeedsNodes(nodes));
             } else {
                 let half = 0.5 * (end - from);
                 // Between neighbouring numbers there is no time.
                 let no_time = from + half <= from || from + half >= end;
-                if half < smallest || no_time || !self.smaller_may_do(&attempt) {
-                    let (kkt, status) = (attempt.kkt, attempt.status);
-                    let walked = Walked { solved: so_far, attempt, kkt, status, ends, friction_work };
-                    return Ok(Walk::Ended(Box::new(walked)));
+                if half < smallest || no_time || !self.smaller_may_do(&substep) {
+                    let (kkt, status) = (substep.kkt, substep.status);
+                    let walked = IncrementResult { solved: so_far, substep, kkt, status, ends, friction_work };
+                    return Ok(IncrementProgress::Ended(Box::new(walked)));
                 }
                 self.go_back(begun);
-                to_come.push(from + half);
+                pending.push(from + half);
                 solved = Some(so_far);
             }
         }
     }
 
     /// Solves and judges the part that ends at `time`.
-    fn attempt(&mut self, time: f64, linear: &mut Direct, observe: Observe<'_>) -> Result<Attempt, LinearError> {
-        let posed = self.pose(time);
-        let outcome = self.solve(time, &posed, linear, observe)?;
+    fn substep(
+        &mut self,
+        time: f64,
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<SubstepResult, LinearError> {
+        let input = self.pose(time);
+        let outcome = self.solve(time, &input, linear, observe)?;
         let balanced = match self.whole() {
             None => self.balanced(self.method.state()),
             Some(whole) => {
@@ -237,12 +242,12 @@ impl<'a> Path<'a> {
                 states.into_iter().next().unwrap_or_else(|| self.balanced(State::zero(self.problem)))
             }
         };
-        self.conclude(posed.scales, outcome, balanced, linear)
+        self.conclude(input.scales, outcome, balanced, linear)
     }
 
     /// Sets the data of the part that ends at `time`.
-    fn pose(&mut self, time: f64) -> Posed {
-        let Path { problem, loading, settings, .. } = *self;
+    fn pose(&mut self, time: f64) -> SubstepInput {
+        let IncrementDriver { problem, loading, settings, .. } = *self;
         loading.force(time, &mut self.force);
         loading.gap_at(time, &mut self.gap);
         if let Some(friction) = loading.friction() {
@@ -250,40 +255,40 @@ impl<'a> Path<'a> {
         }
         let from = self.at.reached.unwrap_or(0.0);
         let begins = self.take_estimate(time).or(self.at.reached);
-        let before = self.at.carried.clone();
+        let before = self.at.offset.clone();
         let sizes = loading.force_sizes(time, problem.displacements());
-        let landed = self.land(time, &sizes);
-        self.gap.iter_mut().zip(&self.at.carried.w_n).for_each(|(gap, w)| *gap -= w);
+        let landed = self.find_rest_position(time, &sizes);
+        self.gap.iter_mut().zip(&self.at.offset.w_n).for_each(|(gap, w)| *gap -= w);
         let tangential = [(&mut self.w_t_last, &self.at.w_t), (&mut self.w_o_last, &self.at.w_o)];
         for (k, (last, w)) in tangential.into_iter().enumerate() {
             // Slip is motion past the obstacle: where that moves along, the body has not.
             let (drift, drift_now) = (loading.drift_at(from, k), loading.drift_at(time, k));
-            let (carried, carried_now) = (&before.w_t[k], &self.at.carried.w_t[k]);
+            let (offset, carried_now) = (&before.w_t[k], &self.at.offset.w_t[k]);
             for (i, last) in last.iter_mut().enumerate() {
-                *last = w[i] + (drift_now[i] - drift[i]) - (carried_now[i] - carried[i]);
+                *last = w[i] + (drift_now[i] - drift[i]) - (carried_now[i] - offset[i]);
             }
         }
         let scales = self.at.scales.with_load(problem, &self.data());
         // Where gaps and forces are rounded differences of larger ones there is nothing less to compare with.
         let terms = sizes.iter().fold(0.0_f64, |m, size| m.max(*size));
-        let scales = scales.above_rounding(settings.tolerance, terms, self.at.carried.largest());
-        Posed { begins, sizes, landed, scales }
+        let scales = scales.above_rounding(settings.tolerance, terms, self.at.offset.largest());
+        SubstepInput { begins, sizes, landed, scales }
     }
 
     /// Lets the method loose on the part that ends at `time`.
     fn solve(
         &mut self,
         time: f64,
-        posed: &Posed,
-        linear: &mut Direct,
+        input: &SubstepInput,
+        linear: &mut RefinedSolver,
         observe: Observe<'_>,
-    ) -> Result<Outcome, LinearError> {
-        let Path { problem, loading, condensed, settings, .. } = *self;
-        let load = Load { force: &self.force, sizes: &posed.sizes };
+    ) -> Result<MethodResult, LinearError> {
+        let IncrementDriver { problem, loading, condensed, settings, .. } = *self;
+        let load = Load { force: &self.force, sizes: &input.sizes };
         if let Some(motion) = motion_driven_in_the_equations(problem, &self.mu, &load) {
             let stop = driven_motion(problem, &self.mu, &load);
-            let stop = stop.map_or(Stop::EdgeFriction(motion), Stop::NoEquilibrium);
-            return Ok(Outcome { stop, ..Outcome::new(f64::NAN) });
+            let stop = stop.map_or(Termination::EdgeFriction(motion), Termination::NoEquilibrium);
+            return Ok(MethodResult { stop, ..MethodResult::new(f64::NAN) });
         }
         let mut force = &self.force;
         if let Some(condensed) = condensed {
@@ -293,36 +298,36 @@ impl<'a> Path<'a> {
         let [gap, mu, w_t_last, w_o_last] =
             [&self.gap, &self.mu, &self.w_t_last, &self.w_o_last].map(|values| on_nodes(condensed, values));
         let task = Task {
-            first: posed.begins.is_none(),
+            first: input.begins.is_none(),
             increment: &Increment { force, gap: &gap, mu: &mu, w_t_last: &w_t_last, w_o_last: &w_o_last },
-            response: &self.held.response(loading, posed.begins, time),
-            landed: posed.landed.as_deref(),
+            response: &self.held.response(loading, input.begins, time),
+            landed: input.landed.as_deref(),
             stretch: self.at.length.map(|length| (time - self.at.reached.unwrap_or(0.0)) / length),
-            scales: &posed.scales,
+            scales: &input.scales,
             tolerance: settings.tolerance,
         };
         self.method.solve(&task, linear, observe)
     }
 
     /// The whole body, where the method has a condensed one.
-    fn whole(&self) -> Option<Whole<'a>> {
-        let Path { problem, settings, .. } = *self;
-        self.condensed.map(|condensed| Whole { problem, condensed, settings })
+    fn whole(&self) -> Option<InteriorRecovery<'a>> {
+        let IncrementDriver { problem, settings, .. } = *self;
+        self.condensed.map(|condensed| InteriorRecovery { problem, condensed, settings })
     }
 
     /// A state of the whole body under the data of the part tried last.
-    fn balanced(&self, state: State) -> Balanced {
-        Balanced { imbalance: self.problem.imbalance(&self.force, &state), backward_error: 0.0, state }
+    fn balanced(&self, state: State) -> RecoveredState {
+        RecoveredState { imbalance: self.problem.imbalance(&self.force, &state), backward_error: 0.0, state }
     }
 
     /// Judges the state that the method has reached, refined first where it needs that; `scales` are those before it.
     fn conclude(
         &mut self,
         scales: KktScales,
-        outcome: Outcome,
-        balanced: Balanced,
-        linear: &mut Direct,
-    ) -> Result<Attempt, LinearError> {
+        outcome: MethodResult,
+        balanced: RecoveredState,
+        linear: &mut RefinedSolver,
+    ) -> Result<SubstepResult, LinearError> {
         let balanced = match self.whole() {
             None => balanced,
             Some(whole) => {
@@ -335,20 +340,20 @@ impl<'a> Path<'a> {
     }
 
     /// Judges a state under the data of the part tried last.
-    fn judged(&mut self, scales: KktScales, outcome: Outcome, balanced: Balanced) -> Attempt {
-        let Balanced { state, imbalance, backward_error } = balanced;
-        let outcome = Outcome { backward_error: outcome.backward_error.max(backward_error), ..outcome };
+    fn judged(&mut self, scales: KktScales, outcome: MethodResult, balanced: RecoveredState) -> SubstepResult {
+        let RecoveredState { state, imbalance, backward_error } = balanced;
+        let outcome = MethodResult { backward_error: outcome.backward_error.max(backward_error), ..outcome };
         self.at.worst_backward_error = self.at.worst_backward_error.max(backward_error);
         let (scales, tolerance) = (scales.with_state(&state), self.settings.tolerance);
         let kkt = judge(self.problem, &self.data(), &state, &imbalance, &scales, tolerance);
         let status = record::verdict(&outcome, &kkt, tolerance);
-        Attempt { state, scales, outcome, kkt, status }
+        SubstepResult { state, scales, outcome, kkt, status }
     }
 
-    /// The contact nodes that the equations lack after an `attempt`.
-    fn lack(&self, attempt: &Attempt) -> Option<Lack> {
+    /// The contact nodes that the equations lack after an `substep`.
+    fn lack(&self, substep: &SubstepResult) -> Option<MissingNodes> {
         let held = self.condensed?.nodes()?;
-        working_set::lack(self.problem, &self.data(), attempt, held, self.settings.tolerance)
+        working_set::lack(self.problem, &self.data(), substep, held, self.settings.tolerance)
     }
 
     /// Goes on from the estimate of the state at `time`, if there is one.
@@ -358,12 +363,12 @@ impl<'a> Path<'a> {
         Some(time)
     }
 
-    fn accept(&mut self, time: f64, attempt: &Attempt) {
+    fn accept(&mut self, time: f64, substep: &SubstepResult) {
         if self.condensed.is_some_and(|condensed| condensed.nodes().is_some()) {
-            self.at.state = Some(attempt.state.clone());
+            self.at.state = Some(substep.state.clone());
         }
-        let w = self.problem.contact_motion(&attempt.state.u);
-        self.move_on(time, w, attempt.scales);
+        let w = self.problem.contact_motion(&substep.state.u);
+        self.move_on(time, w, substep.scales);
     }
 
     /// To `time`, where the contact nodes have moved by `w_n`, `w_t` and `w_o`.
@@ -375,8 +380,8 @@ impl<'a> Path<'a> {
     }
 
     /// Whether a smaller load could make the difference.
-    fn smaller_may_do(&self, attempt: &Attempt) -> bool {
-        match attempt.status {
+    fn smaller_may_do(&self, substep: &SubstepResult) -> bool {
+        match substep.status {
             Status::Converged
             | Status::Interrupted
             | Status::NoEquilibrium
@@ -385,7 +390,7 @@ impl<'a> Path<'a> {
             | Status::OutOfMemory
             | Status::Unsupported => false,
             // Where rounding sets the limit, it does so at any load.
-            _ => attempt.kkt.worst().1 > 10.0 * rounding_level(self.problem, &attempt.state, &attempt.scales),
+            _ => substep.kkt.worst().1 > 10.0 * rounding_level(self.problem, &substep.state, &substep.scales),
         }
     }
 }

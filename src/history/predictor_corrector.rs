@@ -1,12 +1,14 @@
 //! The predictor–corrector method along a history: where an increment starts.
 
-use super::memory::{Memory, take_over};
 use super::newton_end::NewtonEnd;
 use super::settings::HistorySettings;
+use super::snapshot::{Snapshot, take_over};
 use super::task::{IncrementSolver, Observe, Response, Task};
-use crate::formulation::{Assembled, Cone, Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
-use crate::linear::{Direct, LinearError};
-use crate::nonlinear::{Outcome, PredictorCorrector, PredictorCorrectorSettings, Stop};
+use crate::formulation::{
+    Assembled, ConeSystem, Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition,
+};
+use crate::linear::{LinearError, RefinedSolver};
+use crate::nonlinear::{MethodResult, PredictorCorrector, PredictorCorrectorSettings, Termination};
 use crate::problem::{ContactProblem, State};
 use crate::sparse::SystemMatrix;
 use crate::vector::median;
@@ -54,7 +56,7 @@ impl<'a> PredictorCorrectorMethod<'a> {
     pub(super) fn beside(problem: &'a ContactProblem, assembled: Assembled, history: &HistorySettings) -> Self {
         let (conventions, stiffness) = (&history.conventions, &history.contact_stiffness);
         if assembled.layout().has_second_tangent() {
-            let formulation = Box::new(Cone::on(assembled.clone(), conventions));
+            let formulation = Box::new(ConeSystem::on(assembled.clone(), conventions));
             Self::with(problem, assembled, history, formulation, mean_of_compliances(stiffness))
         } else {
             let formulation = Box::new(Constrained::on(assembled.clone(), conventions, Partition::Products));
@@ -70,7 +72,7 @@ impl<'a> PredictorCorrectorMethod<'a> {
         stiffness: f64,
     ) -> Self {
         let HistorySettings { tolerance, max_iterations, .. } = *history;
-        let natural = Conventions::of_stiffness(problem, &history.contact_stiffness);
+        let natural = FormulationScaling::of_stiffness(problem, &history.contact_stiffness);
         PredictorCorrectorMethod {
             stiffness: stiffness / history.scaling.stiffness(),
             z: vec![0.0; formulation.unknowns()],
@@ -131,7 +133,12 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         self.formulation.unheld_motion().map_or(Ok(()), Err)
     }
 
-    fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError> {
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<MethodResult, LinearError> {
         self.formulation.begin(task.increment);
         self.end.begin(task.increment);
         task.response.add_to(&mut self.z);
@@ -142,10 +149,10 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         self.rest.fill(0.0);
         // An increment in which nothing happens that the held body does not do by itself is solved.
         if error(&self.z) <= tolerance {
-            return Ok(Outcome { stop: Stop::Met, ..Outcome::new(0.0) });
+            return Ok(MethodResult { stop: Termination::Converged, ..MethodResult::new(0.0) });
         }
         let last = self.z.clone();
-        let mut outcome = Outcome::new(f64::NAN);
+        let mut outcome = MethodResult::new(f64::NAN);
         for times in ATTEMPTS {
             self.z.copy_from_slice(&last);
             self.move_inside(task.response, times);
@@ -153,29 +160,33 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
             let last_attempt = times == ATTEMPTS[ATTEMPTS.len() - 1];
             let max_iterations = if last_attempt { left } else { left.min(PATIENCE) };
             let settings = PredictorCorrectorSettings { max_iterations, tolerance: tolerance.max(NEAR) };
-            let attempt =
+            let substep =
                 self.method.solve(&settings, self.formulation.as_mut(), linear, &mut self.z, &mut error, observe)?;
-            outcome = outcome.then(attempt);
+            outcome = outcome.then(substep);
             let left = self.settings.max_iterations.saturating_sub(outcome.iterations);
-            if left > 0 && outcome.stop != Stop::Interrupted && error(&self.z) > tolerance {
+            if left > 0 && outcome.stop != Termination::Interrupted && error(&self.z) > tolerance {
                 let mut ended = self.end.solve(problem, task, linear, &self.z, left, observe)?;
-                if ended.stop == Stop::Met {
+                if ended.stop == Termination::Converged {
                     let (z, rest) = self.end.reached();
                     self.z[..z.len()].copy_from_slice(z);
                     self.rest.copy_from_slice(rest);
-                } else if ended.stop != Stop::Interrupted {
+                } else if ended.stop != Termination::Interrupted {
                     // Near the solution perhaps, but not within the tolerance.
-                    ended.stop = if outcome.stop == Stop::Met { Stop::Stalled } else { outcome.stop.clone() };
+                    ended.stop = if outcome.stop == Termination::Converged {
+                        Termination::Stalled
+                    } else {
+                        outcome.stop.clone()
+                    };
                 }
                 outcome = outcome.then(ended);
             }
-            if matches!(outcome.stop, Stop::Met | Stop::Interrupted)
+            if matches!(outcome.stop, Termination::Converged | Termination::Interrupted)
                 || outcome.iterations >= self.settings.max_iterations
             {
                 break;
             }
         }
-        if outcome.stop == Stop::Met && !problem.free_motions().is_empty() {
+        if outcome.stop == Termination::Converged && !problem.rigid_modes().is_empty() {
             // One of many solutions perhaps: the one that is nearest, if rounding leaves it one.
             let settled = self.end.settled(&self.z, &last);
             if let Some(settled) = settled.filter(|settled| error(settled) <= error(&self.z).max(tolerance)) {
@@ -199,13 +210,13 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         &mut self.z
     }
 
-    fn memory(&self, _linear: &Direct) -> Memory {
+    fn memory(&self, _linear: &RefinedSolver) -> Snapshot {
         let linearization = Some(self.end.linearization());
-        Memory { unknowns: self.z.clone(), rest: self.rest.clone(), linearization, ..Memory::default() }
+        Snapshot { unknowns: self.z.clone(), rest: self.rest.clone(), linearization, ..Snapshot::default() }
     }
 
-    fn recall(&mut self, memory: Memory, _linear: &mut Direct) -> Result<bool, LinearError> {
-        let Memory { unknowns, rest, linearization, .. } = memory;
+    fn restore(&mut self, memory: Snapshot, _linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+        let Snapshot { unknowns, rest, linearization, .. } = memory;
         let end = linearization.is_some_and(|kept| self.end.linearize_as(&kept));
         Ok(take_over(&mut self.z, &unknowns) && take_over(&mut self.rest, &rest) && end)
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::laws::{ContactStatus, KktErrors};
 use crate::linear::{LinearError, Statistics};
-use crate::nonlinear::{Outcome, Stop};
+use crate::nonlinear::{MethodResult, Termination};
 
 /// The verdict on an increment and on a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -202,19 +202,19 @@ fn is_zero(count: &usize) -> bool {
 
 /// Converged is what the error measure says, whatever the solver thinks; how the solver ended only
 /// tells why it did not. An increment that was interrupted is not judged.
-pub(super) fn verdict(solved: &Outcome, kkt: &KktErrors, tolerance: f64) -> Status {
+pub(super) fn verdict(solved: &MethodResult, kkt: &KktErrors, tolerance: f64) -> Status {
     match solved.stop {
-        Stop::Interrupted => Status::Interrupted,
+        Termination::Interrupted => Status::Interrupted,
         _ if kkt.worst().1 <= tolerance => Status::Converged,
-        Stop::Met => Status::Inaccurate,
-        Stop::MaxIterations => Status::MaxIterations,
-        Stop::Cycling => Status::Cycling,
-        Stop::Diverged => Status::Diverged,
-        Stop::Stalled => Status::Stalled,
-        Stop::Singular(LinearError::NotFinite) => Status::NotFinite,
-        Stop::Unheld(_) | Stop::Singular(_) => Status::Singular,
-        Stop::NoEquilibrium(_) => Status::NoEquilibrium,
-        Stop::EdgeFriction(_) => Status::EdgeFriction,
+        Termination::Converged => Status::Inaccurate,
+        Termination::MaxIterations => Status::MaxIterations,
+        Termination::Cycling => Status::Cycling,
+        Termination::Diverged => Status::Diverged,
+        Termination::Stalled => Status::Stalled,
+        Termination::Singular(LinearError::NotFinite) => Status::NotFinite,
+        Termination::Unconstrained(_) | Termination::Singular(_) => Status::Singular,
+        Termination::NoEquilibrium(_) => Status::NoEquilibrium,
+        Termination::EdgeFriction(_) => Status::EdgeFriction,
     }
 }
 

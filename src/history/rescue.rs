@@ -3,12 +3,12 @@
 
 use super::bn::BnMethod;
 use super::increment_error::IncrementErrors;
-use super::memory::Memory;
 use super::predictor_corrector::PredictorCorrectorMethod;
 use super::settings::HistorySettings;
+use super::snapshot::Snapshot;
 use super::task::{IncrementSolver, Observe, Task};
-use crate::linear::{Direct, LinearError};
-use crate::nonlinear::{Outcome, Stop};
+use crate::linear::{LinearError, RefinedSolver};
+use crate::nonlinear::{MethodResult, Termination};
 use crate::problem::{ContactProblem, State};
 use crate::sparse::SystemMatrix;
 
@@ -39,27 +39,32 @@ impl IncrementSolver for Rescued<'_> {
         self.bn.hold_contacts()
     }
 
-    fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError> {
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<MethodResult, LinearError> {
         let Rescued { problem, bn, settings, rescue } = self;
         let last = bn.last_solution(task);
-        let attempt = bn.solve(task, linear, observe)?;
-        let left = settings.max_iterations.saturating_sub(attempt.iterations);
-        if left == 0 || matches!(attempt.stop, Stop::Met | Stop::Interrupted) {
-            return Ok(attempt);
+        let substep = bn.solve(task, linear, observe)?;
+        let left = settings.max_iterations.saturating_sub(substep.iterations);
+        if left == 0 || matches!(substep.stop, Termination::Converged | Termination::Interrupted) {
+            return Ok(substep);
         }
         let rescue = rescue.get_or_insert_with(|| rescue_of(problem, bn, settings));
         rescue.limit(left);
         rescue.go_on_from(&last);
         let mut rescued = rescue.solve(task, linear, observe)?;
-        if rescued.stop == Stop::Met {
+        if rescued.stop == Termination::Converged {
             rescued.rescued = true;
             bn.go_on_from(&rescue.state());
             bn.follow(linear)?;
-        } else if rescued.stop != Stop::Interrupted {
+        } else if rescued.stop != Termination::Interrupted {
             // How the first attempt ended tells more.
-            rescued.stop.clone_from(&attempt.stop);
+            rescued.stop.clone_from(&substep.stop);
         }
-        Ok(attempt.then(rescued))
+        Ok(substep.then(rescued))
     }
 
     fn state(&self) -> State {
@@ -78,19 +83,19 @@ impl IncrementSolver for Rescued<'_> {
         self.bn.increment_errors()
     }
 
-    fn memory(&self, linear: &Direct) -> Memory {
+    fn memory(&self, linear: &RefinedSolver) -> Snapshot {
         let rescue = self.rescue.as_ref().map(|rescue| Box::new(rescue.memory(linear)));
-        Memory { rescue, ..self.bn.memory(linear) }
+        Snapshot { rescue, ..self.bn.memory(linear) }
     }
 
-    fn recall(&mut self, mut memory: Memory, linear: &mut Direct) -> Result<bool, LinearError> {
+    fn restore(&mut self, mut memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         if let Some(memory) = memory.rescue.take() {
             let rescue = self.rescue.insert(rescue_of(self.problem, &self.bn, &self.settings));
-            if !rescue.recall(*memory, linear)? {
+            if !rescue.restore(*memory, linear)? {
                 return Ok(false);
             }
         }
-        self.bn.recall(memory, linear)
+        self.bn.restore(memory, linear)
     }
 }
 

@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::memory::Memory;
-use super::position::Position;
 use super::record::{IncrementRecord, Tally};
 use super::settings::HistorySettings;
+use super::snapshot::Snapshot;
+use super::state::HistoryState;
 use super::{HistoryOutcome, IncrementError, Method, WorkingSet};
 use crate::checkpoint::{Checkpoint, CheckpointError};
-use crate::events::{Jump, SavedWalk, Walk};
+use crate::events::{ExactPath, Jump, SavedExactPath};
 use crate::formulation::Layout;
 use crate::laws::KktScales;
 use crate::linear::Statistics;
@@ -20,7 +20,7 @@ use crate::units::Scaling;
 pub(super) struct Saved {
     pub run: RunOf,
     pub outcome: Done,
-    pub position: Position,
+    pub position: HistoryState,
     pub stage: SavedStage,
     /// What the linear algebra has done.
     pub statistics: Statistics,
@@ -57,7 +57,7 @@ pub(super) struct Done {
 pub(super) struct SavedPath {
     pub run: RunOf,
     pub outcome: Done,
-    pub walk: SavedWalk,
+    pub walk: SavedExactPath,
     /// Those of the steps from event to event, and of the increments.
     pub scales: [KktScales; 2],
 }
@@ -65,11 +65,11 @@ pub(super) struct SavedPath {
 /// The stage on the way.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub(super) struct SavedStage {
-    pub memory: Memory,
+    pub memory: Snapshot,
     /// The contact nodes that condensed equations hold, if not all.
     pub nodes: Option<Vec<usize>>,
     /// How many increments go together.
-    pub together: usize,
+    pub batch_size: usize,
 }
 
 impl RunOf {
@@ -171,7 +171,7 @@ impl SavedPath {
     pub(super) fn checkpoint(
         settings: &HistorySettings,
         outcome: &HistoryOutcome,
-        walk: &Walk<'_>,
+        walk: &ExactPath<'_>,
         scales: [KktScales; 2],
     ) -> Checkpoint {
         let run = RunOf::new(&outcome.layout, settings);

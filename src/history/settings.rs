@@ -3,7 +3,7 @@
 use super::error::Error;
 use super::method::{Method, Start};
 use crate::checkpoint::Checkpoint;
-use crate::formulation::Conventions;
+use crate::formulation::FormulationScaling;
 use crate::loading::Loading;
 use crate::problem::ContactProblem;
 use crate::problem::error::{expect_each, expect_increasing, expect_length, expect_value};
@@ -15,7 +15,7 @@ pub struct HistorySettings {
     /// The algorithm of the increments.
     pub method: Method,
     /// `r_i` of `H_N`, and the units in which `Theta` adds its rows.
-    pub conventions: Conventions,
+    pub conventions: FormulationScaling,
     /// [`ContactProblem::contact_stiffness`] of the body, n_c, N/m, for all that starts or ends by it.
     pub contact_stiffness: Vec<f64>,
     /// The units of the numbers inside.
@@ -66,14 +66,14 @@ impl HistorySettings {
         let contact_stiffness = problem.contact_stiffness();
         let conventions = match method {
             Method::PaperBn | Method::PaperIp { .. } => {
-                Conventions::paper(problem.weight().ok_or(Error::NoWeight { method })?)
+                FormulationScaling::paper(problem.weight().ok_or(Error::NoWeight { method })?)
             }
             Method::Bn { r_factor, .. } => {
-                let mut conventions = Conventions::of_stiffness(problem, &contact_stiffness);
+                let mut conventions = FormulationScaling::of_stiffness(problem, &contact_stiffness);
                 conventions.scale_r(r_factor);
                 conventions
             }
-            Method::Ip { .. } | Method::Events { .. } => Conventions::of_stiffness(problem, &contact_stiffness),
+            Method::Ip { .. } | Method::Events { .. } => FormulationScaling::of_stiffness(problem, &contact_stiffness),
         };
         let scaling = match method {
             // The numbers inside are the paper's: its starting points and constants are absolute.
@@ -103,7 +103,7 @@ impl HistorySettings {
     /// Whether they fit `problem`.
     pub(super) fn check(&self, problem: &ContactProblem) -> Result<(), Error> {
         let n_c = problem.contacts();
-        let Conventions { r_n, r_t, row_unit, .. } = &self.conventions;
+        let FormulationScaling { r_n, r_t, row_unit, .. } = &self.conventions;
         let arrays =
             [("r_n", r_n), ("r_t", r_t), ("row_unit", row_unit), ("contact_stiffness", &self.contact_stiffness)];
         let (must, sound) = ("finite and above 0", |x: f64| x > 0.0 && x.is_finite());

@@ -7,7 +7,7 @@ use crate::problem::ContactProblem;
 
 /// What solves a history, as far as somebody chooses it; the rest, [`HistorySettings`], follows from the problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Solver {
+pub struct SolverChoice {
     /// The algorithm with its named set of constants.
     pub method: Method,
     /// The linear algebra; `None` leaves it to [`crate::auto`].
@@ -18,13 +18,13 @@ pub struct Solver {
     pub tolerance: f64,
 }
 
-impl Solver {
+impl SolverChoice {
     /// The most iterations of an increment where nobody says otherwise.
     pub const MAX_ITERATIONS: usize = settings::MAX_ITERATIONS;
 
     /// `method` with its default tolerance and limit, and the linear algebra of this build on the uncondensed system.
     pub fn new(method: Method) -> Self {
-        Solver {
+        SolverChoice {
             method,
             linear: Some(LinearAlgebra::default()),
             max_iterations: Self::MAX_ITERATIONS,
@@ -41,8 +41,8 @@ impl Solver {
     }
 }
 
-impl Default for Solver {
+impl Default for SolverChoice {
     fn default() -> Self {
-        Solver::new(Method::BN)
+        SolverChoice::new(Method::BN)
     }
 }

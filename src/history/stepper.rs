@@ -3,18 +3,19 @@
 use std::borrow::Borrow;
 use std::time::Instant;
 
-use super::observer::{Observer, Step};
-use super::stage::Stages;
-use super::system::System;
+use super::driver::HistoryDriver;
+use super::observer::{IncrementView, Observer};
+use super::system::SystemSolver;
 use super::task::Algorithm;
 use super::{Error, HistoryOutcome, HistorySettings, Method, Status};
 use crate::checkpoint::Checkpoint;
 use crate::condense::{Condensation, Condensed};
 use crate::events::Event;
-use crate::linear::{Dense, Direct, LinearError};
+use crate::linear::{Dense, LinearError, RefinedSolver};
 use crate::loading::Loading;
-use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
+use crate::nonlinear::{IterationRecord, LinearSystem};
 use crate::problem::ContactProblem;
+use std::ops::ControlFlow;
 
 /// A history of which nobody knows the rest: for time loops of one's own, and for couplings.
 ///
@@ -22,7 +23,7 @@ use crate::problem::ContactProblem;
 /// under another load. What the history would keep is kept: the symbolic analysis, or the condensed body.
 ///
 /// ```
-/// use stickslip::history::{HistorySettings, Method, Status, Stepper, System};
+/// use stickslip::history::{HistorySettings, Method, Status, Stepper, SystemSolver};
 /// use stickslip::loading::{LoadCase, Loading};
 /// use stickslip::problem::{ContactProblem, Parts};
 /// use stickslip::sparse::{Csr, Symmetric};
@@ -32,7 +33,7 @@ use crate::problem::ContactProblem;
 /// let problem = ContactProblem::new(Parts::new(stiffness, Csr::from_rows(1, [[(0, 1.0)]])?))?;
 /// let load = |f: f64| Loading::new(vec![LoadCase::new(vec![f], vec![])?], vec![1.0]);
 /// let settings = HistorySettings::new(&problem, &load(3.0)?, Method::BN)?;
-/// let mut stepper = Stepper::new(&problem, settings, System::default())?;
+/// let mut stepper = Stepper::new(&problem, settings, SystemSolver::default())?;
 /// assert_eq!(stepper.step(&load(3.0)?, 1.0, &mut ())?.state.p_n, [1.0]);
 /// assert_eq!(stepper.step(&load(4.0)?, 2.0, &mut ())?.state.p_n, [2.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -42,7 +43,7 @@ pub struct Stepper<P> {
     /// They say from where the next increment goes on.
     settings: HistorySettings,
     body: Body,
-    linear: Direct,
+    linear: RefinedSolver,
     /// The ends of the increments that converged, s.
     times: Vec<f64>,
 }
@@ -60,14 +61,16 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
     ///
     /// # Errors
     /// As [`super::run`] for settings that do not fit; [`Error::NotInSteps`] of a method that follows a path of which it knows the end.
-    pub fn new(problem: P, settings: HistorySettings, system: System) -> Result<Self, Error> {
+    pub fn new(problem: P, settings: HistorySettings, system: SystemSolver) -> Result<Self, Error> {
         settings.check(problem.borrow())?;
         if let Method::Events { .. } = settings.method {
             return Err(Error::NotInSteps { method: settings.method });
         }
         let (body, linear) = match system {
-            System::Whole(linear) => (Body::Whole, linear),
-            System::Condensed(condensation) => (Body::ToCondense(condensation), Direct::from(Dense::default())),
+            SystemSolver::Whole(linear) => (Body::Whole, linear),
+            SystemSolver::Condensed(condensation) => {
+                (Body::ToCondense(condensation), RefinedSolver::from(Dense::default()))
+            }
         };
         let settings = HistorySettings { from: None, working_set: None, ..settings };
         Ok(Stepper { problem, settings, body, linear, times: Vec::new() })
@@ -121,7 +124,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
             condensed.load(loading)?;
         }
         let condensed = if let Body::Condensed(condensed) = &self.body { Some(&**condensed) } else { None };
-        let mut stages = Stages::new(problem, loading, &self.times, settings, observer, outcome, start)?;
+        let mut stages = HistoryDriver::new(problem, loading, &self.times, settings, observer, outcome, start)?;
         stages.stage(settings, condensed, &mut self.linear)?;
         Ok(stages.outcome)
     }
@@ -138,11 +141,11 @@ impl Observer for Resting<'_> {
         self.observer.ready();
     }
 
-    fn iteration(&mut self, index: usize, record: &IterationRecord) -> Flow {
+    fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
         self.observer.iteration(index, record)
     }
 
-    fn linear_system(&mut self, index: usize, system: &LinearSystem<'_>) -> Flow {
+    fn linear_system(&mut self, index: usize, system: &LinearSystem<'_>) -> ControlFlow<()> {
         self.observer.linear_system(index, system)
     }
 
@@ -150,11 +153,11 @@ impl Observer for Resting<'_> {
         self.observer.event(index, event);
     }
 
-    fn part(&mut self, part: &Step<'_>) {
+    fn part(&mut self, part: &IncrementView<'_>) {
         self.observer.part(part);
     }
 
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.observer.increment(step)
     }
 

@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 
 use crate::condense::Condensation;
 use crate::linear::built_in;
-use crate::linear::{Cholesky, Direct, FactorInfo, LinearSolver, SparseCholesky, SparseLu, Statistics};
+use crate::linear::{Cholesky, FactorInfo, LinearSolver, RefinedSolver, SparseCholesky, SparseLu, Statistics};
 
 /// How the linear systems of a run are set up, and what factors them.
 ///
@@ -105,55 +105,55 @@ impl Serialize for LinearAlgebra {
 
 /// The linear system of a run.
 #[allow(clippy::large_enum_variant)] // There is one of it.
-pub enum System {
+pub enum SystemSolver {
     /// The uncondensed one, with this solver.
-    Whole(Direct),
+    Whole(RefinedSolver),
     /// The one on the contact displacements.
     Condensed(Condensation),
 }
 
-impl Default for System {
+impl Default for SystemSolver {
     fn default() -> Self {
         LinearAlgebra::default().into()
     }
 }
 
-impl From<LinearAlgebra> for System {
+impl From<LinearAlgebra> for SystemSolver {
     /// The system of a choice. Multigrid has to know where the unknowns are: of a model, see [`crate::run::Run`]; otherwise from
     /// `linear::Multigrid`.
     fn from(choice: LinearAlgebra) -> Self {
         match choice {
-            LinearAlgebra::Whole(lu) => System::from(lu.solver()),
-            LinearAlgebra::Condensed(cholesky) => System::Condensed(cholesky.into()),
-            LinearAlgebra::Multigrid => System::from(built_in::without_grid()),
+            LinearAlgebra::Whole(lu) => SystemSolver::from(lu.solver()),
+            LinearAlgebra::Condensed(cholesky) => SystemSolver::Condensed(cholesky.into()),
+            LinearAlgebra::Multigrid => SystemSolver::from(built_in::without_grid()),
         }
     }
 }
 
-impl From<Box<dyn LinearSolver>> for System {
+impl From<Box<dyn LinearSolver>> for SystemSolver {
     /// The uncondensed system with a solver of one's own.
     fn from(solver: Box<dyn LinearSolver>) -> Self {
-        System::Whole(Direct::new(solver))
+        SystemSolver::Whole(RefinedSolver::new(solver))
     }
 }
 
-impl System {
+impl SystemSolver {
     /// The one on the contact displacements, where the factors of `K` with those of all contact nodes last may be there already.
     pub(crate) fn condensed(cholesky: SparseCholesky, factor: Option<Arc<Cholesky>>) -> Self {
-        System::Condensed(Condensation::factored(cholesky, factor))
+        SystemSolver::Condensed(Condensation::factored(cholesky, factor))
     }
 
     /// The name a report shows.
     pub fn name(&self) -> String {
         match self {
-            System::Whole(linear) => linear.name().to_string(),
-            System::Condensed(condensation) => LinearAlgebra::Condensed(condensation.cholesky()).to_string(),
+            SystemSolver::Whole(linear) => linear.name().to_string(),
+            SystemSolver::Condensed(condensation) => LinearAlgebra::Condensed(condensation.cholesky()).to_string(),
         }
     }
 
     /// Whether the body is condensed.
     pub fn condenses(&self) -> bool {
-        matches!(self, System::Condensed(_))
+        matches!(self, SystemSolver::Condensed(_))
     }
 }
 

@@ -4,7 +4,7 @@
 //! their new cases; if there are none, it has nothing left to do.
 
 use crate::formulation::Bdiff;
-use crate::linear::{Direct, LinearError};
+use crate::linear::{LinearError, RefinedSolver};
 use crate::nonlinear::Bn;
 
 /// The start on the tangent at the solution `z` of the increment before, for the data that `formulation` has by now. `None` where
@@ -12,7 +12,7 @@ use crate::nonlinear::Bn;
 pub(super) fn ahead(
     formulation: &Bdiff,
     bn: &mut Bn,
-    linear: &mut Direct,
+    linear: &mut RefinedSolver,
     z: &[f64],
 ) -> Result<Option<Vec<f64>>, LinearError> {
     let Some(h) = formulation.residual_of_cases(z) else { return Ok(None) };

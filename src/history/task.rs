@@ -1,14 +1,15 @@
 //! What a history asks of a method, and what it gives: the seam at which a method of one's own goes in.
 
 use super::increment_error::IncrementErrors;
-use super::memory::Memory;
+use super::snapshot::Snapshot;
 use crate::formulation::Layout;
 use crate::laws::{KktScales, judge};
-use crate::linear::{Direct, LinearError};
+use crate::linear::{LinearError, RefinedSolver};
 use crate::loading::Loading;
-use crate::nonlinear::{Flow, Iteration, Outcome};
+use crate::nonlinear::{Iteration, MethodResult};
 use crate::problem::{ContactProblem, Increment, State};
 use crate::sparse::SystemMatrix;
+use std::ops::ControlFlow;
 
 /// One increment to solve.
 pub struct Task<'a> {
@@ -61,7 +62,7 @@ impl Response {
 }
 
 /// What is told of each iteration, and answered with whether to go on.
-pub type Observe<'a> = &'a mut dyn FnMut(&Iteration<'_>) -> Flow;
+pub type Observe<'a> = &'a mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>;
 
 /// A method with the state it has reached, in its own units.
 pub trait IncrementSolver {
@@ -86,8 +87,13 @@ pub trait IncrementSolver {
     ///
     /// # Errors
     /// When the linear algebra cannot go on. That a method does not converge is no error, but told by the
-    /// [`Outcome`].
-    fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError>;
+    /// [`MethodResult`].
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<MethodResult, LinearError>;
 
     /// The state it has reached.
     fn state(&self) -> State;
@@ -104,16 +110,16 @@ pub trait IncrementSolver {
     }
 
     /// All that its next increment depends on; `linear` is what it solves with.
-    fn memory(&self, linear: &Direct) -> Memory {
+    fn memory(&self, linear: &RefinedSolver) -> Snapshot {
         let _ = linear;
-        Memory::of_state(self.state())
+        Snapshot::of_state(self.state())
     }
 
     /// Becomes as it was when it had this `memory`, with factors if it had some; whether that is one of such a method.
     ///
     /// # Errors
     /// When the linear algebra cannot go on.
-    fn recall(&mut self, memory: Memory, linear: &mut Direct) -> Result<bool, LinearError> {
+    fn restore(&mut self, memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         let _ = linear;
         let (length, state) = (self.state().u.len(), memory.into_state());
         let state = state.filter(|state| state.u.len() == length);

@@ -6,8 +6,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::walked::Attempt;
-use crate::nonlinear::Stop;
+use super::increment_result::SubstepResult;
+use crate::nonlinear::Termination;
 use crate::problem::{ContactProblem, Increment};
 
 /// The contact nodes that the condensed equations of a history held.
@@ -25,45 +25,45 @@ pub struct WorkingSet {
 }
 
 /// What equations must hold to go on.
-pub(super) struct Lack {
+pub(super) struct MissingNodes {
     /// The contact nodes, ascending.
     pub nodes: Vec<usize>,
     /// Whether the state that the attempt ended in solves the equations without those that are new.
     pub solved: bool,
 }
 
-/// The contact nodes with which to go on after an `attempt` with `held`, by what drove it; `None` if those will do.
+/// The contact nodes with which to go on after an `substep` with `held`, by what drove it; `None` if those will do.
 ///
 /// A set that grows at least doubles, so that there are few of them. A failure that has another reason than nodes left out is
 /// never told by fewer than all.
 pub(super) fn lack(
     problem: &ContactProblem,
     data: &Increment<'_>,
-    attempt: &Attempt,
+    substep: &SubstepResult,
     held: &[usize],
     tolerance: f64,
-) -> Option<Lack> {
+) -> Option<MissingNodes> {
     let all = problem.contacts();
-    if attempt.kkt.worst().1 <= tolerance || attempt.outcome.stop == Stop::Interrupted {
+    if substep.kkt.worst().1 <= tolerance || substep.outcome.stop == Termination::Interrupted {
         return None;
     }
     let mut is_held = vec![false; all];
     for &i in held {
         is_held[i] = true;
     }
-    let distance = |i: usize| data.gap[i] - problem.c_n().dot(i, &attempt.state.u);
+    let distance = |i: usize| data.gap[i] - problem.c_n().dot(i, &substep.state.u);
     let mut others: Vec<(usize, f64)> = (0..all).filter(|&i| !is_held[i]).map(|i| (i, distance(i))).collect();
     others.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let allowed = tolerance * attempt.scales.length;
+    let allowed = tolerance * substep.scales.length;
     let penetrating = others.iter().filter(|(_, distance)| -distance > allowed).count();
-    let solved = attempt.outcome.stop == Stop::Met && penetrating > 0;
+    let solved = substep.outcome.stop == Termination::Converged && penetrating > 0;
     let joining = if solved { held.len().max(2 * penetrating) } else { all };
     // The last quarter saves little.
     if 4 * (held.len() + joining) >= 3 * all {
-        return Some(Lack { nodes: (0..all).collect(), solved });
+        return Some(MissingNodes { nodes: (0..all).collect(), solved });
     }
     for (i, _) in others.iter().take(joining) {
         is_held[*i] = true;
     }
-    Some(Lack { nodes: (0..all).filter(|&i| is_held[i]).collect(), solved })
+    Some(MissingNodes { nodes: (0..all).filter(|&i| is_held[i]).collect(), solved })
 }

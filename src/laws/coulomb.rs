@@ -146,7 +146,7 @@ pub fn tangential_case(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f
 
 /// A sum of two terms at the start of a direction, and the rate at which it changes along it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Germ {
+pub struct DirectionalDerivative {
     /// The sum.
     pub value: f64,
     /// The sum of the terms' absolute values, beside which rounding is judged.
@@ -155,10 +155,10 @@ pub struct Germ {
     pub rate: f64,
 }
 
-impl Germ {
+impl DirectionalDerivative {
     /// `a + b` with the rate of the sum.
     pub fn new(a: f64, b: f64, rate: f64) -> Self {
-        Germ { value: a + b, size: a.abs() + b.abs(), rate }
+        DirectionalDerivative { value: a + b, size: a.abs() + b.abs(), rate }
     }
 
     /// A number with the sign that the sum takes at once along the direction; 0 if it stays 0.
@@ -169,12 +169,16 @@ impl Germ {
 
 /// The normal case that a direction leads into, from `p_n + r (w_n - g)`: the branch of the
 /// directional derivative (20).
-pub fn normal_case_ahead(trial: Germ) -> NormalCase {
+pub fn normal_case_ahead(trial: DirectionalDerivative) -> NormalCase {
     if trial.ahead() > 0.0 { NormalCase::Closed } else { NormalCase::Open }
 }
 
 /// The tangential case that a direction leads into, from the pressure and both components of `q`.
-pub fn tangential_case_ahead(pressure: Germ, q: [Germ; 2], mu: f64) -> TangentialCase {
+pub fn tangential_case_ahead(
+    pressure: DirectionalDerivative,
+    q: [DirectionalDerivative; 2],
+    mu: f64,
+) -> TangentialCase {
     if pressure.ahead() <= 0.0 {
         return TangentialCase::NoPressure;
     }
@@ -182,7 +186,7 @@ pub fn tangential_case_ahead(pressure: Germ, q: [Germ; 2], mu: f64) -> Tangentia
     let grown = length(value) > SLIP_BORDER * length(q.map(|q| q.size));
     let n = direction(if grown { value } else { rate });
     let along = |v: [f64; 2]| n[0] * v[0] + n[1] * v[1];
-    let beyond = Germ::new(along(value), -mu * pressure.value, along(rate) - mu * pressure.rate);
+    let beyond = DirectionalDerivative::new(along(value), -mu * pressure.value, along(rate) - mu * pressure.rate);
     if beyond.ahead() < 0.0 {
         TangentialCase::Stick
     } else if grown {
@@ -259,14 +263,20 @@ mod tests {
 
     #[test]
     fn where_cases_meet_the_direction_decides() {
-        let grazing = |rate| Germ::new(0.0, 0.0, rate);
+        let grazing = |rate| DirectionalDerivative::new(0.0, 0.0, rate);
         let flat = |q| [q, grazing(0.0)];
         assert_eq!(normal_case_ahead(grazing(1.0)), NormalCase::Closed);
         assert_eq!(normal_case_ahead(grazing(-1.0)), NormalCase::Open);
-        assert_eq!(normal_case_ahead(Germ::new(0.3, -0.1 - 0.2, 1.0)), NormalCase::Closed);
-        assert_eq!(normal_case_ahead(Germ::new(0.3, -0.4, 1.0)), NormalCase::Open);
+        assert_eq!(normal_case_ahead(DirectionalDerivative::new(0.3, -0.1 - 0.2, 1.0)), NormalCase::Closed);
+        assert_eq!(normal_case_ahead(DirectionalDerivative::new(0.3, -0.4, 1.0)), NormalCase::Open);
         // On the border of the cone: q grows slower than the limit, faster, or turns.
-        let border = |dq| tangential_case_ahead(Germ::new(1.0, 0.0, 1.0), flat(Germ::new(0.4, 0.0, dq)), 0.4);
+        let border = |dq| {
+            tangential_case_ahead(
+                DirectionalDerivative::new(1.0, 0.0, 1.0),
+                flat(DirectionalDerivative::new(0.4, 0.0, dq)),
+                0.4,
+            )
+        };
         assert_eq!(border(0.3), TangentialCase::Stick);
         assert!(slips(border(0.5), 1.0));
         assert_eq!(border(-1.0), TangentialCase::Stick);
@@ -276,11 +286,20 @@ mod tests {
         assert_eq!(tip(1.0, 0.1), TangentialCase::Stick);
         assert!(slips(tip(1.0, -0.5), -1.0));
         // Off the borders it is the case itself.
-        let inside = tangential_case_ahead(Germ::new(1.0, 0.0, -9.0), flat(Germ::new(0.1, 0.0, 9.0)), 0.4);
+        let inside = tangential_case_ahead(
+            DirectionalDerivative::new(1.0, 0.0, -9.0),
+            flat(DirectionalDerivative::new(0.1, 0.0, 9.0)),
+            0.4,
+        );
         assert_eq!(inside, TangentialCase::Stick);
         // In two directions: moving along the rim keeps the limit, which grows.
-        let rim =
-            |rate| tangential_case_ahead(Germ::new(1.0, 0.0, rate), [Germ::new(0.4, 0.0, 0.0), grazing(3.0)], 0.4);
+        let rim = |rate| {
+            tangential_case_ahead(
+                DirectionalDerivative::new(1.0, 0.0, rate),
+                [DirectionalDerivative::new(0.4, 0.0, 0.0), grazing(3.0)],
+                0.4,
+            )
+        };
         assert_eq!(rim(1.0), TangentialCase::Stick);
         assert!(slips(rim(-1.0), 1.0));
     }

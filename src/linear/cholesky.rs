@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use super::error::expect_length;
 use super::supernodal::{Supernodal, Supernode};
 use super::{FactorInfo, LinearError, SparseCholesky};
-use crate::sparse::{LANES, Lanes, Symmetric, lane, side_by_side};
+use crate::sparse::{LANES, SimdPack, Symmetric, lane, side_by_side};
 
 /// The Cholesky factors of a symmetric positive definite matrix.
 pub struct Cholesky {
@@ -231,7 +231,7 @@ impl Cholesky {
         let load = |factors: &[Vec<f64>]| {
             let mut sums = vec![[0.0; LANES]; self.interior()];
             for (p, part) in parts.iter().enumerate() {
-                let factors: Lanes = std::array::from_fn(|k| factors.get(k).map_or(0.0, |factors| factors[p]));
+                let factors: SimdPack = std::array::from_fn(|k| factors.get(k).map_or(0.0, |factors| factors[p]));
                 for (sums, x) in sums.iter_mut().zip(&part.interior) {
                     sums.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += factor * x);
                 }
@@ -239,7 +239,7 @@ impl Cholesky {
             sums
         };
         let groups = factors.chunks(LANES).zip(borders.chunks(LANES));
-        let mut vectors: Vec<Vec<Lanes>> = groups
+        let mut vectors: Vec<Vec<SimdPack>> = groups
             .map(|(factors, borders)| {
                 let mut vectors = load(factors);
                 vectors.extend(side_by_side(self.border, borders.iter().map(AsRef::as_ref)));
@@ -247,7 +247,7 @@ impl Cholesky {
             })
             .collect();
         let share = vectors.len().div_ceil(rayon::current_num_threads()).max(1);
-        let sweep = |vectors: &mut [Vec<Lanes>]| sweep::backward(&*self.factor, self.interior(), vectors);
+        let sweep = |vectors: &mut [Vec<SimdPack>]| sweep::backward(&*self.factor, self.interior(), vectors);
         if share < vectors.len() {
             vectors.par_chunks_mut(share).for_each(sweep);
         } else {

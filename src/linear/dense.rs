@@ -43,11 +43,11 @@ pub use lu::times_transposed;
 #[derive(Default)]
 pub struct Dense {
     blocks: Option<Blocks>,
-    contact: Option<Contact>,
+    contact: Option<ContactFactors>,
 }
 
 /// The factors.
-struct Contact {
+struct ContactFactors {
     /// `S`, shared with the matrix that was factored.
     stiffness: DenseSymmetric,
     /// The groups, solved.
@@ -92,7 +92,7 @@ impl Dense {
         let lu = Lu::new(matrix, &sizes)?;
         let reacting = blocks.groups.iter().zip(&groups).filter(|(_, local)| local.reacts());
         let reacting = reacting.flat_map(|(group, _)| group.displacements.iter().copied()).collect();
-        let contact = self.contact.insert(Contact { stiffness, groups, reacting, lu });
+        let contact = self.contact.insert(ContactFactors { stiffness, groups, reacting, lu });
         let (m, k) = (blocks.displacements, contact.lu.order());
         Ok(FactorInfo {
             entries: k * k,
@@ -174,7 +174,7 @@ impl Blocks {
     }
 }
 
-impl Contact {
+impl ContactFactors {
     /// Solves for `x = (u, q)`.
     fn solve(&self, blocks: &Blocks, b: &[f64], x: &mut [f64]) {
         let m = blocks.displacements;

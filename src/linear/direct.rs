@@ -10,7 +10,7 @@ use super::refine::{self, SolveInfo, Workspace};
 use super::{Dense, FactorInfo, Iterated, LinearError, LinearSolver, SparseLu};
 use crate::sparse::{Pattern, SystemMatrix};
 
-/// What a [`Direct`] solver has done so far.
+/// What a [`RefinedSolver`] solver has done so far.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Symbolic analyses.
@@ -38,8 +38,8 @@ pub struct Statistics {
 }
 
 /// A direct solver in front of what factors.
-pub struct Direct {
-    solver: Solver,
+pub struct RefinedSolver {
+    solver: Backend,
     pattern: Option<Arc<Pattern>>,
     work: Workspace,
     statistics: Statistics,
@@ -48,77 +48,83 @@ pub struct Direct {
 }
 
 /// What factors.
-enum Solver {
+enum Backend {
     /// A solver of compressed columns; a dense block becomes some.
     Sparse(Box<dyn LinearSolver>),
     /// The one for matrices with a dense block.
     Dense(Box<Dense>),
 }
 
-impl Solver {
+impl Backend {
     fn analyze(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
         match self {
-            Solver::Sparse(solver) => solver.analyze_system(a),
-            Solver::Dense(solver) => solver.analyze(a),
+            Backend::Sparse(solver) => solver.analyze_system(a),
+            Backend::Dense(solver) => solver.analyze(a),
         }
     }
 
     fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
         match self {
-            Solver::Sparse(solver) => solver.factorize_system(a),
-            Solver::Dense(solver) => solver.factorize(a),
+            Backend::Sparse(solver) => solver.factorize_system(a),
+            Backend::Dense(solver) => solver.factorize(a),
         }
     }
 
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         match self {
-            Solver::Sparse(solver) => solver.solve(b, x),
-            Solver::Dense(solver) => solver.solve(b, x),
+            Backend::Sparse(solver) => solver.solve(b, x),
+            Backend::Dense(solver) => solver.solve(b, x),
         }
     }
 
     fn iterated(&mut self) -> Iterated {
         match self {
-            Solver::Sparse(solver) => solver.iterated(),
-            Solver::Dense(_) => Iterated::default(),
+            Backend::Sparse(solver) => solver.iterated(),
+            Backend::Dense(_) => Iterated::default(),
         }
     }
 }
 
-impl From<Dense> for Direct {
+impl From<Dense> for RefinedSolver {
     fn from(solver: Dense) -> Self {
-        Direct::with(Solver::Dense(Box::new(solver)))
+        RefinedSolver::with(Backend::Dense(Box::new(solver)))
     }
 }
 
-impl Default for Direct {
+impl Default for RefinedSolver {
     /// The sparse LU of this build: UMFPACK where it is built in, otherwise faer.
     fn default() -> Self {
-        Direct::new(SparseLu::default().solver())
+        RefinedSolver::new(SparseLu::default().solver())
     }
 }
 
-impl Direct {
+impl RefinedSolver {
     /// Wraps a sparse solver.
     pub fn new(solver: Box<dyn LinearSolver>) -> Self {
-        Direct::with(Solver::Sparse(solver))
+        RefinedSolver::with(Backend::Sparse(solver))
     }
 
-    fn with(solver: Solver) -> Self {
-        Direct { solver, pattern: None, work: Workspace::default(), statistics: Statistics::default(), generation: 0 }
+    fn with(solver: Backend) -> Self {
+        RefinedSolver {
+            solver,
+            pattern: None,
+            work: Workspace::default(),
+            statistics: Statistics::default(),
+            generation: 0,
+        }
     }
 
     /// The same after so much was `done` before: it counts on from there.
     #[must_use]
     pub fn after(self, done: Statistics) -> Self {
-        Direct { statistics: done, ..self }
+        RefinedSolver { statistics: done, ..self }
     }
 
     /// The name of the solver in reports.
     pub fn name(&self) -> &'static str {
         match &self.solver {
-            Solver::Sparse(solver) => solver.name(),
-            Solver::Dense(_) => "dense",
+            Backend::Sparse(solver) => solver.name(),
+            Backend::Dense(_) => "dense",
         }
     }
 
@@ -140,7 +146,7 @@ impl Direct {
         let start = Instant::now();
         self.generation += 1;
         let known = self.pattern.take().is_some_and(|pattern| pattern == *a.pattern());
-        if known && matches!(self.solver, Solver::Sparse(_)) {
+        if known && matches!(self.solver, Backend::Sparse(_)) {
             self.pattern = Some(Arc::clone(a.pattern()));
             return Ok(());
         }
@@ -197,16 +203,16 @@ impl Direct {
     /// Whether it solves by iterations.
     pub fn iterates(&self) -> bool {
         match &self.solver {
-            Solver::Sparse(solver) => solver.iterates(),
-            Solver::Dense(_) => false,
+            Backend::Sparse(solver) => solver.iterates(),
+            Backend::Dense(_) => false,
         }
     }
 
     /// Solves `a x = b` to a residual of `tolerance` times `b` where that is done by iterations; it is not refined then, and its backward
-    /// error is not among the worst of the statistics. Otherwise as [`Direct::solve`].
+    /// error is not among the worst of the statistics. Otherwise as [`RefinedSolver::solve`].
     ///
     /// # Errors
-    /// As [`Direct::solve`].
+    /// As [`RefinedSolver::solve`].
     pub fn solve_to(
         &mut self,
         tolerance: f64,
@@ -217,7 +223,7 @@ impl Direct {
         self.fits(a, b, x)?;
         let start = Instant::now();
         let solver = match &mut self.solver {
-            Solver::Sparse(solver) if solver.iterates() => solver,
+            Backend::Sparse(solver) if solver.iterates() => solver,
             _ => return self.solve(a, b, x),
         };
         solver.solve_to(tolerance, b, x)?;

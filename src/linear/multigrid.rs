@@ -28,7 +28,7 @@ use super::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu};
 use crate::sparse::{Csc, Pattern, SystemMatrix};
 use block::Border;
 pub use form::Form;
-pub use grid::{Contact, Grid};
+pub use grid::{Grid, GridContact};
 use hierarchy::{Cycle, Hierarchy, MakeCycle};
 use node::Eliminated;
 pub(super) use piece::Piece;
@@ -36,7 +36,7 @@ use precondition::{Elimination, Work, kernel};
 use product::Product;
 use shared::Stiffness;
 pub use shared::share;
-use stiffness::Layout;
+use stiffness::BlockLayout;
 
 /// Where more are needed a direct solver is faster.
 const MOST_ITERATIONS: usize = 60;
@@ -48,7 +48,7 @@ pub struct Multigrid {
     grid: Grid,
     form: Form,
     matrix: Option<SystemMatrix>,
-    layout: Option<Layout>,
+    layout: Option<BlockLayout>,
     /// What products work on.
     sums: Vec<Vec<f64>>,
     factored: Option<Factored>,
@@ -168,7 +168,7 @@ impl LinearSolver for Multigrid {
         }
         (self.factored, self.instead) = (None, None);
         self.hierarchies.clear();
-        let layout = Layout::new(&self.grid, a)?;
+        let layout = BlockLayout::new(&self.grid, a)?;
         self.layout = Some(if a.shared().is_some() { layout } else { layout.shared_among(ranks::count())? });
         self.matrix = Some(a.clone());
         Ok(())

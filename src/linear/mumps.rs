@@ -2,7 +2,7 @@
 //!
 //! The values change and the analysis stays. So nothing may be chosen by the values that the analysis sees, and it sees none: no
 //! permutation for large diagonals. Zero diagonals, as of the rows of nodes that stick, are pivots that are delayed to a later front;
-//! where they take more room than foreseen, the factorisation is done once more with more. Refinement is left to [`super::Direct`].
+//! where they take more room than foreseen, the factorisation is done once more with more. Refinement is left to [`super::RefinedSolver`].
 
 mod instance;
 mod order;

@@ -21,7 +21,7 @@ pub(super) use metis::partition;
 pub(super) use world::World;
 
 /// What each rank has of an object that all share. Whatever is called of it, is called on all ranks at a time.
-pub(super) trait Part: Send {
+pub(super) trait RankLocal: Send {
     /// What this rank does in a `job`, by the number that rank 0 has for it.
     ///
     /// # Errors
@@ -52,7 +52,7 @@ impl Kind {
 }
 
 /// Makes a rank's part of something that is shared.
-type Make<'a> = &'a mut dyn FnMut(Kind, &World) -> Result<Box<dyn Part>, LinearError>;
+type Make<'a> = &'a mut dyn FnMut(Kind, &World) -> Result<Box<dyn RankLocal>, LinearError>;
 
 /// What rank 0 tells the others: what to do, with which object, and which kind or job that is.
 type Command = [i64; 3];
@@ -146,7 +146,7 @@ pub(super) fn serve(make: Make<'_>) -> Result<(), LinearError> {
         return Ok(());
     }
     // Those that rank 0 has not dropped at the end stay: both would have to.
-    let mut parts: ManuallyDrop<HashMap<i64, Box<dyn Part>>> = ManuallyDrop::default();
+    let mut parts: ManuallyDrop<HashMap<i64, Box<dyn RankLocal>>> = ManuallyDrop::default();
     loop {
         let [word, id, what] = world.wait_for([END; 3]);
         match word {
@@ -206,12 +206,12 @@ pub fn count() -> usize {
 }
 
 /// An object with its parts on all ranks, for rank 0.
-pub(super) struct Shared<P: Part> {
+pub(super) struct Shared<P: RankLocal> {
     id: i64,
     part: ManuallyDrop<P>,
 }
 
-impl<P: Part> Shared<P> {
+impl<P: RankLocal> Shared<P> {
     /// A new one, of which rank 0 makes its part by `own`.
     ///
     /// # Errors
@@ -252,7 +252,7 @@ impl<P: Part> Shared<P> {
     }
 }
 
-impl<P: Part> Drop for Shared<P> {
+impl<P: RankLocal> Drop for Shared<P> {
     fn drop(&mut self) {
         let state = state();
         // Where MPI has ended before, nothing can be ended that takes it.

@@ -131,7 +131,7 @@ pub fn componentwise_error(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linear::Direct;
+    use crate::linear::RefinedSolver;
     use crate::sparse::{Csc, Pattern};
     use std::sync::Arc;
 
@@ -158,7 +158,7 @@ mod tests {
             }
         }
         let b: Vec<f64> = (0..n).map(|i| 1.0 + i as f64).collect();
-        let mut direct = Direct::default();
+        let mut direct = RefinedSolver::default();
         let a = SystemMatrix::from(a);
         direct.analyze(&a).unwrap();
         direct.factorize(&a).unwrap();

@@ -3,7 +3,7 @@
 //! The pattern of that Jacobian is almost symmetric and its diagonal almost always serves as pivot,
 //! so the symmetric strategy is forced: it must not be left to the automatic choice, which takes the
 //! unsymmetric one when it sees no values, and singletons must not be peeled off first, which
-//! silently does the same. Refinement is left to [`super::Direct`].
+//! silently does the same. Refinement is left to [`super::RefinedSolver`].
 
 #![allow(unsafe_code)]
 

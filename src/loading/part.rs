@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Bend, FrictionHistory, Loading, Motion};
+use super::{FrictionHistory, GapCorrection, Loading, Motion};
 
 impl Loading {
     /// The same for the contact `nodes` alone, ascending.
@@ -16,10 +16,10 @@ impl Loading {
                 history: motion.history.clone(),
             }
         };
-        let bend = |bend: &Bend| {
+        let bend = |bend: &GapCorrection| {
             let (places, nodes) = part(&bend.nodes, nodes);
             let of = |i: &usize| i - bend.nodes.start;
-            Bend {
+            GapCorrection {
                 gap: bend.gap.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
                 drift: bend.drift.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
                 nodes: places,
@@ -60,7 +60,7 @@ mod tests {
         let history = vec![[0.0, 0.0], [2.0, 4.0]];
         let motion =
             Motion::new(1..4, vec![-1.0, -0.5, 2.0], vec![[0.0, 2.0], [1.0, 0.0], [3.0, 1.0]], history).unwrap();
-        let bend = Bend::new(0..2, vec![0.0, 2.0], vec![vec![0.0, 0.5], vec![1.0, 4.0]]).unwrap();
+        let bend = GapCorrection::new(0..2, vec![0.0, 2.0], vec![vec![0.0, 0.5], vec![1.0, 4.0]]).unwrap();
         let bend = bend.with_drift(vec![vec![[0.0; 2]; 2], vec![[1.0, 2.0], [3.0, 4.0]]]).unwrap();
         let friction = FrictionHistory::new(5, vec![(vec![0.1, 0.2, 0.3, 0.4, 0.5], Vec::new())]).unwrap();
         let all = Loading::new(Vec::new(), vec![1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();

@@ -7,7 +7,7 @@ use super::islands::{Island, islands};
 use super::judge::Judge;
 use super::newton::newton;
 use super::record::{CascadeSettings, LocalStatus, Solved, Stage, StageRecord};
-use super::scaled::Scaled;
+use super::scaled::ScaledContacts;
 use super::sweeps::sweep;
 use super::{LocalProblem, LocalProblemError};
 
@@ -62,7 +62,7 @@ fn forces(
     guess: Option<&[f64]>,
     records: &mut Vec<StageRecord>,
 ) -> Vec<f64> {
-    let scaled = Scaled::new(&island.problem);
+    let scaled = ScaledContacts::new(&island.problem);
     let mut judge = Judge::new(&island.problem, &scaled, settings.tolerance);
     let stages = [
         Stage::Free,

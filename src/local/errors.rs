@@ -18,7 +18,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::LocalProblem;
-use crate::sparse::Twofold;
+use crate::sparse::DoubleDouble;
 
 /// The natural map at which a problem counts as solved.
 pub const SOLVED: f64 = 1e-10;
@@ -98,7 +98,7 @@ fn of_laws(problem: &LocalProblem, r: &[f64], u: &[f64]) -> LocalErrors {
             whole
         };
         let ([r_n, r_t @ ..], [u_n, u_t @ ..]) = (part(r, force), part(u, velocity));
-        let Contact { normal, cone, dissipation, natural_map } = contact(r_n, r_t, u_n, u_t, *mu);
+        let LocalContact { normal, cone, dissipation, natural_map } = contact(r_n, r_t, u_n, u_t, *mu);
         errors.normal = larger(normal, errors.normal);
         errors.cone = larger(cone, errors.cone);
         errors.dissipation = larger(dissipation, errors.dissipation);
@@ -111,14 +111,14 @@ fn of_laws(problem: &LocalProblem, r: &[f64], u: &[f64]) -> LocalErrors {
 
 /// `W r + q`, in twice the working precision: where forces are large and cancel, little else is left of it.
 fn velocities(problem: &LocalProblem, r: &[f64]) -> Vec<f64> {
-    let mut sums = vec![Twofold::default(); r.len()];
+    let mut sums = vec![DoubleDouble::default(); r.len()];
     problem.delassus().entries().for_each(|(row, column, w)| sums[row].add_product(w, r[column]));
     sums.iter_mut().zip(problem.q()).for_each(|(sum, q)| sum.add(*q));
-    sums.into_iter().map(Twofold::value).collect()
+    sums.into_iter().map(DoubleDouble::value).collect()
 }
 
 /// The errors of one contact.
-struct Contact {
+struct LocalContact {
     normal: f64,
     cone: f64,
     dissipation: f64,
@@ -126,7 +126,7 @@ struct Contact {
 }
 
 /// Those of a force and a velocity without units.
-fn contact(r_n: f64, r_t: [f64; 2], u_n: f64, u_t: [f64; 2], mu: f64) -> Contact {
+fn contact(r_n: f64, r_t: [f64; 2], u_n: f64, u_t: [f64; 2], mu: f64) -> LocalContact {
     let size = |[a, b]: [f64; 2]| a.hypot(b);
     let normal = if r_n < u_n { r_n } else { u_n };
     let radius = if r_n > 0.0 { mu * r_n } else { 0.0 };
@@ -135,7 +135,7 @@ fn contact(r_n: f64, r_t: [f64; 2], u_n: f64, u_t: [f64; 2], mu: f64) -> Contact
     let trial = [0, 1].map(|k| r_t[k] - u_t[k]);
     let reach = size(trial);
     let tangential = [0, 1].map(|k| if reach > radius { r_t[k] - radius * (trial[k] / reach) } else { u_t[k] });
-    Contact {
+    LocalContact {
         normal: normal.abs(),
         cone: if friction > radius { friction - radius } else { 0.0 },
         dissipation: if mu > 0.0 { slip.min(size(missing)) } else { 0.0 },

@@ -10,9 +10,9 @@
 mod cone;
 
 use super::judge::Judge;
-use super::law::{Contact, Linear, Vector3};
-use super::scaled::Scaled;
-use super::system::System;
+use super::law::{Linear, LocalContact, Vector3};
+use super::scaled::ScaledContacts;
+use super::system::FactoredMatrix;
 use cone::{Missing, Unknowns};
 
 /// The share of the way to the border that a step may go.
@@ -74,12 +74,12 @@ pub(super) fn interior(judge: &mut Judge<'_>, path: Path, limit: usize) -> (Vec<
 }
 
 /// The cold start, by the root of the largest energy `q² / W` of any contact: the same in whatever units.
-fn start(scaled: &Scaled, reach: f64) -> Vec<Unknowns> {
+fn start(scaled: &ScaledContacts, reach: f64) -> Vec<Unknowns> {
     let mut root = 0.0_f64;
     for (k, law) in scaled.laws().iter().enumerate() {
         root = scaled.at(k, &scaled.q).iter().fold(root, |m, q| m.max(q.abs() * law.stiffness.sqrt()));
     }
-    let of_contact = |law: &Contact| {
+    let of_contact = |law: &LocalContact| {
         let (root, stiffness) = (reach * root, law.stiffness.sqrt());
         Unknowns::start(law, root * stiffness, root / stiffness)
     };
@@ -87,18 +87,18 @@ fn start(scaled: &Scaled, reach: f64) -> Vec<Unknowns> {
 }
 
 /// The forces of all contacts.
-fn forces(scaled: &Scaled, points: &[Unknowns]) -> Vec<f64> {
+fn forces(scaled: &ScaledContacts, points: &[Unknowns]) -> Vec<f64> {
     let mut r = vec![0.0; scaled.rows()];
     points.iter().enumerate().for_each(|(k, point)| scaled.put(k, point.r, &mut r));
     r
 }
 
 /// One iteration: a predictor, a corrector, and the step; none where the matrix is singular or nothing can be done.
-fn advance(scaled: &Scaled, points: &[Unknowns], on_cone: bool) -> Option<Vec<Unknowns>> {
+fn advance(scaled: &ScaledContacts, points: &[Unknowns], on_cone: bool) -> Option<Vec<Unknowns>> {
     let laws = scaled.laws();
     let (blocks, sizes): (Vec<Linear>, Vec<[f64; 2]>) =
         points.iter().zip(laws).map(|(point, law)| point.linearize(law)).unzip();
-    let mut system = System::new(scaled, &blocks, PROXIMAL).ok()?;
+    let mut system = FactoredMatrix::new(scaled, &blocks, PROXIMAL).ok()?;
     let mut solve = |missing: &[Missing]| -> Vec<Unknowns> {
         let mut rhs = vec![0.0; scaled.rows()];
         for (k, missing) in missing.iter().enumerate() {
@@ -143,7 +143,7 @@ fn advance(scaled: &Scaled, points: &[Unknowns], on_cone: bool) -> Option<Vec<Un
 
 /// The longest step that keeps all forces inside their cones, with what these leave then.
 fn shortened(
-    scaled: &Scaled,
+    scaled: &ScaledContacts,
     points: &[Unknowns],
     mut step: f64,
     ahead: impl Fn(f64) -> Vec<Unknowns>,
@@ -166,14 +166,14 @@ fn shortened(
 }
 
 /// What is missing at all contacts.
-fn missing(scaled: &Scaled, points: &[Unknowns]) -> Vec<Missing> {
+fn missing(scaled: &ScaledContacts, points: &[Unknowns]) -> Vec<Missing> {
     let u: Vec<f64> = scaled.velocities(&forces(scaled, points));
     let own = |k: usize| -> Vector3 { scaled.at(k, &u) };
     points.iter().zip(scaled.laws()).enumerate().map(|(k, (point, law))| point.missing(law, own(k))).collect()
 }
 
 /// The mean product of all pairs a step `t` ahead.
-fn mean_product(scaled: &Scaled, points: &[Unknowns], direction: &[Unknowns], t: f64) -> f64 {
+fn mean_product(scaled: &ScaledContacts, points: &[Unknowns], direction: &[Unknowns], t: f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for ((point, direction), law) in points.iter().zip(direction).zip(scaled.laws()) {
         for (a, b) in point.ahead(t, direction).pairs(law) {
@@ -184,7 +184,7 @@ fn mean_product(scaled: &Scaled, points: &[Unknowns], direction: &[Unknowns], t:
 }
 
 /// The step at which the first member of a pair becomes 0.
-fn largest_step(scaled: &Scaled, points: &[Unknowns], direction: &[Unknowns]) -> f64 {
+fn largest_step(scaled: &ScaledContacts, points: &[Unknowns], direction: &[Unknowns]) -> f64 {
     let mut largest = f64::INFINITY;
     for ((point, direction), law) in points.iter().zip(direction).zip(scaled.laws()) {
         for ((a, b), (da, db)) in point.pairs(law).zip(direction.pairs(law)) {

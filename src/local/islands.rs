@@ -1,8 +1,8 @@
 //! Contacts that feel each other, directly or through others: the islands, which are problems of their own.
 
 use super::LocalProblem;
-use crate::sets::Sets;
 use crate::sparse::Csc;
+use crate::union_find::UnionFind;
 
 /// Some contacts of a problem, as a problem.
 pub(super) struct Island {
@@ -32,7 +32,7 @@ impl Island {
 pub(super) fn islands(problem: &LocalProblem) -> Vec<Island> {
     let (d, n) = (problem.dimension(), problem.contacts());
     let entries = || problem.delassus().entries().filter(|entry| entry.2 != 0.0);
-    let mut sets = Sets::new(n);
+    let mut sets = UnionFind::new(n);
     entries().for_each(|(row, column, _)| sets.join(row / d, column / d));
     // Islands by their least contacts, and the place of each contact in its own.
     let (mut contacts, mut island_of) = (Vec::<Vec<usize>>::new(), vec![(0, 0); n]);

@@ -2,12 +2,12 @@
 
 use super::LocalProblem;
 use super::errors::measure;
-use super::scaled::Scaled;
+use super::scaled::ScaledContacts;
 
 /// The measure on the forces `r'` of a scaled problem, and the best forces that were seen.
 pub(super) struct Judge<'a> {
     problem: &'a LocalProblem,
-    scaled: &'a Scaled,
+    scaled: &'a ScaledContacts,
     tolerance: f64,
     best: Vec<f64>,
     error: f64,
@@ -15,7 +15,7 @@ pub(super) struct Judge<'a> {
 
 impl<'a> Judge<'a> {
     /// Nothing has been seen but no forces at all.
-    pub(super) fn new(problem: &'a LocalProblem, scaled: &'a Scaled, tolerance: f64) -> Self {
+    pub(super) fn new(problem: &'a LocalProblem, scaled: &'a ScaledContacts, tolerance: f64) -> Self {
         let best = vec![0.0; problem.q().len()];
         let error = measure(problem, &best).natural_map;
         Judge { problem, scaled, tolerance, best, error }
@@ -32,7 +32,7 @@ impl<'a> Judge<'a> {
     }
 
     /// The problem in numbers of order one.
-    pub(super) fn scaled(&self) -> &'a Scaled {
+    pub(super) fn scaled(&self) -> &'a ScaledContacts {
         self.scaled
     }
 

@@ -26,7 +26,7 @@ pub(super) type Vector3 = [f64; 3];
 
 /// One contact.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Contact {
+pub(super) struct LocalContact {
     /// `μ`.
     pub mu: f64,
     /// How many tangents it has; none without friction.
@@ -47,12 +47,12 @@ pub(super) struct Linear {
 /// The unit matrix.
 pub(super) const UNIT: Block = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-impl Contact {
+impl LocalContact {
     /// A contact whose block of `W` is `diagonal`.
     pub(super) fn new(mu: f64, tangents: usize, diagonal: &Block) -> Self {
         let compliance = (0..=tangents).map(|k| diagonal[k][k]).fold(0.0, f64::max);
         let stiffness = if compliance > 0.0 { 1.0 / compliance } else { 1.0 };
-        Contact { mu, tangents, stiffness }
+        LocalContact { mu, tangents, stiffness }
     }
 
     /// `(n, t)`.
@@ -117,7 +117,7 @@ mod tests {
             (1, [1.0, 0.3, 0.0], [0.2, 0.9, 0.0]),
             (0, [1.0, 0.0, 0.0], [0.2, 0.0, 0.0]),
         ] {
-            let law = Contact::new(if tangents > 0 { 0.4 } else { 0.0 }, tangents, &diagonal);
+            let law = LocalContact::new(if tangents > 0 { 0.4 } else { 0.0 }, tangents, &diagonal);
             let Linear { by_u, by_r } = law.linearize(r, u);
             for k in 0..=tangents {
                 let step = 1e-6;
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn the_residual_vanishes_on_the_law() {
-        let law = Contact::new(0.5, 2, &UNIT);
+        let law = LocalContact::new(0.5, 2, &UNIT);
         for (r, u) in [
             ([0.0; 3], [1.0, 3.0, -2.0]),
             ([2.0, 0.3, 0.4], [0.0; 3]),

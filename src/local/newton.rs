@@ -7,8 +7,8 @@
 
 use super::judge::Judge;
 use super::law::Linear;
-use super::scaled::Scaled;
-use super::system::System;
+use super::scaled::ScaledContacts;
+use super::system::FactoredMatrix;
 
 /// The least `ε`, with which it begins, and the largest: small beside 1, which would be as stiff again as the contact itself. The rounding
 /// of an equation, 1e-16, moves forces that are not unique by that over `ε`: below 1e-6 it decides about statuses, and the same problem
@@ -32,7 +32,7 @@ struct Point {
 }
 
 impl Point {
-    fn new(scaled: &Scaled, r: Vec<f64>, u: Vec<f64>) -> Self {
+    fn new(scaled: &ScaledContacts, r: Vec<f64>, u: Vec<f64>) -> Self {
         let mut f = vec![0.0; r.len()];
         let mut merit = 0.0;
         for (k, law) in scaled.laws().iter().enumerate() {
@@ -44,18 +44,19 @@ impl Point {
     }
 
     /// The point a `step` along `(dr, du)`.
-    fn ahead(&self, scaled: &Scaled, step: f64, dr: &[f64], du: &[f64]) -> Self {
+    fn ahead(&self, scaled: &ScaledContacts, step: f64, dr: &[f64], du: &[f64]) -> Self {
         let along = |x: &[f64], dx: &[f64]| x.iter().zip(dx).map(|(x, dx)| x + step * dx).collect();
         Point::new(scaled, along(&self.r, dr), along(&self.u, du))
     }
 
     /// The direction, with an `ε` that grows until there is one.
-    fn direction(&self, scaled: &Scaled, proximal: &mut f64) -> Option<Vec<f64>> {
-        let at = |(k, law): (usize, &super::law::Contact)| law.linearize(scaled.at(k, &self.r), scaled.at(k, &self.u));
+    fn direction(&self, scaled: &ScaledContacts, proximal: &mut f64) -> Option<Vec<f64>> {
+        let at =
+            |(k, law): (usize, &super::law::LocalContact)| law.linearize(scaled.at(k, &self.r), scaled.at(k, &self.u));
         let blocks: Vec<Linear> = scaled.laws().iter().enumerate().map(at).collect();
         let rhs: Vec<f64> = self.f.iter().map(|f| -f).collect();
         loop {
-            if let Ok(mut system) = System::new(scaled, &blocks, *proximal) {
+            if let Ok(mut system) = FactoredMatrix::new(scaled, &blocks, *proximal) {
                 let dr = system.solve(&rhs);
                 if dr.iter().all(|dr| dr.is_finite()) {
                     return Some(dr);

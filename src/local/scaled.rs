@@ -6,18 +6,18 @@
 //! is rounded. A contact without friction has its normal row alone.
 
 use super::LocalProblem;
-use super::law::{Block, Contact, Vector3};
+use super::law::{Block, LocalContact, Vector3};
 use super::order::canonical;
 use crate::sparse::Csr;
 
 /// `u' = W' r' + q'` of some contacts that touch no other.
-pub(super) struct Scaled {
+pub(super) struct ScaledContacts {
     /// The contacts of the problem, in an order that does not depend on theirs.
     contacts: Vec<usize>,
     dimension: usize,
     /// Row of the normal of each contact, and behind the last.
     first: Vec<usize>,
-    laws: Vec<Contact>,
+    laws: Vec<LocalContact>,
     /// `W'`.
     pub delassus: Csr,
     /// Its blocks on the diagonal.
@@ -33,7 +33,7 @@ fn power_of_two(x: f64) -> f64 {
     if x > 0.0 && x.is_finite() { x.log2().round().clamp(-1000.0, 1000.0).exp2() } else { 1.0 }
 }
 
-impl Scaled {
+impl ScaledContacts {
     /// All contacts of `problem`.
     pub(super) fn new(problem: &LocalProblem) -> Self {
         let d = problem.dimension();
@@ -68,7 +68,7 @@ impl Scaled {
         }
         let q: Vec<f64> = source.iter().zip(&units).map(|(&row, unit)| unit * problem.q()[row]).collect();
         let velocity = power_of_two(q.iter().fold(0.0, |m, q| q.abs().max(m)));
-        let mut scaled = Scaled {
+        let mut scaled = ScaledContacts {
             dimension: d,
             laws: Vec::new(),
             diagonal: Vec::new(),
@@ -86,7 +86,7 @@ impl Scaled {
                     block[row - range.start][column - range.start] = w;
                 }
             }
-            scaled.laws.push(Contact::new(problem.mu()[contact], range.len() - 1, &block));
+            scaled.laws.push(LocalContact::new(problem.mu()[contact], range.len() - 1, &block));
             scaled.diagonal.push(block);
         }
         scaled
@@ -103,7 +103,7 @@ impl Scaled {
     }
 
     /// The law of each contact.
-    pub(super) fn laws(&self) -> &[Contact] {
+    pub(super) fn laws(&self) -> &[LocalContact] {
         &self.laws
     }
 
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn numbers_are_of_order_one() {
-        let scaled = Scaled::new(&example());
+        let scaled = ScaledContacts::new(&example());
         assert_eq!(scaled.rows(), 5);
         let largest = scaled.q.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
         assert!((0.5..2.0).contains(&largest), "{largest}");
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn there_and_back_is_exact() {
-        let scaled = Scaled::new(&example());
+        let scaled = ScaledContacts::new(&example());
         let r = [0.3, -1.7, 2.5, 1e-7, 0.1];
         assert_eq!(scaled.read(&scaled.write(&r)), r);
     }
@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn velocities_are_those_of_the_problem() {
         let problem = example();
-        let scaled = Scaled::new(&problem);
+        let scaled = ScaledContacts::new(&problem);
         let r = [0.3, -0.1, 2.5, 0.7, 0.1];
         let whole = scaled.write(&r);
         let mut u = problem.delassus().times(&whole).unwrap();

@@ -5,7 +5,7 @@
 //! `u_T = -λ r_T` with `λ ≥ 0`, makes `r_T(λ) = -(A + λ)⁻¹ b`. The one number λ follows from `|r_T| = μ r_N`, whose difference is
 //! positive at 0, where the force is beyond the cone, and negative for large λ, where no friction is left.
 
-use super::law::{Block, Contact, Vector3};
+use super::law::{Block, LocalContact, Vector3};
 
 /// Halvings of an interval are enough when it is as short as rounding.
 const STEPS: usize = 100;
@@ -14,7 +14,7 @@ const STEPS: usize = 100;
 const SINGULAR: f64 = 1e-10;
 
 /// The force of a contact with the block `w` of `W` and the velocity `q` that it has without its force.
-pub(super) fn force(law: &Contact, w: &Block, q: Vector3) -> Vector3 {
+pub(super) fn force(law: &LocalContact, w: &Block, q: Vector3) -> Vector3 {
     if q[0] >= 0.0 || w[0][0] <= 0.0 {
         return [0.0; 3];
     }
@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn a_mass_on_a_floor() {
         let unit = crate::local::law::UNIT;
-        let law = |mu: f64, tangents| Contact::new(mu, tangents, &unit);
+        let law = |mu: f64, tangents| LocalContact::new(mu, tangents, &unit);
         assert_eq!(force(&law(0.5, 2), &unit, [-2.0, 0.3, -0.4]), [2.0, -0.3, 0.4]);
         assert_eq!(force(&law(0.5, 2), &unit, [0.0, 3.0, 0.0]), [0.0; 3]);
         assert_eq!(force(&law(0.0, 0), &unit, [-2.0, 0.0, 0.0]), [2.0, 0.0, 0.0]);
@@ -106,7 +106,7 @@ mod tests {
             if w[0][0] < 1e-2 {
                 continue;
             }
-            let law = Contact::new(1.5 * random().abs(), tangents, &w);
+            let law = LocalContact::new(1.5 * random().abs(), tangents, &w);
             // In the range of a singular block, from forces that there might be.
             let from = [random(), random(), if tangents == 2 { random() } else { 0.0 }];
             let q = [0, 1, 2].map(|k| w[k].iter().zip(from).map(|(w, r)| w * r).sum::<f64>());

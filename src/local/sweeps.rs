@@ -2,11 +2,11 @@
 //!
 //! They converge for most problems, slowly; but which contacts open, stick and slip they find soon, and at no cost beside a factorisation.
 
-use super::scaled::Scaled;
+use super::scaled::ScaledContacts;
 use super::single;
 
 /// `sweeps` sweeps over all contacts, from `r` on.
-pub(super) fn sweep(scaled: &Scaled, r: &mut [f64], sweeps: usize) {
+pub(super) fn sweep(scaled: &ScaledContacts, r: &mut [f64], sweeps: usize) {
     for _ in 0..sweeps {
         for (k, law) in scaled.laws().iter().enumerate() {
             let (range, own, block) = (scaled.range(k), scaled.at(k, r), &scaled.diagonal[k]);

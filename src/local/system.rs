@@ -5,24 +5,24 @@
 
 use super::factors::{Add, Factors};
 use super::law::Linear;
-use super::scaled::Scaled;
+use super::scaled::ScaledContacts;
 use crate::linear::LinearError;
 
 /// Factors of one matrix.
-pub(super) struct System<'a> {
-    scaled: &'a Scaled,
+pub(super) struct FactoredMatrix<'a> {
+    scaled: &'a ScaledContacts,
     blocks: &'a [Linear],
     /// Place of each row in the matrix that is factored; none of a contact that is left out.
     places: Vec<Option<usize>>,
     factors: Factors,
 }
 
-impl<'a> System<'a> {
+impl<'a> FactoredMatrix<'a> {
     /// Factors the matrix of these `blocks` with the `proximal` term `ε`.
     ///
     /// # Errors
     /// When it is singular, or holds numbers that are not finite.
-    pub(super) fn new(scaled: &'a Scaled, blocks: &'a [Linear], proximal: f64) -> Result<Self, LinearError> {
+    pub(super) fn new(scaled: &'a ScaledContacts, blocks: &'a [Linear], proximal: f64) -> Result<Self, LinearError> {
         let (mut places, mut order) = (vec![None; scaled.rows()], 0);
         for (k, block) in blocks.iter().enumerate() {
             if block.by_u.iter().flatten().any(|a| *a != 0.0) {
@@ -51,7 +51,7 @@ impl<'a> System<'a> {
             }
         };
         let factors = Factors::new(order, &visit)?;
-        Ok(System { scaled, blocks, places, factors })
+        Ok(FactoredMatrix { scaled, blocks, places, factors })
     }
 
     /// `x` of `b`.
@@ -92,7 +92,7 @@ mod tests {
     fn the_solution_solves_the_system() {
         let entries: Vec<_> = (0..81).map(|k| (k / 9, k % 9, 1.0 / (1.0 + (k / 9 + k % 9) as f64))).collect();
         let problem = LocalProblem::new(3, Csc::from_triplets(9, 9, &entries).unwrap(), vec![1.0; 9], vec![0.5; 3]);
-        let scaled = Scaled::new(&problem.unwrap());
+        let scaled = ScaledContacts::new(&problem.unwrap());
         let mixed = |shift: f64| [0, 1, 2].map(|k| [0, 1, 2].map(|l| shift / (2.0 + f64::from(k + 3 * l))));
         let mut by_u = mixed(1.0);
         (0..3).for_each(|k| by_u[k][k] += 1.0);
@@ -100,7 +100,7 @@ mod tests {
         let blocks = [Linear { by_u, by_r: mixed(0.3) }, open, Linear { by_u, by_r: UNIT }];
         let b: Vec<f64> = (0..9).map(|k| f64::from(k) - 3.0).collect();
         let proximal = 0.25;
-        let x = System::new(&scaled, &blocks, proximal).unwrap().solve(&b);
+        let x = FactoredMatrix::new(&scaled, &blocks, proximal).unwrap().solve(&b);
         let mut product = scaled.delassus.mul(&x);
         for (k, law) in scaled.laws().iter().enumerate() {
             scaled.range(k).for_each(|row| product[row] += proximal / law.stiffness * x[row]);
@@ -118,10 +118,10 @@ mod tests {
     fn the_proximal_term_makes_it_regular() {
         let entries = [(0, 0, 1.0), (0, 2, 1.0), (2, 0, 1.0), (2, 2, 1.0)];
         let problem = LocalProblem::new(2, Csc::from_triplets(4, 4, &entries).unwrap(), vec![-1.0; 4], vec![0.0; 2]);
-        let scaled = Scaled::new(&problem.unwrap());
+        let scaled = ScaledContacts::new(&problem.unwrap());
         let closed = scaled.laws().iter().map(|law| law.linearize([1.0, 0.0, 0.0], [0.0; 3])).collect::<Vec<_>>();
-        assert!(matches!(System::new(&scaled, &closed, 0.0), Err(LinearError::Singular { .. })));
-        let x = System::new(&scaled, &closed, 1e-6).unwrap().solve(&[1.0, 1.0]);
+        assert!(matches!(FactoredMatrix::new(&scaled, &closed, 0.0), Err(LinearError::Singular { .. })));
+        let x = FactoredMatrix::new(&scaled, &closed, 1e-6).unwrap().solve(&[1.0, 1.0]);
         assert!(x.iter().all(|x| (x - 0.5).abs() < 1e-6), "{x:?}");
     }
 }

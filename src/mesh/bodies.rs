@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Mesh;
-use crate::sets::Sets;
+use crate::union_find::UnionFind;
 
 /// Which body each node and each cell of a mesh belongs to. Bodies count from 0, in the order of their first cells.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -59,7 +59,7 @@ impl Bodies {
 impl Mesh {
     /// The bodies that the mesh consists of: the cells that hang together by their nodes. The mesh must be sound.
     pub fn bodies(&self) -> Bodies {
-        let mut pieces = Sets::new(self.nodes.len());
+        let mut pieces = UnionFind::new(self.nodes.len());
         for cell in &self.cells {
             cell.nodes.windows(2).for_each(|pair| pieces.join(pair[0], pair[1]));
         }

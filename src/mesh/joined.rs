@@ -1,7 +1,7 @@
 //! Several bodies in one mesh.
 
 use super::Mesh;
-use crate::fault::Fault;
+use crate::input_error::InputError;
 use crate::vector::{Vector, plus};
 
 /// `mesh` as that of the body `name`, whose name its boundaries and groups have, with its origin at `at` (m).
@@ -21,8 +21,8 @@ pub(super) fn named(mut mesh: Mesh, name: &str, at: Option<Vector>) -> Mesh {
 }
 
 /// Adds the body `name` with this `mesh` behind those in `all`.
-pub(super) fn append(all: &mut Mesh, name: &str, mut mesh: Mesh) -> Result<(), Fault> {
-    let differs = |what: &str, help: &str| Fault::new("mesh", format!("the mesh of `{name}` {what}"), help);
+pub(super) fn append(all: &mut Mesh, name: &str, mut mesh: Mesh) -> Result<(), InputError> {
+    let differs = |what: &str, help: &str| InputError::new("mesh", format!("the mesh of `{name}` {what}"), help);
     if mesh.dimension != all.dimension {
         let what = format!("has {} dimensions, those before it have {}", mesh.dimension, all.dimension);
         return Err(differs(&what, "let all bodies be plane, or all have a volume"));

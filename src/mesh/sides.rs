@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::{Cell, Facet, Mesh};
-use crate::sets::Sets;
+use crate::union_find::UnionFind;
 
 /// Where parts of one body touch that share no whole side.
 #[derive(Debug, PartialEq, Eq)]
@@ -69,7 +69,7 @@ impl Mesh {
     /// A joint, if there is one; `body` is that of each cell.
     pub(super) fn joint(&self, sides: &HashMap<Facet, usize>, body: &[usize]) -> Option<Joint> {
         // The first cell stands for its part.
-        let mut joined = Sets::new(self.cells.len());
+        let mut joined = UnionFind::new(self.cells.len());
         for (facet, &cell) in sides {
             let from_outside = from_least(facet.iter().rev().copied().collect());
             if let Some(&neighbour) = sides.get(&from_outside) {

@@ -8,7 +8,7 @@ use super::block::{graded_block, progression};
 use super::half_plane::half_plane;
 use super::joined::{append, named};
 use super::{CellKind, Mesh, MeshFileError, gmsh};
-use crate::fault::{Fault, demand, finite, not_huge, positive};
+use crate::input_error::{InputError, ensure, finite, not_huge, positive};
 use crate::vector::{Vector, plus};
 
 /// How a mesh is made. Lengths are in m.
@@ -97,7 +97,7 @@ pub enum MeshError {
     /// One of its values is not possible.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Source(#[from] Fault),
+    Source(#[from] InputError),
     /// Its file is not sound.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -147,7 +147,7 @@ impl MeshSource {
         elements: &[Vec<usize>],
         grading: Option<&[Vec<f64>]>,
         cells: Option<CellKind>,
-    ) -> Result<Self, Fault> {
+    ) -> Result<Self, InputError> {
         check_size(size)?;
         like_size("mesh.elements", elements, size)?;
         let equal: Vec<Vec<f64>> = size.iter().map(|axis| vec![1.0; axis.len()]).collect();
@@ -166,18 +166,18 @@ impl MeshSource {
     /// Whether a mesh can be made of it, as far as that is known before a file is read.
     ///
     /// # Errors
-    /// [`Fault`] of the key that is wrong, such as `mesh.size`; of a given mesh, `mesh`.
-    pub fn check(&self) -> Result<(), Fault> {
+    /// [`InputError`] of the key that is wrong, such as `mesh.size`; of a given mesh, `mesh`.
+    pub fn check(&self) -> Result<(), InputError> {
         match self {
             MeshSource::Block { axes, cells, origin } => check_block(axes, *cells, *origin),
             MeshSource::HalfPlane(half_plane) => half_plane.check(),
             MeshSource::Gmsh { scale, .. } => {
                 finite("mesh.scale", *scale)?;
                 let help = "give the length of the file's unit in m, 0.001 for mm, or in the unit of [units]";
-                demand(*scale > 0.0, "mesh.scale", scale, "positive", help)
+                ensure(*scale > 0.0, "mesh.scale", scale, "positive", help)
             }
             MeshSource::Given(mesh) => {
-                mesh.check().map_err(|fault| Fault::new("mesh", fault.to_string(), fault.help()))
+                mesh.check().map_err(|fault| InputError::new("mesh", fault.to_string(), fault.help()))
             }
             MeshSource::Bodies(bodies) => check_bodies(bodies),
         }
@@ -245,29 +245,29 @@ impl MeshSource {
 
 const LENGTHS: &str = "give width and height in m or as [units] says, in three dimensions the lengths along x, y and z";
 
-fn check_size(size: &[Vec<f64>]) -> Result<(), Fault> {
+fn check_size(size: &[Vec<f64>]) -> Result<(), InputError> {
     if !(2..=3).contains(&size.len()) {
         return Err(no_dimension(size));
     }
     let sound = size.iter().all(|axis| !axis.is_empty() && axis.iter().all(|&x| x > 0.0 && x.is_finite()));
-    demand(sound, "mesh.size", &Axes(size.to_vec()), "positive finite lengths", LENGTHS)?;
+    ensure(sound, "mesh.size", &Axes(size.to_vec()), "positive finite lengths", LENGTHS)?;
     size.iter().flatten().try_for_each(|&length| positive("mesh.size", length, LENGTHS))
 }
 
 /// The fault of a block with too few axes, or too many.
-fn no_dimension(size: &[Vec<f64>]) -> Fault {
+fn no_dimension(size: &[Vec<f64>]) -> InputError {
     let message = format!("mesh.size is {:?}, but must be two or three lengths", Axes(size.to_vec()));
-    Fault::new("mesh.size", message, LENGTHS)
+    InputError::new("mesh.size", message, LENGTHS)
 }
 
 /// Whether a list has a value for each length in `size`.
-fn like_size<T: Clone + fmt::Debug>(key: &str, values: &[Vec<T>], size: &[Vec<f64>]) -> Result<(), Fault> {
+fn like_size<T: Clone + fmt::Debug>(key: &str, values: &[Vec<T>], size: &[Vec<f64>]) -> Result<(), InputError> {
     let sound = values.iter().map(Vec::len).eq(size.iter().map(Vec::len));
     let help = "mesh.size says how many segments there are along each axis";
-    demand(sound, key, &Axes(values.to_vec()), "a number for each length in mesh.size", help)
+    ensure(sound, key, &Axes(values.to_vec()), "a number for each length in mesh.size", help)
 }
 
-fn check_block(axes: &[Vec<Segment>], cells: CellKind, origin: Option<Vector>) -> Result<(), Fault> {
+fn check_block(axes: &[Vec<Segment>], cells: CellKind, origin: Option<Vector>) -> Result<(), InputError> {
     fn each<T>(axes: &[Vec<Segment>], value: fn(&Segment) -> T) -> Vec<Vec<T>> {
         axes.iter().map(|axis| axis.iter().map(value).collect()).collect()
     }
@@ -275,19 +275,19 @@ fn check_block(axes: &[Vec<Segment>], cells: CellKind, origin: Option<Vector>) -
     let elements = Axes(each(axes, |segment| segment.elements));
     let help = "give the numbers of elements along each axis";
     let sound = elements.0.iter().flatten().all(|&n| n > 0);
-    demand(sound, "mesh.elements", &elements, "numbers of at least 1", help)?;
+    ensure(sound, "mesh.elements", &elements, "numbers of at least 1", help)?;
     let along = |axis: &Vec<usize>| axis.iter().try_fold(0_usize, |sum, &n| sum.checked_add(n));
     let all = elements.0.iter().try_fold(1_usize, |all, axis| all.checked_mul(along(axis)?));
     let few = all.is_some_and(|n| n <= MOST_ELEMENTS);
-    demand(few, "mesh.elements", &elements, "at most 50 million in all", "use a coarser mesh")?;
+    ensure(few, "mesh.elements", &elements, "at most 50 million in all", "use a coarser mesh")?;
     let grading = Axes(each(axes, |segment| segment.grading));
     let help = "give the size of the last element over that of the first, along each axis";
     let sound = grading.0.iter().flatten().all(|ratio| (1e-6..=1e6).contains(ratio));
-    demand(sound, "mesh.grading", &grading, "ratios from 1e-6 to 1e6", help)?;
+    ensure(sound, "mesh.grading", &grading, "ratios from 1e-6 to 1e6", help)?;
     if let Some(origin) = origin {
         let sound = origin.dimension() == axes.len() && origin.components().iter().all(|c| c.is_finite());
         let help = "give the lowest corner of the block, such as [0.1, 0]";
-        demand(sound, "mesh.origin", &origin, "a finite number for each axis of mesh.size", help)?;
+        ensure(sound, "mesh.origin", &origin, "a finite number for each axis of mesh.size", help)?;
         not_huge("mesh.origin", origin.components())?;
     }
     if cells.dimension() == axes.len() {
@@ -296,16 +296,16 @@ fn check_block(axes: &[Vec<Segment>], cells: CellKind, origin: Option<Vector>) -
     let message = format!("mesh.cells have {} dimensions, but mesh.size has {}", cells.dimension(), axes.len());
     let help = "use \"triangle\", \"triangle6\" or \"quadrilateral\" in two dimensions, \"tetrahedron\", \"tetrahedron10\", \
                 \"prism\" or \"hexahedron\" in three";
-    Err(Fault::new("mesh.cells", message, help))
+    Err(InputError::new("mesh.cells", message, help))
 }
 
 impl HalfPlane {
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), InputError> {
         check_size(&self.size.map(|length| vec![length]))?;
         let (key, width) = ("mesh.contact_width", self.contact_width);
         finite(key, width)?;
         let must = "positive and less than the width of the mesh";
-        demand(
+        ensure(
             width > 0.0 && width < self.size[0],
             key,
             &width,
@@ -315,10 +315,10 @@ impl HalfPlane {
         let (contact, outer, layers) = (self.contact_elements, self.outer_elements, self.layers);
         for (key, n) in [("mesh.contact_elements", contact), ("mesh.outer_elements", outer), ("mesh.layers", layers)] {
             let must = "at least 1 and at most 50 million";
-            demand((1..=MOST_ELEMENTS).contains(&n), key, &n, must, "give a number of elements")?;
+            ensure((1..=MOST_ELEMENTS).contains(&n), key, &n, must, "give a number of elements")?;
         }
         if (contact + outer).checked_mul(layers).is_none_or(|n| n > MOST_ELEMENTS) {
-            return Err(Fault::new("mesh", "the mesh has more than 50 million elements", "use a coarser mesh"));
+            return Err(InputError::new("mesh", "the mesh has more than 50 million elements", "use a coarser mesh"));
         }
         Ok(())
     }
@@ -335,12 +335,12 @@ fn mesh_lines(segments: &[Segment]) -> Vec<f64> {
     lines
 }
 
-fn no_body() -> Fault {
-    Fault::new("body", "there is no body", "give one at least")
+fn no_body() -> InputError {
+    InputError::new("body", "there is no body", "give one at least")
 }
 
 /// Whether one mesh can be made of `bodies`, as far as that is known before files are read.
-fn check_bodies(bodies: &[Body]) -> Result<(), Fault> {
+fn check_bodies(bodies: &[Body]) -> Result<(), InputError> {
     if bodies.is_empty() {
         return Err(no_body());
     }
@@ -349,30 +349,30 @@ fn check_bodies(bodies: &[Body]) -> Result<(), Fault> {
         let key = |what: &str| format!("body[{k}].{what}");
         if name.is_empty() || name.contains(':') {
             let message = format!("the name of the body is {name:?}, but must have a letter and no colon");
-            return Err(Fault::new(key("name"), message, "its boundaries will be called `name:boundary`"));
+            return Err(InputError::new(key("name"), message, "its boundaries will be called `name:boundary`"));
         }
         if bodies[..k].iter().any(|other| other.name == *name) {
             let message = format!("another body is called `{name}`");
-            return Err(Fault::new(key("name"), message, "give every body a name of its own"));
+            return Err(InputError::new(key("name"), message, "give every body a name of its own"));
         }
         if let MeshSource::Bodies(_) = mesh {
             let message = format!("the body `{name}` is made of bodies");
-            return Err(Fault::new(key("mesh"), message, "list all bodies side by side"));
+            return Err(InputError::new(key("mesh"), message, "list all bodies side by side"));
         }
-        mesh.check().map_err(|fault| fault.under(&format!("body[{k}]")))?;
+        mesh.check().map_err(|fault| fault.with_key(&format!("body[{k}]")))?;
         let dimension = mesh.nodes().map(|(_, dimension)| dimension);
         if let Some(at) = at {
             let sound = at.components().iter().all(|c| c.is_finite());
             let sound = sound && dimension.is_none_or(|dimension| dimension == at.dimension());
             let help = "give where the origin of the body's mesh is put, such as [0, 0.5]";
-            demand(sound, &key("at"), at, "a finite number for each dimension of the body", help)?;
+            ensure(sound, &key("at"), at, "a finite number for each dimension of the body", help)?;
             not_huge(&key("at"), at.components())?;
         }
         let known = dimension.or(at.map(Vector::dimension));
         match (plane_or_not, known) {
             (Some((first, of)), Some(other)) if first != other => {
                 let message = format!("`{name}` has {other} dimensions, but `{of}` has {first}");
-                return Err(Fault::new(key("mesh"), message, "let all bodies be plane, or all have a volume"));
+                return Err(InputError::new(key("mesh"), message, "let all bodies be plane, or all have a volume"));
             }
             (None, Some(dimension)) => plane_or_not = Some((dimension, name)),
             _ => {}
@@ -385,7 +385,7 @@ fn check_bodies(bodies: &[Body]) -> Result<(), Fault> {
 fn joined(bodies: &[Body]) -> Result<Mesh, MeshError> {
     let mut all: Option<Mesh> = None;
     for (k, Body { name, mesh, at }) in bodies.iter().enumerate() {
-        let under = |fault: Fault| MeshError::Source(fault.under(&format!("body[{k}]")));
+        let under = |fault: InputError| MeshError::Source(fault.with_key(&format!("body[{k}]")));
         let mesh = mesh.made().map_err(|error| match error {
             MeshError::Source(fault) => under(fault),
             file @ MeshError::File(_) => file,

@@ -4,22 +4,22 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::{find, pair};
 use crate::description::Description;
-use crate::fault::Fault;
 use crate::fem::overlaps;
+use crate::input_error::InputError;
 use crate::mesh::{Bodies, Boundary, Mesh, MeshSource};
-use crate::sets::Sets;
+use crate::union_find::UnionFind;
 use crate::vector::{cross, minus, norm};
 
 /// Fails where two bodies that nothing joins have nodes in the same place or are inside one another: they would pass through each other.
 /// What joins bodies is a contact between them; those that touch in a node may be joined by way of others, as blocks around a point.
-pub(super) fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), Fault> {
+pub(super) fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), InputError> {
     let bodies = &mesh.bodies();
     if !bodies.are_several() {
         return Ok(());
     }
     let of = bodies.of_nodes();
     let contacts = paired(description, mesh, bodies)?;
-    let mut together = Sets::new(bodies.count());
+    let mut together = UnionFind::new(bodies.count());
     for &(a, b) in &contacts {
         together.join(a, b);
     }
@@ -48,14 +48,14 @@ pub(super) fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), F
         );
         let help = "let a [[contact]] with `against` join their boundaries, make one body of them in Gmsh (Coherence, or Coherence \
                     Mesh), or move them apart";
-        return Err(Fault::new(key(&description.mesh, bodies, b), message, help));
+        return Err(InputError::new(key(&description.mesh, bodies, b), message, help));
     }
     if let Some(overlap) = overlaps(mesh, bodies, |a, b| !contacts.contains(&(a.min(b), a.max(b)))).first() {
         let (inner, outer) = overlap.bodies;
         let message =
             format!("the body {} is inside {}, at {}", bodies.told(inner), bodies.told(outer), place(overlap.node));
         let help = "move them apart, or let a [[contact]] with `against` press them out of each other";
-        return Err(Fault::new(key(&description.mesh, bodies, inner.max(outer)), message, help));
+        return Err(InputError::new(key(&description.mesh, bodies, inner.max(outer)), message, help));
     }
     Ok(())
 }
@@ -78,7 +78,7 @@ fn spans_a_side(places: &[[f64; 3]], dimension: usize) -> bool {
 const ASIDE: f64 = 1e-6;
 
 /// Pairs of bodies with a contact between them, the lesser first.
-fn paired(description: &Description, mesh: &Mesh, bodies: &Bodies) -> Result<BTreeSet<(usize, usize)>, Fault> {
+fn paired(description: &Description, mesh: &Mesh, bodies: &Bodies) -> Result<BTreeSet<(usize, usize)>, InputError> {
     let mut pairs = BTreeSet::new();
     for (k, contact) in description.contacts.iter().enumerate() {
         let Some(opposite) = contact.opposite() else { continue };

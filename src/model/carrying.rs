@@ -9,9 +9,9 @@ use std::collections::{BTreeSet, VecDeque};
 use super::find;
 use super::pair::Pairs;
 use crate::description::Description;
-use crate::fault::Fault;
+use crate::input_error::InputError;
 use crate::mesh::Mesh;
-use crate::sets::Sets;
+use crate::union_find::UnionFind;
 
 /// The groups of bodies that go along together: those that are glued, and those that one obstacle is in front of.
 #[derive(Debug, Clone)]
@@ -31,9 +31,9 @@ impl Carrying {
         mesh: &Mesh,
         pairs: &Pairs,
         held: impl Iterator<Item = usize>,
-    ) -> Result<Self, Fault> {
+    ) -> Result<Self, InputError> {
         let bodies = mesh.bodies();
-        let mut together = Sets::new(bodies.count());
+        let mut together = UnionFind::new(bodies.count());
         let of = |node: usize| bodies.of_nodes()[node];
         let mut neighbours: BTreeSet<(usize, usize)> = BTreeSet::new();
         for (k, contact) in description.contacts.iter().enumerate() {

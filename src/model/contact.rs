@@ -11,8 +11,8 @@ use crate::contact::{
     meetings, unreachable,
 };
 use crate::description::{Contact, Description};
-use crate::fault::Fault;
 use crate::fem::{Dofs, HeldRows};
+use crate::input_error::InputError;
 use crate::loading::FrictionHistory;
 use crate::mesh::{Boundary, Mesh};
 use crate::problem::ProblemError;
@@ -25,7 +25,7 @@ use crate::vector::{dot, plus};
 const DEEPEST: f64 = 0.2;
 
 /// The body as contacts see it.
-struct Body<'a> {
+struct ContactBody<'a> {
     description: &'a Description,
     mesh: &'a Mesh,
     dofs: &'a Dofs,
@@ -60,10 +60,10 @@ impl Contacts {
         moved: &[Moved],
         pairs: &Pairs,
         carrying: &Carrying,
-    ) -> Result<Self, Fault> {
+    ) -> Result<Self, InputError> {
         let mut contacts = Contacts::default();
         share_no_facet(description, mesh, pairs)?;
-        let body = Body { description, mesh, dofs, rows, moved, pairs, carrying };
+        let body = ContactBody { description, mesh, dofs, rows, moved, pairs, carrying };
         for k in 0..description.contacts.len() {
             match pairs.of_contact(k) {
                 Some(pair) => contacts.add_pair(&body, k, pair)?,
@@ -74,8 +74,8 @@ impl Contacts {
     }
 
     /// Adds what is in front of another boundary, unless it is glued to it.
-    fn add_pair(&mut self, body: &Body<'_>, k: usize, number: usize) -> Result<(), Fault> {
-        let Body { description, mesh, dofs, pairs, .. } = *body;
+    fn add_pair(&mut self, body: &ContactBody<'_>, k: usize, number: usize) -> Result<(), InputError> {
+        let ContactBody { description, mesh, dofs, pairs, .. } = *body;
         let (pair, contact) = (&pairs.all[number], &description.contacts[k]);
         if pair.glued {
             return Ok(());
@@ -110,8 +110,8 @@ impl Contacts {
         Ok(())
     }
 
-    fn add(&mut self, body: &Body<'_>, k: usize) -> Result<(), Fault> {
-        let Body { description, mesh, dofs, moved, carrying, .. } = *body;
+    fn add(&mut self, body: &ContactBody<'_>, k: usize) -> Result<(), InputError> {
+        let ContactBody { description, mesh, dofs, moved, carrying, .. } = *body;
         let contact = &description.contacts[k];
         let boundary = find(mesh, &contact.boundary, &format!("contact[{k}]"))?;
         let mut obstacles = placed(contact, description.end(), mesh, boundary, k)?;
@@ -130,7 +130,11 @@ impl Contacts {
             } else {
                 format!("supports hold every node of the contact boundary `{}`", contact.boundary)
             };
-            return Err(Fault::new(format!("contact[{k}].boundary"), message, "remove the contact or the support"));
+            return Err(InputError::new(
+                format!("contact[{k}].boundary"),
+                message,
+                "remove the contact or the support",
+            ));
         }
         let first = self.obstacles.len();
         self.obstacles.extend(obstacles);
@@ -185,7 +189,7 @@ impl Contacts {
         name: &str,
         units: &UnitSystem,
         k: usize,
-    ) -> Result<usize, Fault> {
+    ) -> Result<usize, InputError> {
         let sharing = self.at_node.entry(node.node).or_default();
         // One degree from parallel; a sharper edge of a body cannot be meshed.
         let parallel = |i: &&usize| {
@@ -204,7 +208,7 @@ impl Contacts {
             let message =
                 format!("the node at {place} of `{name}` lies in front of two obstacles with opposite normals");
             let help = "give an obstacle another normal, or let the boundaries share no node";
-            return Err(Fault::new(format!("contact[{k}].obstacle"), message, help));
+            return Err(InputError::new(format!("contact[{k}].obstacle"), message, help));
         }
         let weight = earlier.weight + node.weight;
         // Of equal coefficients the mean is that to the last bit.
@@ -226,17 +230,17 @@ impl Contacts {
 }
 
 /// Refuses a history of a friction that there is none of.
-fn refuse_idle_history(contact: &Contact, own_mu: &[f64], k: usize) -> Result<(), Fault> {
+fn refuse_idle_history(contact: &Contact, own_mu: &[f64], k: usize) -> Result<(), InputError> {
     if contact.friction_history.is_none() || own_mu.iter().any(|mu| *mu != 0.0) {
         return Ok(());
     }
     let message = format!("friction_history multiplies a friction that is 0 on the whole of `{}`", contact.boundary);
     let help = "give the friction at factor 1, or remove the key";
-    Err(Fault::new(format!("contact[{k}].friction_history"), message, help))
+    Err(InputError::new(format!("contact[{k}].friction_history"), message, help))
 }
 
 /// Refuses contacts of which two have a facet in common whose nodes carry their forces: it would count twice.
-fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Result<(), Fault> {
+fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Result<(), InputError> {
     let contacts = &description.contacts;
     if contacts.len() < 2 {
         return Ok(());
@@ -253,21 +257,21 @@ fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Resu
             let place = description.system(mesh.dimension).place(middle);
             let message = format!("the boundaries `{other}` and `{own}` have the facet at {place} in common");
             let help = "let each facet be of one [[contact]]; several obstacles may be in front of one boundary";
-            return Err(Fault::new(format!("contact[{k}].boundary"), message, help));
+            return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
         }
     }
     Ok(())
 }
 
 /// Coulomb's coefficient of `node`.
-fn friction(contact: &Contact, units: &UnitSystem, node: &ContactNode, k: usize) -> Result<f64, Fault> {
+fn friction(contact: &Contact, units: &UnitSystem, node: &ContactNode, k: usize) -> Result<f64, InputError> {
     let mu = contact.friction.at(node.position);
     if mu.is_finite() && mu >= 0.0 {
         return Ok(mu);
     }
     let place = units.place(node.position);
     let message = format!("the friction is {mu} at the contact node at {place}, but must be 0 or more");
-    Err(Fault::new(format!("contact[{k}].friction"), message, "mend the formula, such as by max(0, ...)"))
+    Err(InputError::new(format!("contact[{k}].friction"), message, "mend the formula, such as by max(0, ...)"))
 }
 
 /// The obstacles of contact `k` in front of its `boundary`, and how they move.
@@ -277,11 +281,11 @@ fn placed(
     mesh: &Mesh,
     boundary: &Boundary,
     k: usize,
-) -> Result<Vec<(PlacedObstacle, ObstacleMotion)>, Fault> {
+) -> Result<Vec<(PlacedObstacle, ObstacleMotion)>, InputError> {
     let name = &contact.boundary;
     let place = |(j, given)| {
         let obstacle = PlacedObstacle::new(mesh, boundary, given).map_err(|error| {
-            Fault::new(contact.obstacle_key(k, j), format!("contact at `{name}`: {error}"), error.help())
+            InputError::new(contact.obstacle_key(k, j), format!("contact at `{name}`: {error}"), error.help())
         })?;
         let motion = ObstacleMotion::new(given, obstacle.normal, end).of(&obstacle);
         Ok((obstacle, motion))
@@ -292,14 +296,15 @@ fn placed(
 /// The nodes of contact `k` with the obstacle that each meets.
 fn met(
     contact: &Contact,
-    body: &Body<'_>,
+    body: &ContactBody<'_>,
     boundary: &Boundary,
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     k: usize,
-) -> Result<Vec<Meeting>, Fault> {
-    let Body { description, mesh, dofs, rows, moved, .. } = *body;
+) -> Result<Vec<Meeting>, InputError> {
+    let ContactBody { description, mesh, dofs, rows, moved, .. } = *body;
     let name = &contact.boundary;
-    let at_obstacle = |j: usize, message: String, help: &str| Fault::new(contact.obstacle_key(k, j), message, help);
+    let at_obstacle =
+        |j: usize, message: String, help: &str| InputError::new(contact.obstacle_key(k, j), message, help);
     let units = description.system(mesh.dimension);
     let place = |node: usize| units.place(mesh.nodes[node]);
     let times = &description.times;
@@ -371,7 +376,7 @@ fn met(
     if let Some(node) = unreachable(mesh, dofs, obstacles, &met, times, beyond) {
         let message = format!("supports hold the body where the obstacle is or comes to be, at {}", place(node));
         let help = "use a gap of at least 0, a shorter approach or fewer supports";
-        return Err(Fault::new(format!("contact[{k}].boundary"), message, help));
+        return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
     }
     Ok(met)
 }

@@ -1,13 +1,13 @@
 //! The elements of a description, which have to suit the cells of its mesh.
 
 use crate::description::Description;
-use crate::fault::Fault;
 use crate::fem::{Element, NodalVolumes};
+use crate::input_error::InputError;
 use crate::mesh::{CellKind, Mesh};
 
 /// How strains follow from displacements: B-bar is for quadrilaterals, hexahedra and prisms, nodal volumes for triangles,
 /// tetrahedra and prisms.
-pub(super) fn element(description: &Description, mesh: &Mesh) -> Result<Element, Fault> {
+pub(super) fn element(description: &Description, mesh: &Mesh) -> Result<Element, InputError> {
     let element = description.element;
     let kinds = || mesh.cells.iter().map(|cell| cell.kind);
     match element {
@@ -15,7 +15,7 @@ pub(super) fn element(description: &Description, mesh: &Mesh) -> Result<Element,
             let message = "mesh.element is \"b-bar\", but the mesh has triangles or tetrahedra";
             let help = "use \"nodal-volume\", quadrilaterals or hexahedra, or triangles of six and tetrahedra of ten nodes without b-bar, which need no \
                         remedy up to nu = 0.499";
-            Err(Fault::new("mesh.element", message, help))
+            Err(InputError::new("mesh.element", message, help))
         }
         Element::NodalVolume => match kinds().find(|kind| !NodalVolumes::take(*kind)) {
             None => Ok(element),
@@ -23,7 +23,7 @@ pub(super) fn element(description: &Description, mesh: &Mesh) -> Result<Element,
                 let message = format!("mesh.element is \"nodal-volume\", but the mesh has a {}", kind.name());
                 let help =
                     "nodal volumes are for triangles, tetrahedra and prisms: use \"b-bar\", or a mesh of these alone";
-                Err(Fault::new("mesh.element", message, help))
+                Err(InputError::new("mesh.element", message, help))
             }
         },
         Element::Bilinear | Element::BBar => Ok(element),

@@ -3,8 +3,8 @@
 use super::find;
 use super::place::{nodes, normals, suits};
 use crate::description::{Axis, Description, Direction, Held, Support, Where};
-use crate::fault::Fault;
 use crate::fem::{Dofs, SAME_DIRECTION};
+use crate::input_error::InputError;
 use crate::mesh::Mesh;
 use crate::units::UnitSystem;
 use crate::vector::{axis, unit};
@@ -13,12 +13,12 @@ use crate::vector::{axis, unit};
 pub(super) type Holding = Vec<(usize, [f64; 3], f64)>;
 
 /// What each support of `description` holds.
-pub(super) fn holdings(description: &Description, mesh: &Mesh) -> Result<Vec<Holding>, Fault> {
+pub(super) fn holdings(description: &Description, mesh: &Mesh) -> Result<Vec<Holding>, InputError> {
     let units = description.system(mesh.dimension);
     description.supports.iter().enumerate().map(|(k, support)| holding(mesh, support, &units, k)).collect()
 }
 
-fn holding(mesh: &Mesh, support: &Support, units: &UnitSystem, k: usize) -> Result<Holding, Fault> {
+fn holding(mesh: &Mesh, support: &Support, units: &UnitSystem, k: usize) -> Result<Holding, InputError> {
     let key = format!("support[{k}]");
     let nodes = nodes(mesh, &support.at, units, &key)?;
     let mut holding = Vec::new();
@@ -31,7 +31,7 @@ fn holding(mesh: &Mesh, support: &Support, units: &UnitSystem, k: usize) -> Resu
             Direction::Axis(Axis::Z) if mesh.dimension == 2 => {
                 let place = support.at.place(units);
                 let message = format!("the support of `{place}` holds z, but the body has two dimensions");
-                return Err(Fault::new(format!("{key}.fix"), message, "leave out \"z\""));
+                return Err(InputError::new(format!("{key}.fix"), message, "leave out \"z\""));
             }
             Direction::Axis(along) => nodes.iter().try_for_each(|&node| hold(node, axis(*along as usize)))?,
             Direction::Along(vector) => {
@@ -46,7 +46,7 @@ fn holding(mesh: &Mesh, support: &Support, units: &UnitSystem, k: usize) -> Resu
                     let Some(n) = normals[node] else {
                         let place = units.place(mesh.nodes[node]);
                         let message = format!("`{name}` has no normal at {place}: its facets there cancel each other");
-                        return Err(Fault::new(format!("{key}.fix"), message, "give a direction, or fix axes"));
+                        return Err(InputError::new(format!("{key}.fix"), message, "give a direction, or fix axes"));
                     };
                     hold(node, n)?;
                 }
@@ -63,7 +63,7 @@ fn beside_axis(
     units: &UnitSystem,
     key: &str,
     (node, n, to): (usize, [f64; 3], f64),
-) -> Result<Option<(usize, [f64; 3], f64)>, Fault> {
+) -> Result<Option<(usize, [f64; 3], f64)>, InputError> {
     if !mesh.is_on_axis(node) || n[0] == 0.0 {
         return Ok(Some((node, n, to)));
     }
@@ -76,11 +76,11 @@ fn beside_axis(
     let place = units.place(mesh.nodes[node]);
     let message = format!("the support moves the node at {place} aside, which is on the axis of the body");
     let help = "an axisymmetric body is not moved across its axis: leave the axis out, or move along y";
-    Err(Fault::new(format!("{key}.displacement"), message, help))
+    Err(InputError::new(format!("{key}.displacement"), message, help))
 }
 
 /// The displacements that the supports leave free.
-pub(super) fn dofs(mesh: &Mesh, holdings: &[Holding]) -> Result<Dofs, Fault> {
+pub(super) fn dofs(mesh: &Mesh, holdings: &[Holding]) -> Result<Dofs, InputError> {
     let mut directions = vec![Vec::new(); mesh.nodes.len()];
     for (node, n, _) in holdings.iter().flatten() {
         directions[*node].push(*n);
@@ -88,7 +88,7 @@ pub(super) fn dofs(mesh: &Mesh, holdings: &[Holding]) -> Result<Dofs, Fault> {
     let dofs = Dofs::holding(mesh, |node| std::mem::take(&mut directions[node]));
     if dofs.free() == 0 {
         let message = "the supports fix every node of the mesh, so nothing is left to solve";
-        return Err(Fault::new("support[0].boundary", message, "support fewer boundaries, or use a finer mesh"));
+        return Err(InputError::new("support[0].boundary", message, "support fewer boundaries, or use a finer mesh"));
     }
     Ok(dofs)
 }

@@ -3,16 +3,16 @@
 use super::find;
 use super::place::{node, of_dimension, suits};
 use crate::description::{Action, Bed, Description, Field, Where};
-use crate::fault::Fault;
 use crate::fem::{
     Bedding, Elasticity, Element, NodalForces, NodalVolumes, Spring, area, body_force, thermal_forces,
     traction as traction_of, uniform_traction,
 };
+use crate::input_error::InputError;
 use crate::mesh::{Boundary, Geometry, Mesh};
 use crate::vector::{axis, cross, dot, minus, norm, unit};
 
 /// The body as loads see it.
-pub(super) struct Body<'a> {
+pub(super) struct LoadedBody<'a> {
     pub description: &'a Description,
     pub mesh: &'a Mesh,
     pub element: Element,
@@ -37,10 +37,10 @@ pub(super) struct FreeStrain {
     pub of_volumes: Vec<f64>,
 }
 
-impl Body<'_> {
+impl LoadedBody<'_> {
     /// What load `k` does.
-    pub(super) fn load(&self, k: usize) -> Result<LoadOnMesh, Fault> {
-        let Body { description, mesh, element, volumes, thin, materials } = *self;
+    pub(super) fn load(&self, k: usize) -> Result<LoadOnMesh, InputError> {
+        let LoadedBody { description, mesh, element, volumes, thin, materials } = *self;
         let key = format!("load[{k}]");
         let at = |name: &str| format!("{key}.{name}");
         let boundary = |name: &str| find(mesh, name, &key);
@@ -72,7 +72,7 @@ impl Body<'_> {
                         "acceleration has a component along x, which leads away from the axis on all sides at once";
                     let help =
                         "give [0, y]; what pulls away from the axis because the body spins is a load by rotation";
-                    return Err(Fault::new(at("acceleration"), message, help));
+                    return Err(InputError::new(at("acceleration"), message, help));
                 }
                 let density = description.material.densities(mesh)?;
                 body_force(mesh, |e, _| acceleration.map(|a| density[e] * a))
@@ -88,11 +88,11 @@ impl Body<'_> {
                         }
                         Geometry::Axisymmetric => "the axis of the rotation is not that of the body, y",
                     };
-                    return Err(Fault::new(at("rotation.axis"), message, "leave it out"));
+                    return Err(InputError::new(at("rotation.axis"), message, "leave it out"));
                 }
                 if mesh.geometry == Geometry::Axisymmetric && through.components()[0] != 0.0 {
                     let message = "the axis of the rotation does not go through that of the body, x = 0";
-                    return Err(Fault::new(
+                    return Err(InputError::new(
                         at("rotation.through"),
                         message,
                         "give a point of the axis, such as [0, 0]",
@@ -132,16 +132,16 @@ fn with_area<'a>(
     key: &str,
     boundary: &'a Boundary,
     what: &str,
-) -> Result<&'a Boundary, Fault> {
+) -> Result<&'a Boundary, InputError> {
     if area(mesh, boundary) > 0.0 {
         return Ok(boundary);
     }
     let message = format!("`{name}` is the axis of the body, which has no area for {what}");
-    Err(Fault::new(key, message, "name another boundary, or a point"))
+    Err(InputError::new(key, message, "name another boundary, or a point"))
 }
 
 /// The springs of each bed of `description`.
-pub(super) fn springs(description: &Description, mesh: &Mesh) -> Result<Vec<Vec<Spring>>, Fault> {
+pub(super) fn springs(description: &Description, mesh: &Mesh) -> Result<Vec<Vec<Spring>>, InputError> {
     let units = description.system(mesh.dimension);
     let bedded = |name: &str, key: &str| {
         with_area(mesh, name, &format!("{key}.boundary"), find(mesh, name, key)?, "a foundation")
@@ -168,13 +168,19 @@ pub(super) fn springs(description: &Description, mesh: &Mesh) -> Result<Vec<Vec<
 }
 
 /// The forces of a traction on `boundary`, which is called `name`.
-fn tractions(mesh: &Mesh, boundary: &Boundary, name: &str, given: &[Field], key: &str) -> Result<NodalForces, Fault> {
+fn tractions(
+    mesh: &Mesh,
+    boundary: &Boundary,
+    name: &str,
+    given: &[Field],
+    key: &str,
+) -> Result<NodalForces, InputError> {
     let dimension = mesh.dimension;
     if given.len() != dimension {
         let n = given.len();
         let message = format!("the traction on `{name}` has {n} components, but the body has {dimension} dimensions");
         let help = if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" };
-        return Err(Fault::new(key, message, help));
+        return Err(InputError::new(key, message, help));
     }
     if let Some(uniform) = given.iter().map(Field::uniform).collect::<Option<Vec<_>>>() {
         return Ok(uniform_traction(mesh, boundary, in_space(mesh, &uniform, key)?));
@@ -185,16 +191,16 @@ fn tractions(mesh: &Mesh, boundary: &Boundary, name: &str, given: &[Field], key:
 }
 
 /// Fails unless all `forces` are finite: a formula may have no value somewhere.
-fn defined(forces: NodalForces, key: &str, what: &str) -> Result<NodalForces, Fault> {
+fn defined(forces: NodalForces, key: &str, what: &str) -> Result<NodalForces, InputError> {
     if forces.iter().flat_map(|(_, force)| force).all(|f| f.is_finite()) {
         return Ok(forces);
     }
     let message = format!("the {what} is not a finite number everywhere");
-    Err(Fault::new(key, message, "give a formula that has a value wherever the load acts"))
+    Err(InputError::new(key, message, "give a formula that has a value wherever the load acts"))
 }
 
 /// Components as they are in space.
-fn in_space(mesh: &Mesh, components: &[f64], key: &str) -> Result<[f64; 3], Fault> {
+fn in_space(mesh: &Mesh, components: &[f64], key: &str) -> Result<[f64; 3], InputError> {
     of_dimension(mesh, key, components.len())?;
     Ok([0, 1, 2].map(|c| components.get(c).copied().unwrap_or(0.0)))
 }

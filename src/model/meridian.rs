@@ -3,19 +3,19 @@
 use std::sync::Arc;
 
 use crate::description::Description;
-use crate::fault::Fault;
 use crate::fem::Plane;
+use crate::input_error::InputError;
 use crate::mesh::{Geometry, Mesh, MeshFault};
 
 /// The mesh of `description`, as half the section of a body of revolution if its material says so.
-pub(super) fn meridian(description: &Description, mesh: Arc<Mesh>) -> Result<Arc<Mesh>, Fault> {
+pub(super) fn meridian(description: &Description, mesh: Arc<Mesh>) -> Result<Arc<Mesh>, InputError> {
     match (description.material.plane, mesh.geometry) {
         // A plane state of a mesh in space the material refuses by itself.
         (Some(Plane::Axisymmetric), _) if mesh.dimension == 2 => {}
         (_, Geometry::Cartesian) => return Ok(mesh),
         (_, Geometry::Axisymmetric) => {
             let message = "the mesh is the section of a body of revolution, but the material is not axisymmetric";
-            return Err(Fault::new("material.plane", message, "use \"axisymmetric\""));
+            return Err(InputError::new("material.plane", message, "use \"axisymmetric\""));
         }
     }
     let place = |nodes: &[usize]| {
@@ -31,6 +31,6 @@ pub(super) fn meridian(description: &Description, mesh: Arc<Mesh>) -> Result<Arc
             ),
             other => other.to_string(),
         };
-        Fault::new("material.plane", message, fault.help())
+        InputError::new("material.plane", message, fault.help())
     })
 }

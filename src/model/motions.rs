@@ -2,7 +2,7 @@
 
 use super::nearest::Nearest;
 use crate::contact::{ContactNode, Facing, ObstacleMotion, PlacedObstacle, Rates, Term};
-use crate::loading::{Bend, Loading, Motion};
+use crate::loading::{GapCorrection, Loading, Motion};
 use crate::problem::ProblemError;
 use crate::vector::cross;
 
@@ -11,7 +11,7 @@ pub(super) struct Motions {
     /// Rates times histories.
     pub rates: Vec<Motion>,
     /// What these leave out at the ends of the increments.
-    pub bends: Vec<Bend>,
+    pub bends: Vec<GapCorrection>,
     /// Which obstacle each node meets.
     pub nearest: Nearest,
 }
@@ -39,7 +39,7 @@ fn of_first(
     contacts: &[ContactNode],
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     times: &[f64],
-) -> Result<(Vec<Motion>, Vec<Bend>), ProblemError> {
+) -> Result<(Vec<Motion>, Vec<GapCorrection>), ProblemError> {
     let (mut motions, mut bends) = (Vec::new(), Vec::new());
     for (k, (obstacle, motion)) in obstacles.iter().enumerate() {
         let met: Vec<usize> = (0..contacts.len()).filter(|&i| contacts[i].obstacle() == Some(k)).collect();
@@ -77,7 +77,7 @@ fn of_first(
                 gap
             };
             let table = times.iter().zip(of_nodes).map(of_rows).collect();
-            bends.push(Bend::new(first..last + 1, times.to_vec(), table)?);
+            bends.push(GapCorrection::new(first..last + 1, times.to_vec(), table)?);
         }
     }
     Ok((motions, bends))

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::Model;
 use crate::contact::{ContactNode, Facing, ObstacleMotion, PlacedObstacle, Term, nearest};
-use crate::loading::{Bend, Loading};
+use crate::loading::{GapCorrection, Loading};
 use crate::problem::ProblemError;
 
 /// The obstacle nearest to each contact node at each time, of the nodes for which that is not always the obstacle they met first.
@@ -34,7 +34,7 @@ impl Nearest {
         obstacles: &[(PlacedObstacle, ObstacleMotion)],
         times: &[f64],
         loading: &Loading,
-    ) -> Result<(Self, Option<Bend>), ProblemError> {
+    ) -> Result<(Self, Option<GapCorrection>), ProblemError> {
         let moves = |k: &usize| obstacles[*k].1.moves();
         let mut found = Nearest { times: times.to_vec(), obstacles: BTreeMap::new() };
         let mut rows = BTreeMap::new();
@@ -84,7 +84,7 @@ impl Nearest {
             }
             own_before = own;
         }
-        let bend = Bend::new(nodes, times.to_vec(), gap)?;
+        let bend = GapCorrection::new(nodes, times.to_vec(), gap)?;
         let slides = drift.iter().flatten().any(|drift| *drift != [0.0; 2]);
         Ok((found, Some(if slides { bend.with_drift(drift)? } else { bend })))
     }

@@ -8,8 +8,8 @@ use crate::contact::{
     ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, Supports, coupled_nodes, relative,
 };
 use crate::description::{Description, FirstGap, Opposite, Slave};
-use crate::fault::Fault;
 use crate::fem::{Dofs, Elasticity, Relative, SAME_DIRECTION, Tie};
+use crate::input_error::InputError;
 use crate::mesh::{Bodies, Boundary, Mesh};
 use crate::units::{Quantity, UnitSystem};
 use crate::vector::{Vector, axis, dot, minus, norm, plus, unit};
@@ -59,7 +59,7 @@ impl Pairs {
         dofs: &Dofs,
         holdings: &[Holding],
         materials: &[Elasticity],
-    ) -> Result<Self, Fault> {
+    ) -> Result<Self, InputError> {
         let mut pairs = Pairs::default();
         let mut tied: BTreeSet<usize> = BTreeSet::new();
         let mut taken: BTreeSet<usize> = BTreeSet::new();
@@ -90,7 +90,7 @@ impl Pairs {
     }
 
     /// `dofs` with the displacements that are relative.
-    pub(super) fn dofs(&mut self, description: &Description, mesh: &Mesh, dofs: Dofs) -> Result<Dofs, Fault> {
+    pub(super) fn dofs(&mut self, description: &Description, mesh: &Mesh, dofs: Dofs) -> Result<Dofs, InputError> {
         if self.all.is_empty() {
             return Ok(dofs);
         }
@@ -101,7 +101,7 @@ impl Pairs {
             let message =
                 format!("the node at {place} is in front of nodes that are, in other contacts, in front of it");
             let help = "let boundary and against change places in one of these contacts";
-            Fault::new(format!("contact[{k}].against"), message, help)
+            InputError::new(format!("contact[{k}].against"), message, help)
         })
     }
 
@@ -178,10 +178,10 @@ impl Pair {
 }
 
 /// What the contact `k` is in front of, as one boundary.
-pub(super) fn opposite(mesh: &Mesh, opposite: &Opposite, k: usize) -> Result<Boundary, Fault> {
+pub(super) fn opposite(mesh: &Mesh, opposite: &Opposite, k: usize) -> Result<Boundary, InputError> {
     let of_name = |name: &String| {
         let found = find(mesh, name, &format!("contact[{k}]"));
-        found.map_err(|fault| Fault { key: format!("contact[{k}].against"), ..fault })
+        found.map_err(|fault| InputError { key: format!("contact[{k}].against"), ..fault })
     };
     let all = opposite.boundaries.iter().map(of_name).collect::<Result<Vec<_>, _>>()?;
     let facets = all.iter().flat_map(|boundary| boundary.facets.iter().cloned()).collect();
@@ -197,7 +197,7 @@ fn pair(
     materials: &[Elasticity],
     supports: &dyn Supports,
     slaves: &BTreeSet<String>,
-) -> Result<Pair, Fault> {
+) -> Result<Pair, InputError> {
     let key = format!("contact[{k}]");
     let first = find(mesh, &description.contacts[k].boundary, &key)?;
     let second = &self::opposite(mesh, opposite, k)?;
@@ -207,12 +207,12 @@ fn pair(
     let options = MortarOptions { search: opposite.search, direction };
     let refused = |fault: MortarFault| {
         let message = told(&fault, &units).unwrap_or_else(|| fault.to_string());
-        Fault::new(format!("{key}.{}", key_of(&fault)), message, fault.help())
+        InputError::new(format!("{key}.{}", key_of(&fault)), message, fault.help())
     };
     let all_held = first.nodes().into_iter().all(|node| supports.held(node).len() == 3);
     if opposite.slave == Slave::Automatic && opposite.boundaries.len() > 1 {
         let message = "several boundaries that are against one cannot be the slave";
-        return Err(Fault::new(format!("{key}.slave"), message, "remove the key, or name one boundary"));
+        return Err(InputError::new(format!("{key}.slave"), message, "remove the key, or name one boundary"));
     }
     let may_change = opposite.boundaries.len() == 1;
     let (mortar, choice) = if opposite.slave == Slave::Automatic || all_held && may_change {
@@ -227,7 +227,7 @@ fn pair(
     };
     let swapped = choice.is_some_and(|choice| choice.slave == 1);
     let (slave, master) = if swapped { (second, first) } else { (first, second) };
-    let gap = |row: &MortarRow| -> Result<f64, Fault> {
+    let gap = |row: &MortarRow| -> Result<f64, InputError> {
         let place = mesh.nodes[row.node];
         let gap = match &opposite.gap {
             FirstGap::Measured if row.gap.abs() <= opposite.adjust => 0.0,
@@ -239,7 +239,7 @@ fn pair(
             return Ok(gap);
         }
         let message = format!("the gap is {gap} at the node at {}, but must be a number", units.place(place));
-        Err(Fault::new(format!("{key}.gap"), message, "mend the formula"))
+        Err(InputError::new(format!("{key}.gap"), message, "mend the formula"))
     };
     let gaps: Vec<f64> = if opposite.glued {
         vec![0.0; mortar.rows.len()]
@@ -264,7 +264,7 @@ fn pair(
                     "the gap is in the scene's unit of length, and negative where bodies overlap: give a smaller one",
                 ),
             };
-            return Err(Fault::new(format!("{key}.{place}"), message, help));
+            return Err(InputError::new(format!("{key}.{place}"), message, help));
         }
     }
     let edges = edges(mesh, master, &mortar.rows);
@@ -371,11 +371,11 @@ fn share_nothing(
     first: &Boundary,
     second: &Boundary,
     k: usize,
-) -> Result<(), Fault> {
+) -> Result<(), InputError> {
     let of_first: BTreeSet<usize> = first.nodes().into_iter().collect();
     let Some(node) = second.nodes().into_iter().find(|node| of_first.contains(node)) else { return Ok(()) };
     let place = description.system(mesh.dimension).place(mesh.nodes[node]);
     let message = format!("`{}` and `{}` have the node at {place} in common", first.name, second.name);
     let help = "let the bodies have nodes of their own: do not join them in Gmsh where they are in contact";
-    Err(Fault::new(format!("contact[{k}].against"), message, help))
+    Err(InputError::new(format!("contact[{k}].against"), message, help))
 }

@@ -2,8 +2,8 @@
 
 use super::find;
 use crate::description::Where;
-use crate::fault::Fault;
 use crate::fem::facet_normals;
+use crate::input_error::InputError;
 use crate::mesh::{Boundary, Mesh};
 use crate::units::UnitSystem;
 use crate::vector::{Vector, minus, norm, unit};
@@ -13,7 +13,7 @@ use crate::vector::{Vector, minus, norm, unit};
 const NEAR: f64 = 1e-6;
 
 /// The nodes at the place that is named at `key`, each once.
-pub(super) fn nodes(mesh: &Mesh, at: &Where, units: &UnitSystem, key: &str) -> Result<Vec<usize>, Fault> {
+pub(super) fn nodes(mesh: &Mesh, at: &Where, units: &UnitSystem, key: &str) -> Result<Vec<usize>, InputError> {
     match at {
         Where::Boundary(name) => Ok(find(mesh, name, key)?.nodes()),
         Where::Point(point) => Ok(vec![node(mesh, *point, units, key)?]),
@@ -21,7 +21,7 @@ pub(super) fn nodes(mesh: &Mesh, at: &Where, units: &UnitSystem, key: &str) -> R
 }
 
 /// The node at `point`; a fault is told in `units`.
-pub(super) fn node(mesh: &Mesh, point: Vector, units: &UnitSystem, key: &str) -> Result<usize, Fault> {
+pub(super) fn node(mesh: &Mesh, point: Vector, units: &UnitSystem, key: &str) -> Result<usize, InputError> {
     suits(mesh, point, &format!("{key}.point"))?;
     let x = point.components();
     let distance = |node: usize| norm(minus(mesh.nodes[node], x));
@@ -33,11 +33,17 @@ pub(super) fn node(mesh: &Mesh, point: Vector, units: &UnitSystem, key: &str) ->
     }
     let message = format!("no node of the mesh is at {}", units.place(x));
     let help = format!("the nearest is at {}", units.place(mesh.nodes[nearest]));
-    Err(Fault::new(format!("{key}.point"), message, help))
+    Err(InputError::new(format!("{key}.point"), message, help))
 }
 
 /// `node`, unless another body has one that is `near`, too.
-fn only(mesh: &Mesh, node: usize, near: impl Fn(usize) -> bool, units: &UnitSystem, key: &str) -> Result<usize, Fault> {
+fn only(
+    mesh: &Mesh,
+    node: usize,
+    near: impl Fn(usize) -> bool,
+    units: &UnitSystem,
+    key: &str,
+) -> Result<usize, InputError> {
     let bodies = mesh.bodies();
     let of = bodies.of_nodes();
     let Some(other) = (0..mesh.nodes.len()).find(|&other| of[other] != of[node] && near(other)) else {
@@ -45,23 +51,27 @@ fn only(mesh: &Mesh, node: usize, near: impl Fn(usize) -> bool, units: &UnitSyst
     };
     let names = [node, other].map(|node| bodies.told(of[node]));
     let message = format!("{} and {} both have a node at {}", names[0], names[1], units.place(mesh.nodes[node]));
-    Err(Fault::new(format!("{key}.point"), message, "name a boundary in place of the point: those are of one body"))
+    Err(InputError::new(
+        format!("{key}.point"),
+        message,
+        "name a boundary in place of the point: those are of one body",
+    ))
 }
 
 /// Fails unless a vector has as many components as the body has dimensions.
-pub(super) fn suits(mesh: &Mesh, vector: Vector, key: &str) -> Result<(), Fault> {
+pub(super) fn suits(mesh: &Mesh, vector: Vector, key: &str) -> Result<(), InputError> {
     of_dimension(mesh, key, vector.dimension()).map(drop)
 }
 
 /// Fails unless `count` components are as many as the body has dimensions.
-pub(super) fn of_dimension(mesh: &Mesh, key: &str, count: usize) -> Result<usize, Fault> {
+pub(super) fn of_dimension(mesh: &Mesh, key: &str, count: usize) -> Result<usize, InputError> {
     let dimension = mesh.dimension;
     if count == dimension {
         return Ok(count);
     }
     let name = key.rsplit('.').next().unwrap_or(key);
     let message = format!("{name} has {count} components, but the body has {dimension} dimensions");
-    Err(Fault::new(key, message, if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" }))
+    Err(InputError::new(key, message, if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" }))
 }
 
 /// The outward unit normal of `boundary` in each node of the mesh: that of the sum of its facets at the node; `None` off the

@@ -4,8 +4,8 @@ use super::carrying::Carrying;
 use super::holding::Holding;
 use crate::contact::{ContactNode, Facing};
 use crate::description::{Description, Support};
-use crate::fault::Fault;
 use crate::fem::{Dofs, HeldRows, NodalForces, SAME_DIRECTION, Spring, independent, nearest_translation};
+use crate::input_error::InputError;
 use crate::loading::piecewise_linear;
 use crate::mesh::{Geometry, Mesh};
 use crate::timeline::within;
@@ -39,7 +39,7 @@ impl Moved {
         holdings: &[Holding],
         rows: &HeldRows,
         carrying: &Carrying,
-    ) -> Result<Vec<Self>, Fault> {
+    ) -> Result<Vec<Self>, InputError> {
         let supports = || description.supports.iter().zip(holdings).enumerate();
         let history = |support: &Support| within(description.end(), &support.factors(description.end()));
         let mut histories: Vec<Vec<[f64; 2]>> = Vec::new();
@@ -77,7 +77,7 @@ impl Moved {
                     let place = description.system(mesh.dimension).place(mesh.nodes[node]);
                     let message = format!("two supports move the node at {place} to different places");
                     let help = "let them agree there, or hold it by one of them";
-                    return Err(Fault::new(format!("support[{}].displacement", at_node[j].0), message, help));
+                    return Err(InputError::new(format!("support[{}].displacement", at_node[j].0), message, help));
                 }
                 if let Ok(held) = rows.nodes().binary_search(&node) {
                     // What rounding leaves of a body that is carried along as a whole would be strain.

@@ -5,11 +5,12 @@ mod forcing;
 
 use super::clock::Clock;
 use super::cycle::Cycle;
-use super::{Armijo, End, Flow, Iteration, IterationRecord, LinearSystem, Outcome, Stop};
+use super::{Armijo, Iteration, IterationRecord, LinearSystem, MethodResult, StopCriterion, Termination};
 use crate::formulation::Bdiff;
-use crate::linear::{Direct, LinearError};
+use crate::linear::{LinearError, RefinedSolver};
 use beyond::Branch;
 use forcing::Forcing;
+use std::ops::ControlFlow;
 
 /// Algorithm BN with its workspace.
 pub struct Bn {
@@ -28,7 +29,7 @@ pub struct Bn {
 }
 
 /// A direction, or why there is none.
-type Direction = Result<f64, Stop>;
+type Direction = Result<f64, Termination>;
 
 impl Bn {
     /// A solver for `unknowns` equations, with this rule for the step size.
@@ -51,27 +52,27 @@ impl Bn {
     ///
     /// # Errors
     /// When the linear algebra cannot go on for want of memory or by misuse. A singular matrix is
-    /// no error: it is a way to [`Stop`].
+    /// no error: it is a way to [`Termination`].
     pub fn solve(
         &mut self,
         formulation: &mut Bdiff,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         z: &mut [f64],
-        mut end: End<'_>,
-        observe: &mut dyn FnMut(&Iteration<'_>) -> Flow,
-    ) -> Result<Outcome, LinearError> {
+        mut end: StopCriterion<'_>,
+        observe: &mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>,
+    ) -> Result<MethodResult, LinearError> {
         // Step 1: initialisation.
         expect_unknowns(formulation, &self.h, z)?;
         let mut clock = Clock::default();
         let mut theta = clock.time(|| self.evaluate(formulation, z));
-        let mut outcome = Outcome::new(theta);
+        let mut outcome = MethodResult::new(theta);
         self.rest.fill(0.0);
         let mut error = end.measure(z, &self.rest);
-        if observe(&Iteration::start(theta, error)) == Flow::Stop {
-            return Ok(Outcome { stop: Stop::Interrupted, ..outcome });
+        if observe(&Iteration::start(theta, error)).is_break() {
+            return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
         }
         if end.met_at_start(error) {
-            return Ok(Outcome { stop: Stop::Met, ..outcome });
+            return Ok(MethodResult { stop: Termination::Converged, ..outcome });
         }
         self.forcing = end.is_measured().then(Forcing::default);
         let (mut cycle, mut full_step) = (Cycle::default(), false);
@@ -117,20 +118,20 @@ impl Bn {
                 // Nothing is left to gain but by refinement, or by following a motion that is free.
                 met = self.refine(formulation, linear, z, &mut end)?;
                 match formulation.unheld_motion() {
-                    None => outcome.stop = Stop::Stalled,
+                    None => outcome.stop = Termination::Stalled,
                     Some(_) if !met && self.follow(formulation, z) => theta = self.evaluate(formulation, z),
-                    Some(motion) => outcome.stop = Stop::Unheld(motion),
+                    Some(motion) => outcome.stop = Termination::Unconstrained(motion),
                 }
             }
-            if outcome.ends(met || formulation.is_affine(), flow) || outcome.stop != Stop::MaxIterations {
+            if outcome.ends(met || formulation.is_affine(), flow) || outcome.stop != Termination::MaxIterations {
                 break;
             }
         }
-        if outcome.stop == Stop::MaxIterations {
+        if outcome.stop == Termination::MaxIterations {
             outcome.stop = match formulation.unheld_motion() {
-                Some(motion) => Stop::Unheld(motion),
-                None if cycle.closed() => Stop::Cycling,
-                None => Stop::MaxIterations,
+                Some(motion) => Termination::Unconstrained(motion),
+                None if cycle.closed() => Termination::Cycling,
+                None => Termination::MaxIterations,
             };
         }
         outcome.assembly_seconds = clock.seconds;
@@ -145,14 +146,19 @@ impl Bn {
 
     /// Solves (22) for `dz`, with the matrix factored if it is `fresh`; the backward error, or why
     /// there is no direction.
-    fn direction(&mut self, formulation: &Bdiff, linear: &mut Direct, fresh: bool) -> Result<Direction, LinearError> {
+    fn direction(
+        &mut self,
+        formulation: &Bdiff,
+        linear: &mut RefinedSolver,
+        fresh: bool,
+    ) -> Result<Direction, LinearError> {
         if fresh {
             self.factored = None;
             if let Some(motion) = formulation.loose_motion() {
-                return Ok(Err(Stop::Unheld(motion)));
+                return Ok(Err(Termination::Unconstrained(motion)));
             }
             if let Err(error) = linear.factorize(formulation.jacobian()) {
-                return Stop::at(error).map(Err);
+                return Termination::at(error).map(Err);
             }
             self.factored = Some(linear.generation());
         }
@@ -167,7 +173,7 @@ impl Bn {
         };
         match solved {
             Ok(info) => Ok(Ok(info.backward_error)),
-            Err(error) => Stop::at(error).map(Err),
+            Err(error) => Termination::at(error).map(Err),
         }
     }
 
@@ -179,7 +185,7 @@ impl Bn {
     pub fn substitute(
         &mut self,
         formulation: &Bdiff,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         h: &[f64],
     ) -> Result<Option<&[f64]>, LinearError> {
         if self.factored != Some(linear.generation()) {
@@ -188,7 +194,7 @@ impl Bn {
         self.rhs.iter_mut().zip(h).for_each(|(b, h)| *b = -h);
         match linear.solve(formulation.jacobian(), &self.rhs, &mut self.dz) {
             Ok(_) => Ok(Some(&self.dz)),
-            Err(error) => Stop::at(error).map(|_| None),
+            Err(error) => Termination::at(error).map(|_| None),
         }
     }
 
@@ -203,7 +209,7 @@ impl Bn {
     }
 
     /// Whether the factors of `linear` are those of the last linearisation.
-    pub fn has_factors(&self, linear: &Direct) -> bool {
+    pub fn has_factors(&self, linear: &RefinedSolver) -> bool {
         self.factored == Some(linear.generation())
     }
 
@@ -211,14 +217,14 @@ impl Bn {
     ///
     /// # Errors
     /// As [`Bn::solve`].
-    pub fn factor(&mut self, formulation: &Bdiff, linear: &mut Direct) -> Result<bool, LinearError> {
+    pub fn factor(&mut self, formulation: &Bdiff, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         self.factored = None;
         if formulation.loose_motion().is_some() {
             return Ok(false);
         }
         match linear.factorize(formulation.jacobian()) {
             Ok(_) => self.factored = Some(linear.generation()),
-            Err(error) => drop(Stop::at(error)?),
+            Err(error) => drop(Termination::at(error)?),
         }
         Ok(self.factored.is_some())
     }

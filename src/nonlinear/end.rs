@@ -4,7 +4,7 @@
 pub type Measure<'a> = &'a mut dyn FnMut(&[f64], &[f64]) -> f64;
 
 /// When Algorithm BN ends.
-pub enum End<'a> {
+pub enum StopCriterion<'a> {
     /// `Theta ≤ ε` after a step, in the unit of the formulation's `Theta`: the paper's test.
     Merit(f64),
     /// The caller's error measure is at most the tolerance, be it before the first step.
@@ -20,12 +20,12 @@ pub enum End<'a> {
     },
 }
 
-impl End<'_> {
+impl StopCriterion<'_> {
     /// The error at `z + rest`, where it is measured.
     pub(super) fn measure(&mut self, z: &[f64], rest: &[f64]) -> Option<f64> {
         match self {
-            End::Merit(_) => None,
-            End::Measured { error, .. } => Some(error(z, rest)),
+            StopCriterion::Merit(_) => None,
+            StopCriterion::Measured { error, .. } => Some(error(z, rest)),
         }
     }
 
@@ -37,13 +37,13 @@ impl End<'_> {
     /// Whether the iterate with the merit `theta` and this error is a solution.
     pub(super) fn met(&self, theta: f64, measured: Option<f64>) -> bool {
         match self {
-            End::Merit(epsilon) => theta <= *epsilon,
-            End::Measured { tolerance, .. } => measured.is_some_and(|error| error <= *tolerance),
+            StopCriterion::Merit(epsilon) => theta <= *epsilon,
+            StopCriterion::Measured { tolerance, .. } => measured.is_some_and(|error| error <= *tolerance),
         }
     }
 
     /// Whether the last digits are wanted.
     pub(super) fn is_measured(&self) -> bool {
-        matches!(self, End::Measured { .. })
+        matches!(self, StopCriterion::Measured { .. })
     }
 }

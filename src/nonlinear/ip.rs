@@ -1,9 +1,10 @@
 //! Algorithm IP: the potential reduction interior point method.
 
 use super::clock::Clock;
-use super::{Flow, Iteration, IterationRecord, LinearSystem, Outcome, Stop};
+use super::{Iteration, IterationRecord, LinearSystem, MethodResult, Termination};
 use crate::formulation::{Constrained, InteriorPoint};
-use crate::linear::{Direct, LinearError, SolveInfo};
+use crate::linear::{LinearError, RefinedSolver, SolveInfo};
+use std::ops::ControlFlow;
 
 /// The constants of Algorithm IP.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,7 +86,7 @@ impl Workspace {
     pub(super) fn solve(
         &mut self,
         formulation: &dyn InteriorPoint,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         z: &[f64],
     ) -> Result<SolveInfo, LinearError> {
         formulation.reduce(z, &self.b, &mut self.rhs);
@@ -113,15 +114,15 @@ impl Ip {
     ///
     /// # Errors
     /// When the linear algebra cannot go on for want of memory or by misuse. A singular matrix is
-    /// no error: it is a way to [`Stop`].
+    /// no error: it is a way to [`Termination`].
     pub fn solve(
         &mut self,
         settings: &IpSettings,
         formulation: &mut Constrained,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         z: &mut [f64],
-        observe: &mut dyn FnMut(&Iteration<'_>) -> Flow,
-    ) -> Result<Outcome, LinearError> {
+        observe: &mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>,
+    ) -> Result<MethodResult, LinearError> {
         // Step 1: initialisation.
         let mut clock = Clock::default();
         self.work.resize(formulation);
@@ -130,9 +131,9 @@ impl Ip {
         let mut sigma = settings.sigma_0;
         clock.time(|| formulation.residual(z, &mut self.work.h));
         let mut theta = formulation.theta(z, &self.work.h);
-        let mut outcome = Outcome::new(theta);
-        if observe(&Iteration::start(theta, None)) == Flow::Stop {
-            return Ok(Outcome { stop: Stop::Interrupted, ..outcome });
+        let mut outcome = MethodResult::new(theta);
+        if observe(&Iteration::start(theta, None)).is_break() {
+            return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
         }
 
         for iteration in 1..=settings.max_iterations {
@@ -147,7 +148,7 @@ impl Ip {
             let backward_error = match solved {
                 Ok(info) => info.backward_error,
                 Err(error) => {
-                    outcome.stop = Stop::at(error)?;
+                    outcome.stop = Termination::at(error)?;
                     break;
                 }
             };
@@ -165,7 +166,7 @@ impl Ip {
                 settings.search(first, demanded, psi)
             });
             let Some((step, backtracks)) = search else {
-                outcome.stop = Stop::Stalled;
+                outcome.stop = Termination::Stalled;
                 break;
             };
             clock.time(|| {

@@ -6,9 +6,10 @@
 
 use super::clock::Clock;
 use super::ip::Workspace;
-use super::{Flow, Iteration, IterationRecord, Outcome, Stop};
+use super::{Iteration, IterationRecord, MethodResult, Termination};
 use crate::formulation::{Face, InteriorPoint, Pair, largest_step};
-use crate::linear::{Direct, LinearError};
+use crate::linear::{LinearError, RefinedSolver};
+use std::ops::ControlFlow;
 
 /// The share of the way to the border that a step may go. Closer makes the next steps short;
 /// 0.9 costs 8 % more iterations, and nothing was found between 0.99 and 0.995.
@@ -51,23 +52,23 @@ impl PredictorCorrector {
     ///
     /// # Errors
     /// When the linear algebra cannot go on for want of memory or by misuse. A singular matrix is
-    /// no error: it is a way to [`Stop`].
+    /// no error: it is a way to [`Termination`].
     pub fn solve(
         &mut self,
         settings: &PredictorCorrectorSettings,
         formulation: &mut dyn InteriorPoint,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         z: &mut [f64],
         error: &mut dyn FnMut(&[f64]) -> f64,
-        observe: &mut dyn FnMut(&Iteration<'_>) -> Flow,
-    ) -> Result<Outcome, LinearError> {
+        observe: &mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>,
+    ) -> Result<MethodResult, LinearError> {
         let mut clock = Clock::default();
         self.work.resize(formulation);
         clock.time(|| formulation.residual(z, &mut self.work.h));
         let theta = formulation.theta(z, &self.work.h);
-        let mut outcome = Outcome::new(theta);
-        if observe(&Iteration::start(theta, None)) == Flow::Stop {
-            return Ok(Outcome { stop: Stop::Interrupted, ..outcome });
+        let mut outcome = MethodResult::new(theta);
+        if observe(&Iteration::start(theta, None)).is_break() {
+            return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
         }
         // The face ahead, and the last one that a step to it has been tried on.
         let (mut ahead, mut tried): (Option<Face>, Option<Face>) = (None, None);
@@ -96,7 +97,7 @@ impl PredictorCorrector {
             let taken = match taken {
                 Ok(taken) => taken,
                 Err(error) => {
-                    outcome.stop = Stop::at(error)?;
+                    outcome.stop = Termination::at(error)?;
                     break;
                 }
             };
@@ -130,7 +131,7 @@ impl PredictorCorrector {
         &mut self,
         curved: bool,
         formulation: &mut dyn InteriorPoint,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         z: &mut [f64],
         error: &mut dyn FnMut(&[f64]) -> f64,
     ) -> Result<Taken, LinearError> {
@@ -175,7 +176,7 @@ impl PredictorCorrector {
         &mut self,
         face: &Face,
         formulation: &mut dyn InteriorPoint,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         z: &mut [f64],
         tolerance: f64,
         error: &mut dyn FnMut(&[f64]) -> f64,

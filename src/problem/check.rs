@@ -75,7 +75,7 @@ fn semidefinite(stiffness: &Symmetric) -> Result<(), ProblemError> {
 }
 
 /// `K r = 0` for each motion `r`, and none of them is made of the others.
-pub(super) fn free_motions(stiffness: &Symmetric, motions: &[Vec<f64>]) -> Result<(), ProblemError> {
+pub(super) fn rigid_modes(stiffness: &Symmetric, motions: &[Vec<f64>]) -> Result<(), ProblemError> {
     let n_u = stiffness.order();
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for (motion, r) in motions.iter().enumerate() {

@@ -60,7 +60,7 @@ impl ContactProblem {
 
     /// `K_PP`, factored. None where the patch is all that moves and nothing stops it, or where it is singular.
     fn factors(&self, at_hand: &Csc, patch: &Patch) -> Option<Llt<f64>> {
-        if patch.len() == self.displacements() && !self.free_motions.is_empty() {
+        if patch.len() == self.displacements() && !self.rigid_modes.is_empty() {
             return None;
         }
         let (pattern, values) = (at_hand.pattern(), at_hand.values());
@@ -128,7 +128,7 @@ mod tests {
             c_o: none,
             mu: vec![0.0; n],
             weight: Some(vec![1.0; n]),
-            free_motions: Some(if held { Vec::new() } else { vec![vec![1.0; n]] }),
+            rigid_modes: Some(if held { Vec::new() } else { vec![vec![1.0; n]] }),
         })
         .unwrap()
     }

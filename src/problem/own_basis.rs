@@ -11,8 +11,8 @@
 //! the diagonal.
 
 use super::ContactProblem;
-use crate::sets::Sets;
-use crate::sparse::{Csr, Twofold};
+use crate::sparse::{Csr, DoubleDouble};
+use crate::union_find::UnionFind;
 
 /// More displacements than one node of a mesh has.
 const SEVERAL_NODES: usize = 4;
@@ -39,7 +39,7 @@ impl OwnBasis {
     pub(crate) fn of(problem: &ContactProblem) -> Option<Self> {
         let (n_u, n_c) = (problem.displacements(), problem.contacts());
         let rows = |i: usize| rows(problem, i);
-        let mut sets = Sets::new(n_u);
+        let mut sets = UnionFind::new(n_u);
         // How many contact nodes have each displacement, and the last of them.
         let mut owners = vec![(0_usize, 0_usize); n_u];
         for i in 0..n_c {
@@ -88,7 +88,7 @@ impl OwnBasis {
     /// The same of `u + rest`, where `rest` is below the rounding of `u`.
     pub(crate) fn apply_beyond(&self, u: &mut [f64], rest: &mut [f64]) {
         for (dof, others) in &self.changed {
-            let mut sum = Twofold::default();
+            let mut sum = DoubleDouble::default();
             sum.add(u[*dof]);
             sum.add(rest[*dof]);
             for (other, c) in others {
@@ -215,7 +215,7 @@ mod tests {
         let stiffness = Symmetric::from_triplets(5, &(0..5).flat_map(entries).collect::<Vec<_>>()).unwrap();
         let c_n = Csr::from_rows(5, rows(n)).unwrap();
         let c_t = Csr::from_rows(5, [first, second, Vec::new()]).unwrap();
-        let parts = Parts { c_t, mu: vec![0.3; 3], free_motions: Some(Vec::new()), ..Parts::new(stiffness, c_n) };
+        let parts = Parts { c_t, mu: vec![0.3; 3], rigid_modes: Some(Vec::new()), ..Parts::new(stiffness, c_n) };
         ContactProblem::new(parts).unwrap()
     }
 

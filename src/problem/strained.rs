@@ -1,15 +1,15 @@
 //! Displacements without what strains nothing.
 
-use crate::sparse::Twofold;
+use crate::sparse::DoubleDouble;
 
-/// Displacements `u + rest` without their part along the `free_motions`, in two words: `K` does not feel it, but where it is
+/// Displacements `u + rest` without their part along the `rigid_modes`, in two words: `K` does not feel it, but where it is
 /// large, what rounding has left of that in the entries of `K` would bury the forces.
-pub(crate) fn strained(free_motions: &[Vec<f64>], u: &[f64], rest: &[f64]) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn strained(rigid_modes: &[Vec<f64>], u: &[f64], rest: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let (mut u, mut rest) = (u.to_vec(), rest.to_vec());
     rest.resize(u.len(), 0.0);
     let mut basis = Vec::<Vec<f64>>::new();
-    for motion in free_motions {
+    for motion in rigid_modes {
         let mut motion = motion.clone();
         for other in &basis {
             let share = product(&motion, other) / product(other, other);
@@ -21,7 +21,7 @@ pub(crate) fn strained(free_motions: &[Vec<f64>], u: &[f64], rest: &[f64]) -> (V
     for motion in basis.iter().chain(&basis) {
         let share = product(&u, motion) / product(motion, motion);
         for ((u, rest), r) in u.iter_mut().zip(&mut rest).zip(motion) {
-            let mut left = Twofold::default();
+            let mut left = DoubleDouble::default();
             left.add(*u);
             left.add_product(-share, *r);
             left.add(*rest);

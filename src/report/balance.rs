@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::warnings::{Warning, WarningKind};
-use crate::history::Step;
+use crate::history::IncrementView;
 use crate::model::{Balance, Model, Pair, Wrench};
 use crate::units::Quantity;
 
@@ -49,7 +49,7 @@ pub struct Acting {
 
 impl BalanceRecord {
     /// The balance at the end of a step.
-    pub fn new(model: &Model, step: &Step<'_>) -> Self {
+    pub fn new(model: &Model, step: &IncrementView<'_>) -> Self {
         let (index, time) = (step.record.index, step.record.time);
         let Balance { loads, supports, springs, closure, force_closure, size, .. } = model.balanced(time, step.state);
         let (description, units) = (model.description(), model.units());

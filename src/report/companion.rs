@@ -27,11 +27,10 @@ impl CompanionEstimate {
     pub fn new(model: &Model, increments: usize, status: Status, states: [&[State]; 2], share: f64) -> Self {
         let problem = &model.problem;
         let [these, others] = states;
-        let largest = these.iter().map(|state| problem.force_norm(|i| [state.p_t[i], state.p_o[i]])).fold(0.0, f64::max);
-        let apart = these
-            .iter()
-            .zip(others)
-            .map(|(a, b)| problem.force_norm(|i| [a.p_t[i] - b.p_t[i], a.p_o[i] - b.p_o[i]]));
+        let largest =
+            these.iter().map(|state| problem.force_norm(|i| [state.p_t[i], state.p_o[i]])).fold(0.0, f64::max);
+        let apart =
+            these.iter().zip(others).map(|(a, b)| problem.force_norm(|i| [a.p_t[i] - b.p_t[i], a.p_o[i] - b.p_o[i]]));
         let apart = apart.fold(0.0, f64::max);
         let relative = if apart == 0.0 { 0.0 } else { apart / largest };
         let is_known = status == Status::Converged && these.len() == others.len() && relative.is_finite();

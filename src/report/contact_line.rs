@@ -6,7 +6,7 @@ use super::csv;
 use super::quantities::cell;
 use crate::contact::ContactBoundary;
 use crate::estimate::ContactGraph;
-use crate::history::Step;
+use crate::history::IncrementView;
 use crate::laws::ContactStatus;
 use crate::model::Model;
 use crate::units::UnitSystem;
@@ -84,7 +84,7 @@ pub struct ContactLine {
 
 impl ContactLine {
     /// The contact lines of a step, one for each boundary with contact.
-    pub fn all(model: &Model, step: &Step<'_>) -> Vec<Self> {
+    pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
         let several = model.contact_boundaries.len() > 1;
         let line = |boundary: &ContactBoundary| ContactLine {
             boundary: several.then(|| boundary.name.clone()),
@@ -185,7 +185,7 @@ pub(super) fn names() -> impl Iterator<Item = &'static str> {
 }
 
 /// The contact nodes `nodes` at the end of a step.
-pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Step<'_>) -> Vec<ContactPoint> {
+pub(super) fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &IncrementView<'_>) -> Vec<ContactPoint> {
     let (problem, state) = (&model.problem, step.state);
     let tractions = model.recovered_tractions(state);
     let in_frame = |i: usize| model.contacts[i].in_frame([state.p_t[i], state.p_o[i]]);

@@ -1,7 +1,7 @@
 //! A contact surface in space at the end of an increment, seen along its normal.
 
 use crate::contact::ContactBoundary;
-use crate::history::Step;
+use crate::history::IncrementView;
 use crate::laws::ContactStatus;
 use crate::model::Model;
 use crate::units::UnitSystem;
@@ -41,12 +41,12 @@ pub struct SurfaceNode {
 
 impl ContactSurface {
     /// The contact surfaces of a step, one for each boundary with contact; none in two dimensions.
-    pub fn all(model: &Model, step: &Step<'_>) -> Vec<Self> {
+    pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
         let boundaries = model.contact_boundaries.iter().filter(|_| model.mesh.dimension == 3);
         boundaries.filter_map(|boundary| Self::new(model, step, boundary)).collect()
     }
 
-    fn new(model: &Model, step: &Step<'_>, boundary: &ContactBoundary) -> Option<Self> {
+    fn new(model: &Model, step: &IncrementView<'_>, boundary: &ContactBoundary) -> Option<Self> {
         let facets = &model.mesh.boundary(&boundary.name)?.facets;
         let axes = axes(view(model, boundary));
         let along = |v: [f64; 3]| axes.map(|axis| dot(axis, v));

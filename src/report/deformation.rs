@@ -1,11 +1,11 @@
 //! What a step has made of the body.
 
-use crate::history::Step;
+use crate::history::IncrementView;
 use crate::model::Model;
 
 /// The displacements of all nodes (m) at the end of a step, and the factors of the loads by temperature, see
 /// [`Model::thermal_factors`]. Increment 0 is the body before anything acts on it, also where that begins at t = 0.
-pub(super) fn deformation(model: &Model, step: &Step<'_>) -> (Vec<[f64; 3]>, Vec<f64>) {
+pub(super) fn deformation(model: &Model, step: &IncrementView<'_>) -> (Vec<[f64; 3]>, Vec<f64>) {
     let time = step.record.time;
     match step.record.index {
         0 => (vec![[0.0; 3]; model.mesh.nodes.len()], Vec::new()),

@@ -7,7 +7,7 @@ use super::colours::{draw_bar, shade};
 use super::deformation::deformation;
 use super::principal::von_mises;
 use super::svg::{Anchor, Colour, Dash, Line, PlotError, Svg, expect_finite};
-use crate::history::Step;
+use crate::history::IncrementView;
 use crate::model::Model;
 use crate::units::{Quantity, UnitSystem};
 use crate::vector::{cross, dot, minus, norm, unit};
@@ -68,7 +68,7 @@ const VIEWER: [f64; 3] = [0.45, -0.8, 0.4];
 impl DeformedBody {
     /// The body of `model` at the end of `step`, displacements drawn `magnification` times as long: without it by 1, 2 or 5
     /// times a power of ten, at least 1, that makes the longest about a twentieth of the body.
-    pub fn new(model: &Model, step: &Step<'_>, magnification: Option<f64>) -> Self {
+    pub fn new(model: &Model, step: &IncrementView<'_>, magnification: Option<f64>) -> Self {
         let mesh = &model.mesh;
         let (displacements, factors) = deformation(model, step);
         let largest = displacements.iter().map(|u| norm(*u)).fold(0.0, f64::max);

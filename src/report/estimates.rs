@@ -9,7 +9,7 @@ use super::validity::Validity;
 use super::warnings::{Warning, WarningKind};
 use crate::estimate::{ContactEstimate, ContactGraph, ElementEstimate, HertzContact, PeakOf, peak_error};
 use crate::fem::Element;
-use crate::history::{IncrementError, Status, Step};
+use crate::history::{IncrementError, IncrementView, Status};
 use crate::laws::ContactStatus;
 use crate::model::Model;
 use crate::problem::State;
@@ -132,7 +132,7 @@ impl EstimateWatch {
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
-    pub fn see(&mut self, model: &Model, step: &Step<'_>) {
+    pub fn see(&mut self, model: &Model, step: &IncrementView<'_>) {
         if step.record.status != Status::Converged {
             return;
         }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::warnings::{Warning, WarningKind};
-use crate::events::{Jump, Lost};
+use crate::events::{Jump, PathEnd};
 use crate::history::{HistoryOutcome, Method};
 use crate::model::Model;
 use crate::units::Quantity;
@@ -19,7 +19,7 @@ pub struct ExactPath {
     pub jumps: Vec<Jump>,
     /// Where the quasi-static motion ended, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub lost: Option<Lost>,
+    pub lost: Option<PathEnd>,
 }
 
 /// A larger share of the displacements by which gaps may be off is told.

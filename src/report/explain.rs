@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::fem::RigidMotion;
-use crate::history::{HistoryOutcome, Method, Solver, Status};
+use crate::history::{HistoryOutcome, Method, SolverChoice, Status};
 use crate::laws::Law;
 use crate::model::Model;
 use crate::units::Quantity;
@@ -41,12 +41,12 @@ pub struct WorstNode {
 
 impl Explanation {
     /// The explanation of the `outcome` of `model`, solved as `solver` says; empty if it converged.
-    pub fn new(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> Self {
+    pub fn new(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Self {
         Explanation { reason: reason(solver, model, outcome), worst: worst_node(model, outcome) }
     }
 }
 
-fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
+fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> String {
     let Some(record) = outcome.records.iter().find(|record| record.status != Status::Converged) else {
         return match outcome.status {
             Status::Singular => unheld(model, outcome),
@@ -121,7 +121,7 @@ fn reason(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
 }
 
 /// What to try when the iteration stops too late or too early.
-fn advice(solver: &Solver, model: &Model, outcome: &HistoryOutcome) -> String {
+fn advice(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> String {
     let words = match solver.method {
         Method::Bn { r_factor, .. } if r_factor != 1.0 => {
             "r is not that of the problem: take solver.r_factor out of the scene"
@@ -169,7 +169,7 @@ fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
 fn meets_contact(model: &Model, weights: &[f64]) -> bool {
     let problem = &model.problem;
     let mut u = vec![0.0; problem.displacements()];
-    for (weight, motion) in weights.iter().zip(problem.free_motions()) {
+    for (weight, motion) in weights.iter().zip(problem.rigid_modes()) {
         u.iter_mut().zip(motion).for_each(|(u, r)| *u += weight * r);
     }
     let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));

@@ -6,7 +6,7 @@ use super::part::RANK;
 use super::principal::{principal_stresses, von_mises};
 use super::vtu::{Field, Grid, Values};
 use crate::estimate::ElementEstimate;
-use crate::history::Step;
+use crate::history::IncrementView;
 use crate::laws::ContactStatus;
 use crate::mesh::Cell;
 use crate::model::Model;
@@ -24,7 +24,7 @@ use crate::vector::{across, dot, norm, plus, unit};
 /// `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the order of the elements;
 /// where there are several bodies `body`, the number of each from 0; `discretisation_error`, the share of a cell in the error of the mesh in the energy norm;
 /// and where several processes share the body `rank`, that of the first node of a cell by the order of their nodes.
-pub fn fields(model: &Model, step: &Step<'_>) -> Grid {
+pub fn fields(model: &Model, step: &IncrementView<'_>) -> Grid {
     let mesh = &model.mesh;
     let (displacements, factors) = deformation(model, step);
     let mut point_fields = vec![real("displacement", 3, displacements.iter().flatten().copied().collect())];
@@ -78,7 +78,7 @@ pub(super) const NAMES: [&str; 15] = [
     RANK,
 ];
 
-fn contact_fields(model: &Model, step: &Step<'_>) -> Vec<Field> {
+fn contact_fields(model: &Model, step: &IncrementView<'_>) -> Vec<Field> {
     let n = model.mesh.nodes.len();
     let (mut pressure, mut patch) = (vec![f64::NAN; n], vec![f64::NAN; n]);
     let mut patches = false;

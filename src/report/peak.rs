@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::estimate::{ContactEstimate, ContactGraph, PeakOf};
-use crate::history::Step;
+use crate::history::IncrementView;
 use crate::laws::ContactStatus;
 use crate::model::Model;
 use crate::problem::State;
@@ -48,7 +48,7 @@ impl Peak {
         model: &Model,
         graph: &ContactGraph,
         of: PeakOf,
-        Step { record, state, statuses, .. }: &Step<'_>,
+        IncrementView { record, state, statuses, .. }: &IncrementView<'_>,
     ) {
         let pressures = match of {
             PeakOf::Nodes => model.contact_pressures(state),

@@ -5,9 +5,9 @@ use super::deformation::deformation;
 use super::principal::von_mises;
 use super::quantities::cell;
 use crate::description::{Probe, ProbePlace};
-use crate::fault::Fault;
 use crate::fem::reference_point;
-use crate::history::Step;
+use crate::history::IncrementView;
+use crate::input_error::InputError;
 use crate::mesh::{Mesh, shape};
 use crate::model::Model;
 use crate::units::{Quantity, UnitSystem};
@@ -51,17 +51,17 @@ impl ProbeTable {
     /// The tables of `probes`, which are [`Probe::check`]ed here, too.
     ///
     /// # Errors
-    /// [`Fault`] of the key of a point that is outside of the body of `model`, or has not its dimension.
-    pub fn all(model: &Model, probes: &[Probe]) -> Result<Vec<Self>, Fault> {
+    /// [`InputError`] of the key of a point that is outside of the body of `model`, or has not its dimension.
+    pub fn all(model: &Model, probes: &[Probe]) -> Result<Vec<Self>, InputError> {
         Probe::check(probes)?;
         let mut tables = Vec::with_capacity(probes.len());
         for (k, probe) in probes.iter().enumerate() {
-            tables.push(Self::new(model, probe).map_err(|fault| fault.under(&format!("output.probe[{k}]")))?);
+            tables.push(Self::new(model, probe).map_err(|fault| fault.with_key(&format!("output.probe[{k}]")))?);
         }
         Ok(tables)
     }
 
-    fn new(model: &Model, probe: &Probe) -> Result<Self, Fault> {
+    fn new(model: &Model, probe: &Probe) -> Result<Self, InputError> {
         let (mesh, name) = (&*model.mesh, probe.name.clone());
         let dimension = mesh.dimension;
         let given = match probe.place {
@@ -73,7 +73,7 @@ impl ProbeTable {
             let message =
                 format!("the point {told:?} has {} components, but the body {dimension} dimensions", point.dimension());
             let help = if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" };
-            return Err(Fault::new(*key, message, help));
+            return Err(InputError::new(*key, message, help));
         }
         let positions = probe.points();
         let cells = cells(mesh, &positions);
@@ -89,7 +89,7 @@ impl ProbeTable {
     }
 
     /// What the points have come to at the end of a `step` of `model`, which is that of the table.
-    pub fn values(&self, model: &Model, step: &Step<'_>) -> Vec<ProbeValue> {
+    pub fn values(&self, model: &Model, step: &IncrementView<'_>) -> Vec<ProbeValue> {
         let (displacements, factors) = deformation(model, step);
         let value = |point: &Held| {
             let cell = &model.mesh.cells[point.cell];
@@ -110,7 +110,7 @@ impl ProbeTable {
     }
 
     /// A line for each point at the end of a step.
-    pub(super) fn lines(&self, model: &Model, step: &Step<'_>) -> String {
+    pub(super) fn lines(&self, model: &Model, step: &IncrementView<'_>) -> String {
         let (d, units) = (self.dimension, model.units());
         let line = |(k, value): (usize, ProbeValue)| {
             let ProbeValue { position, displacement, stress } = value;
@@ -158,9 +158,9 @@ fn cells(mesh: &Mesh, points: &[[f64; 3]]) -> Vec<Option<(usize, [f64; 3])>> {
     found
 }
 
-fn outside(mesh: &Mesh, units: &UnitSystem, key: &str, point: [f64; 3]) -> Fault {
+fn outside(mesh: &Mesh, units: &UnitSystem, key: &str, point: [f64; 3]) -> InputError {
     let nearest = mesh.nodes.iter().min_by(|a, b| norm(minus(**a, point)).total_cmp(&norm(minus(**b, point))));
     let message = format!("the point {} is outside of the body", units.place(point));
     let node = nearest.map_or(String::new(), |node| format!("; the nearest node is at {}", units.place(*node)));
-    Fault::new(key, message, format!("give a point of the undeformed mesh{node}"))
+    InputError::new(key, message, format!("give a point of the undeformed mesh{node}"))
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::ContactBoundary;
-use crate::history::Step;
+use crate::history::IncrementView;
 use crate::model::{Model, Wrench};
 use crate::problem::State;
 
@@ -169,7 +169,7 @@ impl ComponentSums {
 
 impl ForceRecord {
     /// The records of a step, one for each boundary with contact.
-    pub fn all(model: &Model, step: &Step<'_>) -> Vec<Self> {
+    pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
         let (index, time) = (step.record.index, step.record.time);
         Resultant::all(model, time, step.state)
             .into_iter()

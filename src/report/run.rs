@@ -21,7 +21,7 @@ use super::validity::{LargestDisplacement, Validity};
 use super::warnings::{Warning, WarningKind};
 use crate::auto::{Choice, Faster};
 use crate::contact::RangeLeft;
-use crate::history::{HistoryOutcome, IncrementRecord, LinearAlgebra, Solver, Status, WorkingSet};
+use crate::history::{HistoryOutcome, IncrementRecord, LinearAlgebra, SolverChoice, Status, WorkingSet};
 use crate::laws::KktErrors;
 use crate::linear::blas::Blas;
 use crate::model::Model;
@@ -212,7 +212,7 @@ pub struct Facts<'a> {
     /// What was solved.
     pub model: &'a Model,
     /// How.
-    pub solver: &'a Solver,
+    pub solver: &'a SolverChoice,
     /// The name of the linear algebra that solved it.
     pub linear: String,
     /// Whether it condensed the body.

@@ -6,7 +6,7 @@ use super::largest::is_as_large;
 use super::warnings::{Warning, WarningKind};
 use crate::contact::{Passed, RangeLeft, TOLERATED_SHARE};
 use crate::fem::RigidMotion;
-use crate::history::{Status, Step};
+use crate::history::{IncrementView, Status};
 use crate::laws::ContactStatus;
 use crate::mesh::Boundary;
 use crate::model::{BetweenNodes, Faceted, Model, OnTheWay, Overlap, Pair, Slid};
@@ -128,8 +128,8 @@ impl Validity {
     }
 
     /// Looks at the end of an increment; one that did not converge says nothing.
-    pub fn see(&mut self, model: &Model, step: &Step<'_>) {
-        let Step { record, increment, state, statuses } = step;
+    pub fn see(&mut self, model: &Model, step: &IncrementView<'_>) {
+        let IncrementView { record, increment, state, statuses } = step;
         if record.status != Status::Converged {
             return;
         }

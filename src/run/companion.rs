@@ -1,9 +1,10 @@
 //! The increments of a companion run: fewer, or where there are few already more, and among them the same corners of the history.
 
 use super::watch::tangential_forces;
-use crate::history::{Observer, Status, Step};
-use crate::nonlinear::{Flow, IterationRecord};
+use crate::history::{IncrementView, Observer, Status};
+use crate::nonlinear::IterationRecord;
 use crate::problem::State;
+use std::ops::ControlFlow;
 
 /// The companion has so many times fewer increments.
 const COARSER: usize = 4;
@@ -109,15 +110,15 @@ impl Observer for Quiet<'_> {
         false
     }
 
-    fn iteration(&mut self, index: usize, record: &IterationRecord) -> Flow {
+    fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
         self.observer.iteration(index, record)
     }
 
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         if step.record.status == Status::Converged && self.numbers.binary_search(&step.record.index).is_ok() {
             self.states.push(tangential_forces(step.state));
         }
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

@@ -6,7 +6,7 @@ use super::RunError;
 use super::need::has_room;
 use super::sharing::share;
 use crate::formulation::Layout;
-use crate::history::{LinearAlgebra, Method, Solver};
+use crate::history::{LinearAlgebra, Method, SolverChoice};
 use crate::linear::built_in::ranks;
 use crate::memory::Budget;
 use crate::model::{Model, Share};
@@ -51,10 +51,10 @@ pub(super) fn for_run(scene: &Scene) -> Result<Model, RunError> {
 pub(super) fn as_chosen<'a>(
     scene: Option<&Scene>,
     model: Cow<'a, Model>,
-    solver: Solver,
+    solver: SolverChoice,
     chosen: LinearAlgebra,
 ) -> Result<Cow<'a, Model>, RunError> {
-    match (scene, share(&Solver { linear: Some(chosen), ..solver })) {
+    match (scene, share(&SolverChoice { linear: Some(chosen), ..solver })) {
         (Some(scene), Some(share)) if solver.linear.is_none() => {
             drop(model);
             Ok(Cow::Owned(shared(scene, share)?))

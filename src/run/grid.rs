@@ -1,17 +1,17 @@
 //! Where the unknowns of a model are, for multigrid.
 
 use crate::formulation::Layout;
-use crate::history::{LinearAlgebra, Method, System};
+use crate::history::{LinearAlgebra, Method, SystemSolver};
 use crate::linear::{Contact, Form, Grid, LinearSolver, Multigrid, SparseLu};
 use crate::model::Model;
 use crate::problem::OwnBasis;
 use crate::vector::{axis, cross, minus};
 
 /// The system of `model`, by a direct solver where it has no grid.
-pub(super) fn system(model: &Model, method: Method) -> System {
+pub(super) fn system(model: &Model, method: Method) -> SystemSolver {
     let Some(grid) = grid(model) else { return LinearAlgebra::Whole(SparseLu::for_ranks()).into() };
     let form = if method.is_interior() { Form::Oblique } else { Form::Symmetric };
-    System::from(Box::new(Multigrid::new(grid, form)) as Box<dyn LinearSolver>)
+    SystemSolver::from(Box::new(Multigrid::new(grid, form)) as Box<dyn LinearSolver>)
 }
 
 /// The grid of `model`; none where the contact rows of a node cannot be had on its own displacements alone, or a node has two contacts.

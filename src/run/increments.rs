@@ -5,9 +5,10 @@ use super::discretise::for_run;
 use super::{Run, RunError};
 use crate::history::Observer;
 use crate::model::Model;
-use crate::nonlinear::{Flow, IterationRecord};
+use crate::nonlinear::IterationRecord;
 use crate::report::ChosenIncrements;
 use crate::scene::{Override, Scene};
+use std::ops::ControlFlow;
 
 /// A first run has so many increments in the shortest stretch of a history in which everything goes on in one direction.
 const FIRST: usize = 8;
@@ -53,7 +54,7 @@ impl Observer for OnlyIterations<'_> {
         false
     }
 
-    fn iteration(&mut self, index: usize, record: &IterationRecord) -> Flow {
+    fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
         self.0.iteration(index, record)
     }
 }

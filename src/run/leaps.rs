@@ -8,12 +8,13 @@
 use serde::{Deserialize, Serialize};
 
 use crate::formulation::Layout;
-use crate::history::{Edge, Error, HistorySettings, Means, Method, Observer, Status, Step};
+use crate::history::{Error, HistorySettings, IncrementView, JumpSolver, Method, Observer, RestartPoint, Status};
 use crate::laws::KktScales;
 use crate::model::Model;
-use crate::nonlinear::{Flow, IterationRecord};
+use crate::nonlinear::IterationRecord;
 use crate::problem::{ContactProblem, State};
 use crate::report::Leap;
+use std::ops::ControlFlow;
 
 /// A change of the contact forces that is a smaller share of their largest is not looked at.
 const LARGE: f64 = 0.02;
@@ -86,7 +87,7 @@ impl Leaps {
     }
 
     /// Looks at the end of an increment.
-    pub(super) fn see(&mut self, model: &Model, step: &Step<'_>) {
+    pub(super) fn see(&mut self, model: &Model, step: &IncrementView<'_>) {
         if step.record.status != Status::Converged || !self.may_jump {
             return;
         }
@@ -126,7 +127,7 @@ impl Leaps {
         model: &Model,
         settings: &HistorySettings,
         scales: KktScales,
-        means: &mut Means<'_>,
+        means: &mut JumpSolver<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Option<Leap>, Error> {
         let mut first: Option<Leap> = None;
@@ -146,7 +147,7 @@ impl Suspect {
         model: &Model,
         settings: &HistorySettings,
         scales: KktScales,
-        means: &mut Means<'_>,
+        means: &mut JumpSolver<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Option<(f64, f64, f64)>, Error> {
         let (problem, loading) = (&model.problem, &model.loading);
@@ -158,7 +159,7 @@ impl Suspect {
             if middle <= from.time || middle >= to.time {
                 break;
             }
-            let edge = Edge { problem, loading, settings, time: from.time, state: from.state.clone(), scales };
+            let edge = RestartPoint { problem, loading, settings, time: from.time, state: from.state.clone(), scales };
             let mut halves = Halves { observer, problem, stays, ends: vec![from], found: None };
             let status = edge.go_on(&[middle, to.time], &mut halves, means)?;
             let Halves { mut ends, found, .. } = halves;
@@ -180,7 +181,7 @@ impl Suspect {
 }
 
 impl End {
-    fn of(step: &Step<'_>) -> Self {
+    fn of(step: &IncrementView<'_>) -> Self {
         End { time: step.record.time, state: step.state.clone(), force: step.increment.force.to_vec() }
     }
 }
@@ -196,7 +197,7 @@ struct Halves<'a> {
 }
 
 impl Halves<'_> {
-    fn add(&mut self, step: &Step<'_>) {
+    fn add(&mut self, step: &IncrementView<'_>) {
         if self.found.is_some() {
             return;
         }
@@ -214,19 +215,19 @@ impl Observer for Halves<'_> {
         false
     }
 
-    fn iteration(&mut self, index: usize, record: &IterationRecord) -> Flow {
+    fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
         self.observer.iteration(index, record)
     }
 
-    fn part(&mut self, part: &Step<'_>) {
+    fn part(&mut self, part: &IncrementView<'_>) {
         self.add(part);
     }
 
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         if step.record.status == Status::Converged {
             self.add(step);
         }
-        if self.found.is_some() { Flow::Stop } else { Flow::Continue }
+        if self.found.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
@@ -245,7 +246,7 @@ fn size(problem: &ContactProblem, state: &State, other: Option<&State>) -> f64 {
 ///
 /// Friction that opposes a change of slip takes energy, and then it is below 0. Nothing but the loads and friction feeds a jump, and the loads hardly
 /// change in it.
-fn released(problem: &ContactProblem, step: &Step<'_>, from: &End) -> f64 {
+fn released(problem: &ContactProblem, step: &IncrementView<'_>, from: &End) -> f64 {
     let (state, before) = (step.state, &from.state);
     let change: Vec<f64> = state.u.iter().zip(&before.u).map(|(now, before)| now - before).collect();
     let loads: f64 =

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::history::{IncrementRecord, Observer, Step};
+use crate::history::{IncrementRecord, IncrementView, Observer};
 use crate::laws::ContactStatus;
-use crate::nonlinear::Flow;
 use crate::problem::{Increment, State};
+use std::ops::ControlFlow;
 
 /// Keeps the increments of a history as it goes: an [`Observer`], and afterwards plain data.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -76,7 +76,7 @@ impl Observer for Recording {
         false
     }
 
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let wanted = match &self.wanted {
             Wanted::All => true,
             Wanted::Last => {
@@ -88,13 +88,13 @@ impl Observer for Recording {
         if wanted {
             self.increments.push(RecordedIncrement::new(step));
         }
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 
 impl RecordedIncrement {
     /// A copy of what an observer is shown.
-    pub fn new(step: &Step<'_>) -> Self {
+    pub fn new(step: &IncrementView<'_>) -> Self {
         let Increment { force, gap, mu, w_t_last, w_o_last } = *step.increment;
         RecordedIncrement {
             record: step.record.clone(),
@@ -109,8 +109,8 @@ impl RecordedIncrement {
     }
 
     /// What an observer was shown; `data` is [`RecordedIncrement::data`].
-    pub fn step<'a>(&'a self, data: &'a Increment<'a>) -> Step<'a> {
-        Step { record: &self.record, increment: data, state: &self.state, statuses: &self.statuses }
+    pub fn step<'a>(&'a self, data: &'a Increment<'a>) -> IncrementView<'a> {
+        IncrementView { record: &self.record, increment: data, state: &self.state, statuses: &self.statuses }
     }
 
     /// What drove it, as [`crate::laws::KktErrors::measure`] wants it.

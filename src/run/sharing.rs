@@ -1,11 +1,11 @@
 //! Which models have a stiffness in rows of nodes, shared by the processes of MPI, be it one: those that multigrid solves.
 
-use crate::history::Solver;
+use crate::history::SolverChoice;
 use crate::model::Share;
 
 /// What shares the stiffness of a model that `solver` solves, if it wants one in rows.
 #[cfg(feature = "petsc")]
-pub(super) fn share(solver: &Solver) -> Option<Share<'static>> {
+pub(super) fn share(solver: &SolverChoice) -> Option<Share<'static>> {
     use crate::history::{LinearAlgebra, Method};
 
     let wants_rows = solver.linear == Some(LinearAlgebra::Multigrid) && !matches!(solver.method, Method::Events { .. });
@@ -13,6 +13,6 @@ pub(super) fn share(solver: &Solver) -> Option<Share<'static>> {
 }
 
 #[cfg(not(feature = "petsc"))]
-pub(super) fn share(_solver: &Solver) -> Option<Share<'static>> {
+pub(super) fn share(_solver: &SolverChoice) -> Option<Share<'static>> {
     None
 }

@@ -1,6 +1,6 @@
 //! What the linear algebra of a model may be chosen from: multigrid where it needs few iterations whatever the size.
 
-use crate::auto::Means;
+use crate::auto::AvailableSolvers;
 use crate::history::{LinearAlgebra, Method};
 use crate::linear::Statistics;
 use crate::linear::built_in::ranks;
@@ -38,9 +38,9 @@ pub enum Unsuited {
 }
 
 /// What `model` may be solved by with `method`.
-pub(super) fn means(model: &Model, method: Method, budget: Option<Budget>) -> Means {
+pub(super) fn means(model: &Model, method: Method, budget: Option<Budget>) -> AvailableSolvers {
     let multigrid = LinearAlgebra::Multigrid.is_built_in() && unsuited(model, method).is_none();
-    Means { available: budget.map(|budget| budget.bytes), multigrid, ranks: ranks() }
+    AvailableSolvers { available: budget.map(|budget| budget.bytes), multigrid, ranks: ranks() }
 }
 
 /// Why multigrid is not chosen for `model` with `method`, if it is not.

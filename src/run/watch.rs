@@ -6,11 +6,12 @@ use super::leaps::Leaps;
 use super::recording::RecordedIncrement;
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::events::Event;
-use crate::history::{IncrementRecord, Observer, Status, Step};
+use crate::history::{IncrementRecord, IncrementView, Observer, Status};
 use crate::model::Model;
-use crate::nonlinear::{Flow, IterationRecord, LinearSystem};
+use crate::nonlinear::{IterationRecord, LinearSystem};
 use crate::problem::State;
 use crate::report::{BalanceRecord, BalanceWatch, EstimateWatch, ForceRecord, HistoryCurves, Seen, Validity};
+use std::ops::ControlFlow;
 
 /// Where the records of a run go as they are made, instead of into its report: of millions of increments they would fill the
 /// memory.
@@ -118,13 +119,13 @@ impl<'a, 'b> Watch<'a, 'b> {
 
     /// The record of a step with the energy of the body, where a history, which knows the forces of loads and supports only,
     /// has another.
-    fn record(&self, step: &Step<'_>) -> Option<IncrementRecord> {
+    fn record(&self, step: &IncrementView<'_>) -> Option<IncrementRecord> {
         let strain_energy = self.model.strain_energy(step.record.time, step.state)?;
         Some(IncrementRecord { strain_energy, ..step.record.clone() })
     }
 
     /// Shows an increment, and hands its records on or keeps them.
-    fn enter(&mut self, step: &Step<'_>) -> Flow {
+    fn enter(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let flow = self.audience.observer().increment(step);
         let converged = step.record.status == Status::Converged;
         let forces = if converged { ForceRecord::all(self.model, step) } else { Vec::new() };
@@ -155,11 +156,11 @@ impl Observer for Watch<'_, '_> {
         self.audience.observer().waits_for(index)
     }
 
-    fn linear_system(&mut self, index: usize, system: &LinearSystem<'_>) -> Flow {
+    fn linear_system(&mut self, index: usize, system: &LinearSystem<'_>) -> ControlFlow<()> {
         self.audience.observer().linear_system(index, system)
     }
 
-    fn iteration(&mut self, index: usize, record: &IterationRecord) -> Flow {
+    fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
         self.audience.observer().iteration(index, record)
     }
 
@@ -167,14 +168,14 @@ impl Observer for Watch<'_, '_> {
         self.audience.observer().event(index, event);
     }
 
-    fn part(&mut self, part: &Step<'_>) {
+    fn part(&mut self, part: &IncrementView<'_>) {
         let record = self.record(part);
-        self.audience.observer().part(&Step { record: record.as_ref().unwrap_or(part.record), ..*part });
+        self.audience.observer().part(&IncrementView { record: record.as_ref().unwrap_or(part.record), ..*part });
     }
 
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let record = self.record(step);
-        let step = &Step { record: record.as_ref().unwrap_or(step.record), ..*step };
+        let step = &IncrementView { record: record.as_ref().unwrap_or(step.record), ..*step };
         self.validity.see(self.model, step);
         self.estimates.see(self.model, step);
         self.leaps.see(self.model, step);

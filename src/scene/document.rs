@@ -6,7 +6,7 @@ mod output;
 use std::fmt;
 use std::marker::PhantomData;
 
-pub(super) use body::{Body, Material, MaterialGroup, Mesh, MeshKind};
+pub(super) use body::{BodyTable, Material, MaterialGroup, Mesh, MeshKind};
 pub(super) use output::{Output, Probe, Times};
 
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
@@ -127,18 +127,18 @@ pub(super) struct Document {
     pub mesh: Option<Mesh>,
     pub material: Option<Material>,
     #[serde(default)]
-    pub body: Vec<Body>,
+    pub body: Vec<BodyTable>,
     #[serde(default)]
     pub support: Vec<Support>,
     #[serde(default)]
-    pub contact: Vec<Contact>,
+    pub contact: Vec<ContactTable>,
     #[serde(default)]
     pub spring: Vec<Spring>,
     #[serde(default)]
     pub load: Vec<Load>,
     pub time: Time,
     #[serde(default)]
-    pub solver: Solver,
+    pub solver: SolverTable,
     #[serde(default)]
     pub output: Output,
 }
@@ -176,7 +176,7 @@ pub(super) struct Spring {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Contact {
+pub(super) struct ContactTable {
     pub boundary: String,
     pub friction: Option<Friction>,
     pub friction_history: Option<Vec<Tuple<f64>>>,
@@ -353,7 +353,7 @@ pub(super) struct Time {
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Solver {
+pub(super) struct SolverTable {
     #[serde(default)]
     pub method: MethodName,
     pub setting: Option<Setting>,

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
 use super::places::Places;
-use crate::fault::Fault;
 use crate::input::FileKind;
+use crate::input_error::InputError;
 
 /// Why a scene was refused.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -101,7 +101,7 @@ impl Source {
     }
 
     /// `fault` of the joined mesh and material of several bodies, told of the body that it is of.
-    fn of_its_body(&self, fault: Fault) -> Fault {
+    fn of_its_body(&self, fault: InputError) -> InputError {
         if self.material_keys.is_empty() {
             return fault;
         }
@@ -114,18 +114,18 @@ impl Source {
             rest.or_else(|| fault.key.strip_prefix("mesh").map(|rest| format!("body[0].mesh{rest}")))
         };
         let key = group.or_else(first).unwrap_or_else(|| fault.key.clone());
-        Fault { key, ..fault }
+        InputError { key, ..fault }
     }
 
     /// `fault` at its place.
-    pub(super) fn located(&self, fault: Fault) -> SceneError {
+    pub(super) fn located(&self, fault: InputError) -> SceneError {
         let fault = self.of_its_body(fault);
         let span = Places::of(&self.text).span(&fault.key);
         self.error(fault.key, span, fault.message, fault.help)
     }
 
     /// `fault` at the bytes `part` of the string `text`, which is the value of its key.
-    pub(super) fn located_within(&self, fault: Fault, text: &str, part: &Range<usize>) -> SceneError {
+    pub(super) fn located_within(&self, fault: InputError, text: &str, part: &Range<usize>) -> SceneError {
         let span = Places::of(&self.text).span(&fault.key);
         // A text with escapes does not stand in the file as it is read.
         let start = self.text[span.clone()].find(text).map(|quote| span.start + quote);

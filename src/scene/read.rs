@@ -15,8 +15,8 @@ use super::document::{self, Document, Tuple};
 use super::error::Source;
 use super::{Scene, SceneError, Time};
 use crate::description::Description;
-use crate::fault::{Fault, demand, finite};
 use crate::formula::Formula;
+use crate::input_error::{InputError, ensure, finite};
 use crate::units::Units;
 use bodies::Bodies;
 
@@ -25,7 +25,7 @@ pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene,
     let Bodies { mesh, element, material, keys } =
         bodies::bodies(&mut document, &source).map_err(|fault| source.located(fault))?;
     source.material_keys = keys;
-    let at = |fault: Fault| source.located(fault);
+    let at = |fault: InputError| source.located(fault);
     let mut time = time(&document.time).map_err(at)?;
     let contacts: Vec<_> = document.contact.into_iter().enumerate().collect();
     let mut given = Description {
@@ -68,29 +68,29 @@ fn keyed<T, U>(
 }
 
 /// The value at `key`, which `whose` needs; otherwise the fault of `kind`, which asks for it.
-fn needed<T>(key: &str, value: Option<T>, kind: &str, whose: &str) -> Result<T, Fault> {
-    value.ok_or_else(|| Fault::new(kind, format!("{whose} needs {key}"), "add the key"))
+fn needed<T>(key: &str, value: Option<T>, kind: &str, whose: &str) -> Result<T, InputError> {
+    value.ok_or_else(|| InputError::new(kind, format!("{whose} needs {key}"), "add the key"))
 }
 
 /// Fails if the `value` at `key` is given, which belongs to another kind of thing than `whose`.
-fn foreign<T>(key: &str, value: Option<&T>, whose: &str) -> Result<(), Fault> {
-    value.map_or(Ok(()), |_| Err(Fault::new(key, format!("{whose} has no {key}"), "remove the key")))
+fn foreign<T>(key: &str, value: Option<&T>, whose: &str) -> Result<(), InputError> {
+    value.map_or(Ok(()), |_| Err(InputError::new(key, format!("{whose} has no {key}"), "remove the key")))
 }
 
-fn time(time: &document::Time) -> Result<Time, Fault> {
+fn time(time: &document::Time) -> Result<Time, InputError> {
     let document::Time { end, increments } = *time;
     finite("time.end", end)?;
-    demand(end > 0.0, "time.end", &end, "positive", "the history runs from 0 to this time, s")?;
+    ensure(end > 0.0, "time.end", &end, "positive", "the history runs from 0 to this time, s")?;
     let help = "the history is divided into this many equal increments";
     let sound = (1..=10_000_000).contains(&increments);
-    demand(sound, "time.increments", &increments, "at least 1 and at most 10 million", help)?;
+    ensure(sound, "time.increments", &increments, "at least 1 and at most 10 million", help)?;
     Ok(Time { end, increments: increments as usize, kinks: Vec::new() })
 }
 
 /// The formula at `key`; what is wrong within it is underlined.
 fn formula(text: &str, key: String, help: &str, source: &Source) -> Result<Formula, SceneError> {
     Formula::parse(text).map_err(|why| {
-        let fault = Fault::new(key, format!("the formula: {why}"), help);
+        let fault = InputError::new(key, format!("the formula: {why}"), help);
         source.located_within(fault, text, &why.span)
     })
 }

@@ -9,19 +9,22 @@ use crate::vector::dot;
 const ROUNDING: f64 = 1e-14;
 
 /// The cone `{Σ x_k a_k, x_k ≥ 0}` in a space of a handful of dimensions.
-pub(super) struct Cone {
+pub(super) struct FiniteCone {
     dimension: usize,
     /// The `a_k`, as unit vectors.
     generators: Vec<Vec<f64>>,
 }
 
-impl Cone {
+impl FiniteCone {
     /// The cone with the given `generators`; zero vectors add nothing to it.
     pub(super) fn new(dimension: usize, generators: impl IntoIterator<Item = Vec<f64>>) -> Self {
-        Cone { dimension, generators: generators.into_iter().filter_map(|a| unit(&a).map(|(_, unit)| unit)).collect() }
+        FiniteCone {
+            dimension,
+            generators: generators.into_iter().filter_map(|a| unit(&a).map(|(_, unit)| unit)).collect(),
+        }
     }
 
-    /// The residual `y` of `b` (see [`Cone::residual`]), unless it is negligible against `size`,
+    /// The residual `y` of `b` (see [`FiniteCone::residual`]), unless it is negligible against `size`,
     /// the size of the terms that `b` is a sum of: then `b` is in the cone.
     pub(super) fn outside(&self, b: &[f64], size: f64) -> Option<Vec<f64>> {
         let y = self.residual(b);
@@ -191,7 +194,7 @@ mod tests {
                 generators.extend(more.into_iter().take(2));
             }
             let b = random.vector(dimension);
-            let y = Cone::new(dimension, generators.clone()).residual(&b);
+            let y = FiniteCone::new(dimension, generators.clone()).residual(&b);
             let least = distance(&generators, &b);
             assert!((norm(&y) - least).abs() < 1e-8, "{generators:?}, {b:?}: {y:?}, not {least}");
             assert!(generators.iter().all(|a| dot(a, &y) <= 1e-12 * norm(a)), "{generators:?}, {b:?}: {y:?}");
@@ -209,7 +212,7 @@ mod tests {
             let coarse = |v: Vec<f64>| v.iter().map(|x| (1.5 * x).round()).collect::<Vec<f64>>();
             let generators: Vec<Vec<f64>> = (0..=2 * trial % 60).map(|_| coarse(random.vector(6))).collect();
             let b = coarse(random.vector(6));
-            let y = Cone::new(6, generators.clone()).residual(&b);
+            let y = FiniteCone::new(6, generators.clone()).residual(&b);
             assert!(generators.iter().all(|a| dot(a, &y) <= 1e-12), "{generators:?}, {b:?}: {y:?}");
             assert!((dot(&b, &y) - dot(&y, &y)).abs() < 1e-12);
         }
@@ -220,14 +223,14 @@ mod tests {
         // The rim of a circular cone about the first axis, with a half angle of 45°.
         let rim = |angle: f64| vec![1e-200, 1e-200 * angle.cos(), 1e-200 * angle.sin()];
         let angles = (0..5000).map(|k| f64::from(k) / 2500.0 * std::f64::consts::PI);
-        let cone = Cone::new(3, angles.map(rim).chain([vec![0.0; 3]]));
+        let cone = FiniteCone::new(3, angles.map(rim).chain([vec![0.0; 3]]));
         assert_eq!(cone.generators.len(), 5000);
         assert_eq!(cone.outside(&[1e200, 0.0, 0.9e200], 1e200), None);
         assert_eq!(cone.outside(&[0.0; 3], 0.0), None);
         let y = cone.outside(&[0.0, 0.0, 1e200], 1e200).unwrap();
         let expected = [-0.5e200, 0.0, 0.5e200];
         assert!(y.iter().zip(expected).all(|(y, e)| (y - e).abs() < 1e188), "{y:?}");
-        assert_eq!(Cone::new(0, []).outside(&[], 0.0), None);
-        assert_eq!(Cone::new(2, []).outside(&[3.0, 4.0], 5.0), Some(vec![3.0, 4.0]));
+        assert_eq!(FiniteCone::new(0, []).outside(&[], 0.0), None);
+        assert_eq!(FiniteCone::new(2, []).outside(&[3.0, 4.0], 5.0), Some(vec![3.0, 4.0]));
     }
 }

@@ -20,7 +20,7 @@ pub(super) struct Free<'a> {
 
 impl<'a> Free<'a> {
     pub(super) fn new(problem: &'a ContactProblem) -> Self {
-        let motions = problem.free_motions();
+        let motions = problem.rigid_modes();
         let largest = motions.iter().map(|motion| motion.iter().fold(0.0_f64, |m, u| m.max(u.abs()))).collect();
         Free { motions, largest }
     }

@@ -7,7 +7,7 @@
 //! it is what moves it, and that does not lead into any obstacle which it touches. So the work of the load grows all the way, and
 //! the way has as many pieces as nodes come to touch, at most. Friction ends it where it can; it does not turn it.
 
-use super::cone::{Cone, norm};
+use super::cone::{FiniteCone, norm};
 use super::{Free, FrictionCone, Load, unbalanced};
 use crate::null_space::NEGLIGIBLE;
 use crate::problem::ContactProblem;
@@ -57,8 +57,9 @@ pub(crate) fn landing(
     for _ in 0..ROUNDS {
         let (nodes, apart): (Vec<usize>, Vec<usize>) = (0..cones.len()).partition(|&i| distance[i] <= reach[i]);
         let touching: Vec<&FrictionCone> = nodes.iter().map(|&i| &cones[i]).collect();
-        let driven = unbalanced(&touching, &load, size)
-            .and_then(|_| Cone::new(load.len(), touching.iter().map(|cone| cone.normal.clone())).outside(&load, size));
+        let driven = unbalanced(&touching, &load, size).and_then(|_| {
+            FiniteCone::new(load.len(), touching.iter().map(|cone| cone.normal.clone())).outside(&load, size)
+        });
         let Some(y) = driven else { return Some(Landing { weights: free.weights_of(&way), nodes }) };
         let y: Vec<f64> = y.iter().map(|x| x / norm(&y)).collect();
         // What rounding has left of the way past an obstacle does not lead to it.
@@ -87,7 +88,7 @@ fn pushed_out(cones: &[FrictionCone], distance: &[f64]) -> Option<Vec<f64>> {
         row.collect::<Vec<f64>>()
     };
     let one = [vec![0.0; dimension], vec![1.0]].concat();
-    let rest = Cone::new(dimension + 1, cones.iter().zip(distance).map(generator)).outside(&one, 1.0)?;
+    let rest = FiniteCone::new(dimension + 1, cones.iter().zip(distance).map(generator)).outside(&one, 1.0)?;
     Some(rest[..dimension].iter().map(|x| -x * largest / rest[dimension]).collect())
 }
 
@@ -100,6 +101,6 @@ pub(crate) fn is_carried_without_strain(problem: &ContactProblem) -> bool {
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         largest(&force) <= UNSTRAINED * largest(&sizes)
     };
-    let motions = problem.free_motions();
+    let motions = problem.rigid_modes();
     !motions.is_empty() && motions.iter().all(unstrained)
 }

@@ -1,7 +1,7 @@
 //! Matrices in compressed rows.
 
 use super::error::expect_length;
-use super::{Csc, MatrixError, Twofold};
+use super::{Csc, DoubleDouble, MatrixError};
 
 /// A matrix in compressed rows, for maps whose rows hold a handful of entries.
 #[derive(Debug, Clone, PartialEq)]
@@ -101,7 +101,7 @@ impl Csr {
 
     /// The product of row `i` with `x + rest`, less `y`, in twice the working precision; `rest` may be empty.
     pub(crate) fn difference(&self, i: usize, x: &[f64], rest: &[f64], y: f64) -> f64 {
-        let mut sum = Twofold::default();
+        let mut sum = DoubleDouble::default();
         for &(column, value) in self.row(i) {
             sum.add_product(value, x[column]);
             sum.add(value * rest.get(column).copied().unwrap_or(0.0));

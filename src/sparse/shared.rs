@@ -5,7 +5,7 @@ use std::any::Any;
 use std::fmt;
 use std::sync::Arc;
 
-use super::{Csc, Twofold};
+use super::{Csc, DoubleDouble};
 
 /// A symmetric matrix of finite elements whose rows several processes have. What cannot be done as they do not answer is NaN: the
 /// error comes with the next thing that returns one.
@@ -23,7 +23,7 @@ pub trait SharedMatrix: Any + fmt::Debug + Send + Sync {
     fn products(&self, x: &[f64], y: &mut [f64], sizes: &mut [f64]);
 
     /// Adds `factor A (x + rest)` to `sums`, in twice the working precision.
-    fn add_beyond(&self, factor: f64, x: &[f64], rest: &[f64], sums: &mut [Twofold]);
+    fn add_beyond(&self, factor: f64, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]);
 
     /// The diagonal.
     fn diagonal(&self) -> &[f64];
@@ -146,7 +146,7 @@ impl SharedSymmetric {
     }
 
     /// Adds `A (x + rest)` to `sums`, in twice the working precision.
-    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [Twofold]) {
+    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) {
         self.matrix.add_beyond(self.factor, x, rest, sums);
     }
 }

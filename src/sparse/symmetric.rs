@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::error::expect_length;
-use super::{Csc, DenseSymmetric, MatrixError, Pattern, SharedSymmetric, Twofold};
+use super::{Csc, DenseSymmetric, DoubleDouble, MatrixError, Pattern, SharedSymmetric};
 
 /// A symmetric matrix.
 #[derive(Debug, Clone)]
@@ -274,7 +274,7 @@ impl Symmetric {
     }
 
     /// Adds `A (x + rest)` to `sums`, in twice the working precision.
-    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [Twofold]) {
+    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) {
         if let Some(shared) = self.shared() {
             return shared.add_beyond(x, rest, sums);
         }

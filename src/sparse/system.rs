@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::error::expect_length;
-use super::{Csc, DenseSymmetric, MatrixError, Pattern, SharedSymmetric, Symmetric, Twofold};
+use super::{Csc, DenseSymmetric, DoubleDouble, MatrixError, Pattern, SharedSymmetric, Symmetric};
 
 /// A square matrix that is sparse but for its first rows and columns, which may be a dense symmetric block:
 ///
@@ -170,7 +170,7 @@ impl SystemMatrix {
     }
 
     /// Adds `A (x + rest)` to `sums`, in twice the working precision.
-    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [Twofold]) {
+    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) {
         if let Some(shared) = self.shared() {
             let m = shared.order();
             shared.add_beyond(&x[..m], &rest[..m], &mut sums[..m]);

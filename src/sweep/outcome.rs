@@ -9,7 +9,7 @@ use crate::report::{LargestPressure, Resultant};
 /// What came of a variant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Report")]
-pub struct Outcome {
+pub struct VariantResult {
     /// The verdict, or why there is none: `bad-input`, `machine-failure`, `bug`.
     pub status: String,
     /// The text of the scene that ran; none without a report.
@@ -68,14 +68,14 @@ struct Totals {
     wall_seconds: Option<f64>,
 }
 
-impl From<Report> for Outcome {
+impl From<Report> for VariantResult {
     fn from(report: Report) -> Self {
         let Report { status, scene_text, reason, help, increments, totals, largest_pressure, warnings, boundaries } =
             report;
         let errors = increments.iter().flat_map(|increment| increment.kkt.values());
         // None where one of them is no number, or there is none.
         let error = errors.copied().collect::<Option<Vec<f64>>>().and_then(|all| all.into_iter().reduce(f64::max));
-        Outcome {
+        VariantResult {
             reason: help.map_or(reason.clone(), |help| format!("{reason}; {help}")),
             converged: increments.iter().filter(|increment| increment.status == "converged").count(),
             iterations: totals.as_ref().map_or(0, |totals| totals.iterations),
@@ -90,10 +90,10 @@ impl From<Report> for Outcome {
     }
 }
 
-impl Outcome {
+impl VariantResult {
     /// A variant without a report.
     pub fn failed(status: &str, reason: String) -> Self {
-        Outcome {
+        VariantResult {
             status: status.to_string(),
             scene_text: None,
             reason,

@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::outcome::Outcome;
+use super::outcome::VariantResult;
 use super::variation::Variation;
 use crate::report::{Resultant, SCHEMA_VERSION, Table, UnitNames, csv_number, csv_table};
 use crate::scene::Scene;
@@ -38,7 +38,7 @@ pub struct Row {
     pub results: Option<String>,
     /// What came of it.
     #[serde(flatten)]
-    pub outcome: Outcome,
+    pub outcome: VariantResult,
 }
 
 /// A value as JSON has it.
@@ -174,6 +174,6 @@ impl Sweep {
 }
 
 /// The resultant on the obstacle of a boundary.
-fn on<'a>(outcome: &'a Outcome, boundary: &str) -> Option<&'a Resultant> {
+fn on<'a>(outcome: &'a VariantResult, boundary: &str) -> Option<&'a Resultant> {
     outcome.boundaries.iter().find(|resultant| resultant.boundary == boundary)
 }

@@ -26,7 +26,7 @@ pub(crate) fn neutral_motions(
     state: &State,
     statuses: &[ContactStatus],
 ) -> Vec<NeutralMotion> {
-    let motions = problem.free_motions();
+    let motions = problem.rigid_modes();
     let felt = |row: &[(usize, f64)]| {
         motions.iter().map(|motion| row.iter().map(|&(j, c)| c * motion[j]).sum()).collect::<Vec<f64>>()
     };
@@ -47,7 +47,7 @@ fn neutral_motion(
     mut weights: Vec<f64>,
 ) -> NeutralMotion {
     let mut u = vec![0.0; problem.displacements()];
-    for (motion, weight) in problem.free_motions().iter().zip(&weights) {
+    for (motion, weight) in problem.rigid_modes().iter().zip(&weights) {
         u.iter_mut().zip(motion).for_each(|(u, part)| *u += weight * part);
     }
     let largest = u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));

@@ -9,7 +9,7 @@ use stickslip::contact::{Obstacle, Shape};
 use stickslip::description::{Axis, Description, Load, Support};
 use stickslip::fem::{Material, Plane};
 use stickslip::formula::Formula;
-use stickslip::history::{LinearAlgebra, Method, Solver, Status};
+use stickslip::history::{LinearAlgebra, Method, SolverChoice, Status};
 use stickslip::mesh::{CellKind, MeshSource, Segment};
 use stickslip::model::Model;
 use stickslip::report::cpu_seconds;
@@ -155,7 +155,7 @@ impl Problem {
     pub fn solve(self, elements: ElementChoice, n: usize) -> Result<Point, Failure> {
         let start = cpu_seconds();
         let model = Model::build(&self.description(elements, n)?)?;
-        let solver = Solver { linear: Some(LinearAlgebra::condensed()), ..Solver::new(Method::BN) };
+        let solver = SolverChoice { linear: Some(LinearAlgebra::condensed()), ..SolverChoice::new(Method::BN) };
         let mut end = Recording::last();
         let run = Run::of(&model, vec![1.0], solver)?;
         let report = run.solve(&mut end)?;

@@ -8,8 +8,8 @@ mod locking;
 use std::fmt;
 
 use stickslip::description::Description;
-use stickslip::fault::Fault;
-use stickslip::history::{Method, Solver, Status};
+use stickslip::history::{Method, SolverChoice, Status};
+use stickslip::input_error::InputError;
 use stickslip::mesh::CellKind;
 use stickslip::model::{Model, ModelError};
 use stickslip::report::RunReport;
@@ -40,7 +40,7 @@ pub enum EstimateError {
     Override(#[from] OverrideSyntax),
     /// A mesh of the suite cannot be.
     #[error(transparent)]
-    Mesh(#[from] Fault),
+    Mesh(#[from] InputError),
 }
 
 /// What is estimated.
@@ -119,6 +119,6 @@ impl Task {
 /// The report of a body, which has to converge.
 fn solved(description: &Description) -> Result<RunReport, EstimateError> {
     let model = Model::build(description)?;
-    let report = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN))?.solve(&mut ())?;
+    let report = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN))?.solve(&mut ())?;
     if report.status == Status::Converged { Ok(report) } else { Err(EstimateError::Verdict(report.status.to_string())) }
 }

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
-use stickslip::history::{self, HistoryOutcome, Method, Solver, Status};
+use stickslip::history::{self, HistoryOutcome, Method, SolverChoice, Status};
 use stickslip::laws::KktErrors;
 use stickslip::linear::LinearError;
 use stickslip::model::{Model, ModelError};
@@ -263,14 +263,14 @@ impl Case {
     }
 
     /// What solves it by `method`: the whole system, whatever the scene says.
-    pub fn solver(&self, scene: &Scene, method: SuiteMethod) -> Solver {
+    pub fn solver(&self, scene: &Scene, method: SuiteMethod) -> SolverChoice {
         let method = match (method, scene.solver.method) {
             (SuiteMethod::BnPaper, _) => Method::PaperBn,
             (SuiteMethod::Ip, _) => Method::IP,
             (SuiteMethod::Bn, Method::Bn { r_factor, .. }) => Method::Bn { r_factor, rescue: true },
             (SuiteMethod::Bn, _) => Method::BN,
         };
-        Solver { max_iterations: MAX_ITERATIONS, tolerance: TOLERANCE, ..Solver::new(method) }
+        SolverChoice { max_iterations: MAX_ITERATIONS, tolerance: TOLERANCE, ..SolverChoice::new(method) }
     }
 
     /// Runs it.

@@ -3,9 +3,10 @@
 
 mod picture;
 
-use stickslip::history::{HistoryOutcome, IncrementRecord, Observer, Status, Step};
+use std::ops::ControlFlow;
+use stickslip::history::{HistoryOutcome, IncrementRecord, IncrementView, Observer, Status};
 use stickslip::model::Model;
-use stickslip::nonlinear::{Flow, IterationRecord};
+use stickslip::nonlinear::IterationRecord;
 use stickslip::report::ContactLine;
 
 use crate::tables::{PaperError, PaperMethod, PaperTable};
@@ -201,20 +202,20 @@ struct Keep<'a> {
 }
 
 impl Observer for Keep<'_> {
-    fn iteration(&mut self, _index: usize, record: &IterationRecord) -> Flow {
+    fn iteration(&mut self, _index: usize, record: &IterationRecord) -> ControlFlow<()> {
         if record.iteration == 0 {
             self.iterations.clear();
         }
         self.iterations.push(*record);
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         (self.progress)();
         // What a failed increment reached is worth a look, too.
         if self.wanted.contains(&step.record.index) || step.record.status != Status::Converged {
             self.lines.extend(ContactLine::all(self.model, step));
         }
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::Serialize;
-use stickslip::history::{IncrementRecord, LinearAlgebra, Method, Solver, Start, Status};
+use stickslip::history::{IncrementRecord, LinearAlgebra, Method, SolverChoice, Start, Status};
 use stickslip::model::{Model, ModelError};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::{Override, Scene, SceneError};
@@ -203,7 +203,7 @@ impl PaperTable {
     }
 
     /// What solves a cell by `method`.
-    pub fn solver(self, method: PaperMethod, linear: LinearAlgebra) -> Solver {
+    pub fn solver(self, method: PaperMethod, linear: LinearAlgebra) -> SolverChoice {
         let method = match method {
             PaperMethod::BnDefault => Method::BN,
             PaperMethod::Bn => Method::PaperBn,
@@ -214,7 +214,7 @@ impl PaperTable {
             PaperMethod::IpPrev => Method::paper_ip(Start::PREV.patient()),
             PaperMethod::Ip => Method::IP,
         };
-        Solver { linear: Some(linear), max_iterations: MAX_ITERATIONS, ..Solver::new(method) }
+        SolverChoice { linear: Some(linear), max_iterations: MAX_ITERATIONS, ..SolverChoice::new(method) }
     }
 }
 

@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{Keep, block};
-use stickslip::auto::{Choice, Done, Means};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
+use stickslip::auto::{AvailableSolvers, Choice, Done};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
+use stickslip::initial_working_set::InitialWorkingSet;
 use stickslip::model::Model;
 use stickslip::problem::State;
-use stickslip::reach::Reach;
 use stickslip::run::{Run, Unsuited, unsuited};
 use stickslip::scene::Scene;
 
@@ -19,8 +19,9 @@ fn scene(overrides: &[&str]) -> (Scene, Model) {
 }
 
 fn cheapest(scene: &Scene, model: &Model, available: Option<u64>) -> Choice {
-    let means = Means { available, multigrid: false, ranks: 1 };
-    Choice::cheapest(&model.problem, &Reach::default(), scene.solver.method, scene.time.increments, means).unwrap()
+    let means = AvailableSolvers { available, multigrid: false, ranks: 1 };
+    Choice::cheapest(&model.problem, &InitialWorkingSet::default(), scene.solver.method, scene.time.increments, means)
+        .unwrap()
 }
 
 fn choice(overrides: &[&str], available: Option<u64>) -> Choice {
@@ -72,8 +73,8 @@ fn a_much_faster_linear_algebra_is_named() {
     let (_, model) = scene(&["mesh.elements=[60,60]"]);
     let faster = |choice: &Choice, seconds: f64| {
         let done = Done { increments: 40, factorizations: 250, seconds };
-        let means = Means { available: None, multigrid: false, ranks: 1 };
-        choice.faster(&model.problem, &Reach::default(), Method::default(), means, &done).unwrap()
+        let means = AvailableSolvers { available: None, multigrid: false, ranks: 1 };
+        choice.faster(&model.problem, &InitialWorkingSet::default(), Method::default(), means, &done).unwrap()
     };
     let whole = Choice::named(LinearAlgebra::default());
     let condensed = faster(&whole, 1e3).unwrap();
@@ -136,7 +137,7 @@ fn without_contact_any_choice_solves() {
 
 fn run(scene: &Scene, model: &Model, backend: LinearAlgebra) -> (HistoryOutcome, Vec<State>) {
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
-    let (linear, mut keep) = (System::from(backend), Keep::default());
+    let (linear, mut keep) = (SystemSolver::from(backend), Keep::default());
     let times = scene.time.all();
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut keep).unwrap();
     (outcome, keep.states)

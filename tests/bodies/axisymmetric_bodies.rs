@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use stickslip::description::{Action, Axis, Bed, Description, Field, Load, Support, Where};
 use stickslip::fem::{Elasticity, Element, Material, Plane, gradients, strain_at};
 use stickslip::formula::Formula;
-use stickslip::history::{Method, Solver, Status};
+use stickslip::history::{Method, SolverChoice, Status};
 use stickslip::mesh::{CellKind, Geometry, MeshSource, fine_quadrature, shape};
 use stickslip::model::Model;
 use stickslip::report::RunReport;
@@ -41,7 +41,7 @@ pub struct Solved {
 pub fn solved(description: &Description) -> Solved {
     let model = Model::build(description).unwrap();
     let mut recording = Recording::last();
-    let run = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap();
+    let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
     let report = run.solve(&mut recording).unwrap();
     assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
     for record in &report.reactions {

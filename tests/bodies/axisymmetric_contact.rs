@@ -9,7 +9,7 @@ use stickslip::contact::{ContactNode, Obstacle, Place, Shape};
 use stickslip::description::{Axis, Description, Load, Support};
 use stickslip::fem::{Element, Material, Plane};
 use stickslip::formula::Formula;
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver, Status};
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, SolverChoice, Status};
 use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::mesh::{Cell, CellKind, Mesh};
 use stickslip::model::Model;
@@ -30,7 +30,7 @@ fn cylinder(cells: &str, n: usize, element: &str, poisson: f64, friction: f64) -
     Scene::parse("cylinder.toml", &text, &[]).unwrap()
 }
 
-fn solve(model: &Model, times: &[f64], solver: Solver, observer: &mut dyn Observer) -> HistoryOutcome {
+fn solve(model: &Model, times: &[f64], solver: SolverChoice, observer: &mut dyn Observer) -> HistoryOutcome {
     let outcome = Run::of(model, times.to_vec(), solver).unwrap().history(observer).unwrap();
     assert_eq!(outcome.status, Status::Converged, "{solver:?}");
     outcome
@@ -62,7 +62,7 @@ fn parabolas_on_cylinders() {
             let cannot = |contact: &ContactNode| contact.tangents[0].is_empty() == (contact.position[0] == 0.0);
             assert!(model.contacts.iter().all(cannot));
             for (method, linear) in METHODS {
-                let solver = Solver { method, linear: Some(linear), ..Solver::default() };
+                let solver = SolverChoice { method, linear: Some(linear), ..SolverChoice::default() };
                 let state = solve(&model, &[1.0], solver, &mut ()).state;
                 let mut found = sums(&state);
                 // The node between the axis and the next corner pulls at the axis with half its friction, which the other program
@@ -91,7 +91,7 @@ fn methods_agree_over_a_history() {
         let model = Model::new(&scene).unwrap();
         let all = METHODS.map(|(method, linear)| {
             let mut keep = Keep::default();
-            let solver = Solver { method, linear: Some(linear), ..Solver::default() };
+            let solver = SolverChoice { method, linear: Some(linear), ..SolverChoice::default() };
             solve(&model, &times, solver, &mut keep);
             keep.states
         });
@@ -166,7 +166,7 @@ fn spheres_and_punches() {
             body = body.held(Support::new("", &[Axis::X, Axis::Y]).at([r, y]).moved(&[u_r, -u_z]));
         }
         let model = Model::build(&body).unwrap();
-        let state = solve(&model, &[1.0], Solver::default(), &mut ()).state;
+        let state = solve(&model, &[1.0], SolverChoice::default(), &mut ()).state;
         let found = sums(&state)[0];
         if round {
             let axis = model.contacts.iter().position(|contact| contact.position[0] == 0.0).unwrap();
@@ -201,7 +201,7 @@ fn contact_patch_tests() {
             {
                 body.element = element;
                 let model = Model::build(&body).unwrap();
-                let state = solve(&model, &[1.0], Solver::default(), &mut ()).state;
+                let state = solve(&model, &[1.0], SolverChoice::default(), &mut ()).state;
                 for (contact, p) in model.contacts.iter().zip(&state.p_n) {
                     let off = p / contact.weight / pressure - 1.0;
                     assert!(off.abs() < within, "{cells:?} {element:?} {inner}: {:?} {off:e}", contact.position);
@@ -288,7 +288,7 @@ fn contact_alone_holds() {
         assert!(found.end.iter().all(|u| (u[1] + 1e-2).abs() < 1.1e-4));
         body.loads[0] = Load::new("top", &[0.0, 1e6]).over(&[[0.0, 1.0]]);
         let model = Model::build(&body).unwrap();
-        let report = Run::of(&model, vec![1.0], Solver::default()).unwrap().solve(&mut ()).unwrap();
+        let report = Run::of(&model, vec![1.0], SolverChoice::default()).unwrap().solve(&mut ()).unwrap();
         assert_eq!(report.status, Status::NoEquilibrium);
     }
 }

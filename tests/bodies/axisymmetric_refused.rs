@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::edit;
-use crate::common::faults::{Fault, line_of, verify};
+use crate::common::faults::{InputError, line_of, verify};
 use stickslip::model::{Model, ModelError};
 use stickslip::scene::{Scene, SceneError};
 
@@ -33,7 +33,7 @@ end = 1.0
 increments = 1
 "#;
 
-const FAULTS: &[Fault] = &[
+const FAULTS: &[InputError] = &[
     (
         "boundary = \"right\"\ntraction = [0.0, -1.0]",
         "boundary = \"right\"\ntraction = [0.0, -1.0]\n[[spring]]\nboundary = \"left\"\nnormal = 1e6",

@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
+use std::ops::ControlFlow;
 use stickslip::checkpoint::{Checkpoint, CheckpointError};
-use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step, System};
+use stickslip::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status, SystemSolver};
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::run::{RecordedIncrement, Recording, Run, RunError};
 use stickslip::scene::Scene;
 
@@ -17,9 +17,9 @@ struct All {
 }
 
 impl Observer for All {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.increments.push(RecordedIncrement::new(step));
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 
     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
@@ -134,7 +134,7 @@ fn working_sets_that_grow_go_on() {
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
     let settings = HistorySettings { working_set: Some(vec![20]), ..settings };
     let run = |settings: &HistorySettings, all: &mut All| {
-        let system = System::from(LinearAlgebra::condensed());
+        let system = SystemSolver::from(LinearAlgebra::condensed());
         history::run(&model.problem, &model.loading, &times, settings, system, all).unwrap()
     };
     let mut all = All::default();
@@ -182,7 +182,7 @@ fn a_history_goes_on_beyond_its_first_end() {
     let times = block.time.all();
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
     let run = |times: &[f64], settings: &HistorySettings, all: &mut All| {
-        history::run(&model.problem, &model.loading, times, settings, System::default(), all).unwrap()
+        history::run(&model.problem, &model.loading, times, settings, SystemSolver::default(), all).unwrap()
     };
     let whole = run(&times, &settings, &mut All::default());
     let mut half = All::default();

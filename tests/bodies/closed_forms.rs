@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::history::{self, HistorySettings, Method, Status, System};
+use stickslip::history::{self, HistorySettings, Method, Status, SystemSolver};
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Parts};
@@ -92,7 +92,7 @@ fn one_node() {
             c_o,
             mu: vec![mu],
             weight: Some(vec![1.0]),
-            free_motions: Some(Vec::new()),
+            rigid_modes: Some(Vec::new()),
         })
         .unwrap();
         let case = LoadCase::new(force.to_vec(), vec![[0.0, 0.0], [1.0, 1.0]]).unwrap();
@@ -100,7 +100,7 @@ fn one_node() {
         let method = Method::Bn { r_factor: 1.0, rescue: false };
         let settings = HistorySettings::new(&problem, &loading, method).unwrap().until(50, 1e-12);
         let settings = HistorySettings { scaling: Scaling::SI, halvings: 0, ..settings };
-        let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap();
+        let outcome = history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{force:?}");
         let found = [outcome.state.u[0], outcome.state.p_n[0], outcome.state.p_t[0]];
         for (found, exact) in found.into_iter().zip([u_t, p_n, p_t]) {

@@ -11,7 +11,7 @@ use stickslip::contact::{
 };
 use stickslip::description::{Axis, Description};
 use stickslip::fem::Material;
-use stickslip::history::{Method, Solver, Status};
+use stickslip::history::{Method, SolverChoice, Status};
 use stickslip::mesh::{Mesh, MeshSource, block};
 use stickslip::model::Model;
 use stickslip::problem::State;
@@ -43,7 +43,7 @@ fn rounded(dimension: usize, elements: usize) -> Mesh {
 fn solved(description: &Description) -> (Model, State) {
     let model = Model::build(description).unwrap();
     let mut keep = Keep::default();
-    let run = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap();
+    let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
     assert_eq!(run.history(&mut keep).unwrap().status, Status::Converged);
     (model, keep.states.pop().unwrap())
 }

@@ -2,17 +2,17 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::history::{Observer, Status, Step};
+use std::ops::ControlFlow;
+use stickslip::history::{IncrementView, Observer, Status};
 use stickslip::laws::ContactStatus;
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::report::ContactSurface;
 
 /// Keeps the surfaces of every increment, and the sums of the contact forces along x, y and z.
 struct Surfaces<'a>(&'a Model, Vec<(Vec<ContactSurface>, [f64; 3])>);
 
 impl Observer for Surfaces<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let mut sum = [0.0; 3];
         for (i, contact) in self.0.contacts.iter().enumerate() {
             let (n, [t, o]) = (contact.facing.normal, contact.facing.tangents);
@@ -20,7 +20,7 @@ impl Observer for Surfaces<'_> {
             (0..3).for_each(|c| sum[c] += p_n * n[c] + p_t * t[c] + p_o * o[c]);
         }
         self.1.push((ContactSurface::all(self.0, step), sum));
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

@@ -8,8 +8,8 @@ use std::path::Path;
 use crate::common;
 use crate::common::Keep;
 use stickslip::contact::ContactNode;
-use stickslip::formulation::Conventions;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
+use stickslip::formulation::FormulationScaling;
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
 use stickslip::model::Model;
 use stickslip::scene::Scene;
 
@@ -74,7 +74,7 @@ fn cubes_by_the_interior_point_method() {
         let settings = HistorySettings::new(&model.problem, &model.loading, Method::IP)
             .unwrap()
             .until(100, scene.solver.tolerance);
-        let linear = System::from(LinearAlgebra::condensed());
+        let linear = SystemSolver::from(LinearAlgebra::condensed());
         let mut by_ip = Keep::default();
         let times = scene.time.all();
         let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut by_ip).unwrap();
@@ -98,7 +98,7 @@ fn cubes_in_the_setting_of_the_paper() {
         let (model, _, by_default) = solve(&scene);
         // It stops by its own test, with errors up to 1e-6.
         let settings = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-6);
-        let linear = System::from(LinearAlgebra::condensed());
+        let linear = SystemSolver::from(LinearAlgebra::condensed());
         let mut by_paper = Keep::default();
         let times = scene.time.all();
         let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut by_paper).unwrap();
@@ -203,10 +203,10 @@ fn a_slab_is_plane() {
     // Alone, either of the two nodes across the slab is softer; with the same r, for half of the thickness, the way is the same.
     let mut settings =
         HistorySettings::new(&space.problem, &space.loading, Method::BN).unwrap().until(200, slab.solver.tolerance);
-    let natural = Conventions::natural(&plane.problem);
+    let natural = FormulationScaling::natural(&plane.problem);
     let across = |r: &[f64]| space.contacts.iter().map(|contact| 0.5 * thickness * r[in_plane(contact)]).collect();
     (settings.conventions.r_n, settings.conventions.r_t) = (across(&natural.r_n), across(&natural.r_t));
-    let (linear, mut thick_states) = (System::from(LinearAlgebra::condensed()), Keep::default());
+    let (linear, mut thick_states) = (SystemSolver::from(LinearAlgebra::condensed()), Keep::default());
     let times = slab.time.all();
     let thick = history::run(&space.problem, &space.loading, &times, &settings, linear, &mut thick_states).unwrap();
     assert_eq!(thick.status, Status::Converged);

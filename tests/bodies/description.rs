@@ -8,7 +8,7 @@ use stickslip::contact::{GapDirection, Obstacle, Place, Rotation, Shape};
 use stickslip::description::{Axis, Description, Load};
 use stickslip::fem::{Element, Layer, Material, MaterialGroup, Plane};
 use stickslip::formula::Formula;
-use stickslip::history::{Method, Solver, Status};
+use stickslip::history::{Method, SolverChoice, Status};
 use stickslip::mesh::{CellKind, HalfPlane, MeshSource, Segment};
 use stickslip::model::{Model, ModelError};
 use stickslip::run::Run;
@@ -112,7 +112,7 @@ fn obstacles_that_move_from_text_and_from_rust() {
 #[test]
 fn a_model_without_text_is_solved() {
     let model = Model::build(&paper_block()).unwrap();
-    let run = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap();
+    let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
     let report = run.solve(&mut ()).unwrap();
     assert_eq!((report.status, report.increments.len()), (Status::Converged, 40));
 }

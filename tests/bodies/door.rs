@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::common::{BELT, Keep, block, run};
-use stickslip::history::{Status, System};
+use stickslip::history::{Status, SystemSolver};
 use stickslip::laws::{ContactStatus, KktErrors, KktScales};
 use stickslip::linear::{FactorInfo, LinearError, LinearSolver, SparseLu};
 use stickslip::model::Model;
@@ -108,7 +108,7 @@ fn a_linear_solver_of_ones_own() {
     let counts = Arc::default();
     let mine: Box<dyn LinearSolver> =
         Box::new(Counting { backend: SparseLu::default().solver(), factorizations: Arc::clone(&counts) });
-    let report = Run::new(&scene).unwrap().solve_with(System::from(mine), &mut ()).unwrap();
+    let report = Run::new(&scene).unwrap().solve_with(SystemSolver::from(mine), &mut ()).unwrap();
     assert_eq!((report.status, report.solver.as_str()), (Status::Converged, "mine"));
     assert_eq!(counts.load(std::sync::atomic::Ordering::Relaxed), report.totals.factorizations);
     // That of the run itself may have another order of elimination.

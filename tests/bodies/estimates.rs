@@ -5,7 +5,7 @@ use stickslip::contact::{Obstacle, Place, Shape};
 use stickslip::description::{Action, Axis, Description, Where};
 use stickslip::estimate::{ContactEstimate, peak_error};
 use stickslip::fem::{Element, Material};
-use stickslip::history::{Method, Solver, Status};
+use stickslip::history::{Method, SolverChoice, Status};
 use stickslip::mesh::{CellKind, HalfPlane, MeshSource};
 use stickslip::model::Model;
 use stickslip::report::{RunReport, WarningKind};
@@ -23,7 +23,8 @@ const REACH: f64 = 0.06;
 
 pub fn solved(description: &Description) -> RunReport {
     let model = Model::build(description).unwrap();
-    let report = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
+    let report =
+        Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
     assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
     report
 }

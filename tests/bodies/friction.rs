@@ -8,7 +8,7 @@ use stickslip::contact::Obstacle;
 use stickslip::description::{Axis, Description, Load};
 use stickslip::fem::Material;
 use stickslip::formula::Formula;
-use stickslip::history::{LinearAlgebra, Method, Solver, Status};
+use stickslip::history::{LinearAlgebra, Method, SolverChoice, Status};
 use stickslip::mesh::MeshSource;
 use stickslip::model::Model;
 use stickslip::run::{Recording, Run};
@@ -79,7 +79,7 @@ fn friction_with_a_history() {
         (Method::BN, LinearAlgebra::condensed()),
         (Method::IP, LinearAlgebra::condensed()),
     ] {
-        let solver = Solver { linear: Some(linear), ..Solver::new(method) };
+        let solver = SolverChoice { linear: Some(linear), ..SolverChoice::new(method) };
         let mut recording = Recording::all();
         let run = Run::of(&model, model.times().to_vec(), solver).unwrap();
         assert_eq!(run.history(&mut recording).unwrap().status, Status::Converged, "{method:?}");
@@ -100,7 +100,7 @@ fn friction_with_a_history() {
         pushed.loads[1].history = Some(vec![[0.0, 0.0], [1.0, 0.5], [2.0, 0.5]]);
         pushed.contacts[0].friction_history = Some(vec![[1.0, 1.0], [2.0, last]]);
         let model = Model::build(&pushed).unwrap();
-        let run = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap();
+        let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
         let outcome = run.history(&mut ()).unwrap();
         (outcome.status, outcome.records.len())
     };

@@ -9,7 +9,7 @@ use crate::common::{BELT, Keep, difference};
 use stickslip::contact::{ContactNode, GapDirection, Obstacle, Place, Shape};
 use stickslip::description::{Axis, Contact, Description, Load};
 use stickslip::fem::Material;
-use stickslip::history::{Method, Solver, Status};
+use stickslip::history::{Method, SolverChoice, Status};
 use stickslip::mesh::{Boundary, Geometry, Mesh, MeshSource, Notes, block};
 use stickslip::model::Model;
 use stickslip::problem::State;
@@ -29,7 +29,7 @@ fn belt(obstacle: &str) -> (Model, Vec<State>) {
 
 pub fn solved(description: &Description) -> (Model, Vec<State>) {
     let (model, mut keep) = (Model::build(description).unwrap(), Keep::default());
-    let run = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap();
+    let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
     assert_eq!(run.history(&mut keep).unwrap().status, Status::Converged);
     (model, keep.states)
 }

@@ -1,7 +1,7 @@
 //! What increments leave, by the run itself, beside the exact path in time. doc/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::history::{self, HistorySettings, IncrementError, Method, System};
+use stickslip::history::{self, HistorySettings, IncrementError, Method, SystemSolver};
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::problem::{ContactProblem, Parts};
 use stickslip::report::{RunReport, WarningKind};
@@ -84,7 +84,7 @@ fn a_node_that_sticks_where_it_touches_though_its_increment_has_it_slide() {
     let load = LoadCase::new(vec![1.0, -1.0], vec![[0.0, 0.0], [1.0, 1.0]]).unwrap();
     let loading = Loading::new(vec![load], vec![0.4]).unwrap();
     let settings = HistorySettings::new(&problem, &loading, Method::BN).unwrap();
-    let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap();
+    let outcome = history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ()).unwrap();
     assert!((outcome.state.p_t[0] - 0.6).abs() < 1e-12, "{:?}", outcome.state);
     let found = outcome.increment_error.unwrap();
     let estimate = found.force_error.unwrap() / (0.4 / 0.6);

@@ -5,7 +5,7 @@ use stickslip::contact::{Obstacle, Shape};
 use stickslip::description::{Action, Axis, Bed, Description, Field, Load, Support, Where};
 use stickslip::fem::{Material, Plane};
 use stickslip::formula::Formula;
-use stickslip::history::{Method, Solver, Status};
+use stickslip::history::{Method, SolverChoice, Status};
 use stickslip::mesh::{Mesh, MeshSource};
 use stickslip::model::Model;
 use stickslip::report::RunReport;
@@ -27,7 +27,7 @@ struct Solved {
 fn solved(description: &Description) -> Solved {
     let model = Model::build(description).unwrap();
     let mut recording = Recording::all();
-    let run = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap();
+    let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
     let report = run.solve(&mut recording).unwrap();
     assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
     for record in &report.reactions {

@@ -5,7 +5,7 @@ use crate::common;
 use crate::common::solve;
 use stickslip::description::{Axis, Description, Load};
 use stickslip::fem::{Dofs, Elasticity, Element, Material, assemble, element_stiffness, facet_load};
-use stickslip::history::{Solver, Status};
+use stickslip::history::{SolverChoice, Status};
 use stickslip::mesh::{CellKind, Geometry, MeshSource, block};
 use stickslip::model::Model;
 use stickslip::run::Run;
@@ -155,7 +155,7 @@ fn what_is_locked_altogether_is_told() {
     let material = || Material::new(1.0, 0.4999);
     let locking = |description: Description| {
         let model = Model::build(&description).unwrap();
-        let report = Run::of(&model, vec![1.0], Solver::default()).unwrap().solve(&mut ()).unwrap();
+        let report = Run::of(&model, vec![1.0], SolverChoice::default()).unwrap().solve(&mut ()).unwrap();
         report.estimates.locking.unwrap()
     };
     for n in [4, 8, 16] {

@@ -8,7 +8,7 @@ use stickslip::description::{Action, Axis, Description, Field, Load, Support};
 use stickslip::estimate::ElementEstimate;
 use stickslip::fem::{Elasticity, Element, Material, Plane, assemble, gradients, strain_at};
 use stickslip::formula::Formula;
-use stickslip::history::Solver;
+use stickslip::history::SolverChoice;
 use stickslip::mesh::{Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, shape};
 use stickslip::model::Model;
 use stickslip::report::{Warning, WarningKind};
@@ -329,7 +329,7 @@ fn rounding_is_no_strain() {
             }
         };
         let model = Model::build(&body).unwrap();
-        let report = Run::of(&model, vec![1.0], Solver::default()).unwrap().solve(&mut ()).unwrap();
+        let report = Run::of(&model, vec![1.0], SolverChoice::default()).unwrap().solve(&mut ()).unwrap();
         assert_eq!((report.estimates.locking, report.estimates.discretisation), (None, None), "{plane:?}");
         let of_the_body = |warning: &Warning| warning.kind != WarningKind::SlowBlas;
         assert!(!report.warnings.iter().any(of_the_body), "{:?}", report.warnings);

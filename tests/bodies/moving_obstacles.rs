@@ -3,7 +3,8 @@
 
 use crate::common;
 use crate::common::{BELT, Keep};
-use stickslip::history::{LinearAlgebra, Method, Status, System};
+use std::ops::ControlFlow;
+use stickslip::history::{LinearAlgebra, Method, Status, SystemSolver};
 use stickslip::model::Model;
 use stickslip::scene::Scene;
 
@@ -13,7 +14,7 @@ fn solve(text: &str) -> (Model, Vec<[f64; 2]>) {
     let mut keep = Keep::default();
     let settings =
         stickslip::history::HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10);
-    let linear = System::from(LinearAlgebra::default());
+    let linear = SystemSolver::from(LinearAlgebra::default());
     let outcome =
         stickslip::history::run(&model.problem, &model.loading, &scene.time.all(), &settings, linear, &mut keep)
             .unwrap();
@@ -151,10 +152,10 @@ fn a_plane_that_tips() {
 struct Last<'a>(&'a Model, Option<f64>);
 
 impl stickslip::history::Observer for Last<'_> {
-    fn increment(&mut self, step: &stickslip::history::Step<'_>) -> stickslip::nonlinear::Flow {
+    fn increment(&mut self, step: &stickslip::history::IncrementView<'_>) -> ControlFlow<()> {
         let left = self.0.range_left(step.record.time, step.state, step.increment.gap, step.statuses);
         self.1 = left.map(|left| left.share);
-        stickslip::nonlinear::Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

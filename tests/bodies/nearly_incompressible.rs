@@ -1,13 +1,13 @@
 //! What elements are worth near ν = 1/2 beyond forces: stresses, contact pressures, and bending with compressible materials.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use std::ops::ControlFlow;
 use stickslip::contact::Obstacle;
 use stickslip::description::{Action, Axis, Probe, Support};
 use stickslip::fem::{Element, Material};
-use stickslip::history::{Observer, Solver, Step};
+use stickslip::history::{IncrementView, Observer, SolverChoice};
 use stickslip::mesh::CellKind;
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::report::{ProbeTable, WarningKind};
 use stickslip::run::{Recording, Run};
 
@@ -27,12 +27,12 @@ struct Line<'a> {
 }
 
 impl Observer for Line<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let values = self.table.values(self.model, step);
         self.hoop = values.iter().map(|value| [value.position[0], value.stress[2]]).collect();
         let contacts = self.model.contacts.iter().zip(&step.state.p_n);
         self.pressures = contacts.map(|(contact, p_n)| p_n / contact.weight).collect();
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 
@@ -50,7 +50,7 @@ fn tube(cells: CellKind, element: Element, nu: f64) -> ([f64; 2], Option<f64>, O
     let line = Probe::along("hoop", [a + 1e-5, 0.5 * h + 1e-4], [b - 1e-5, 0.5 * h + 1e-4], 12);
     let table = ProbeTable::all(&model, &[line]).unwrap().remove(0);
     let mut line = Line { model: &model, table, hoop: Vec::new(), pressures: Vec::new() };
-    let report = Run::of(&model, vec![1.0], Solver::default()).unwrap().solve(&mut line).unwrap();
+    let report = Run::of(&model, vec![1.0], SolverChoice::default()).unwrap().solve(&mut line).unwrap();
     // u(b) = -delta under a pressure p outside, with no strain along the axis.
     let share = b * b / (b * b - a * a);
     let p = delta * YOUNG / ((1.0 + nu) * share * ((1.0 - 2.0 * nu) * b + a * a / b));
@@ -129,7 +129,7 @@ fn plates_of_second_order() {
                     .load(Action::Pressure { boundary: "top".into(), pressure: p.into() }.into());
                 body.element = element;
                 let (model, mut end) = (Model::build(&body).unwrap(), Recording::last());
-                Run::of(&model, vec![1.0], Solver::default()).unwrap().solve(&mut end).unwrap();
+                Run::of(&model, vec![1.0], SolverChoice::default()).unwrap().solve(&mut end).unwrap();
                 let moved = model.displacements(1.0, &end.increments[0].state.u).unwrap();
                 let middle = model.mesh.nodes.iter().position(|x| x[0] == 0.0 && x[1] == 0.0).unwrap();
                 // Kirchhoff's plate, and what shear adds: right up to (h / a)², 1 %.

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use stickslip::fem::{cell_volume, gradients};
-use stickslip::history::{LinearAlgebra, Solver, Status};
+use stickslip::history::{LinearAlgebra, SolverChoice, Status};
 use stickslip::mesh::{Geometry, fine_quadrature, shape};
 use stickslip::model::{Balance, Model};
 use stickslip::report::{RunReport, WarningKind};
@@ -17,7 +17,7 @@ fn each_way(text: &str, mut told: impl FnMut(&str, &Model, RunReport, &Recording
     let model = Model::new(&scene).unwrap();
     for (name, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {
         let mut recording = Recording::all();
-        let solver = Solver { linear: Some(linear), ..scene.solver };
+        let solver = SolverChoice { linear: Some(linear), ..scene.solver };
         let report = Run::of(&model, scene.time.all(), solver).unwrap().solve(&mut recording).unwrap();
         assert_eq!(report.status, Status::Converged, "{name}: {}", report.explanation.reason);
         told(name, &model, report, &recording);

@@ -3,11 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
+use std::ops::ControlFlow;
 use stickslip::description::Probe;
-use stickslip::history::{self, HistorySettings, Method, Observer, Status, Step, System};
+use stickslip::history::{self, HistorySettings, IncrementView, Method, Observer, Status, SystemSolver};
 use stickslip::laws::KktErrors;
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::report::{ContactLine, DeformedBody, ProbeTable, ProbeValue, history_charts};
 use stickslip::run::{RecordedIncrement, Recording, Run};
 use stickslip::scene::Scene;
@@ -35,9 +35,9 @@ fn bar(cells: &str, dimension: usize) -> Scene {
 fn probed(model: &Model, scene: &Scene, probe: Probe) -> Vec<Vec<ProbeValue>> {
     struct Values<'a>(&'a Model, ProbeTable, Vec<Vec<ProbeValue>>);
     impl Observer for Values<'_> {
-        fn increment(&mut self, step: &Step<'_>) -> Flow {
+        fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
             self.2.push(self.1.values(self.0, step));
-            Flow::Continue
+            ControlFlow::Continue(())
         }
     }
     let table = ProbeTable::all(model, &[probe]).unwrap().remove(0);
@@ -182,13 +182,13 @@ fn the_body_before_is_undeformed() {
 struct Parts(Vec<RecordedIncrement>, Vec<RecordedIncrement>);
 
 impl Observer for Parts {
-    fn part(&mut self, part: &Step<'_>) {
+    fn part(&mut self, part: &IncrementView<'_>) {
         self.0.push(RecordedIncrement::new(part));
     }
 
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.1.push(RecordedIncrement::new(step));
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 
@@ -204,7 +204,7 @@ fn the_law_can_be_checked_over_each_part() {
         *rescue = false;
     }
     let mut told = Parts::default();
-    let outcome = history::run(problem, loading, &[1.0, 2.0], &settings, System::default(), &mut told).unwrap();
+    let outcome = history::run(problem, loading, &[1.0, 2.0], &settings, SystemSolver::default(), &mut told).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     let Parts(parts, ends) = told;
     assert!(!parts.is_empty(), "nothing was halved: the test has lost its case");

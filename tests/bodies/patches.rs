@@ -1,14 +1,14 @@
 //! Pressures of nodes and of patches on tetrahedra that are no regular ones. doc/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use std::ops::ControlFlow;
 use stickslip::contact::{Obstacle, Place, Shape};
 use stickslip::description::{Axis, Description};
 use stickslip::estimate::PeakOf;
 use stickslip::fem::Material;
-use stickslip::history::{Method, Observer, Solver, Status, Step};
+use stickslip::history::{IncrementView, Method, Observer, SolverChoice, Status};
 use stickslip::mesh::{CellKind, Mesh, MeshSource};
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::report::{ContactLine, RunReport, WarningKind, fields};
 use stickslip::run::Run;
 
@@ -61,10 +61,10 @@ fn slab(n: usize, kind: CellKind) -> Mesh {
 struct Last<'a>(&'a Model, Option<ContactLine>, Vec<&'static str>);
 
 impl Observer for Last<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.1 = ContactLine::all(self.0, step).pop();
         self.2 = fields(self.0, step).point_fields.iter().map(|field| field.name).collect();
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 
@@ -82,7 +82,7 @@ fn pressed(n: usize, kind: CellKind, approach: f64) -> (RunReport, ContactLine, 
         .contact("top", 0.0, Obstacle::at_rest(cylinder).approaching(&[[0.0, 0.0], [1.0, approach]]));
     let model = Model::build(&body).unwrap();
     let mut last = Last(&model, None, Vec::new());
-    let report = Run::of(&model, vec![1.0], Solver::new(Method::BN)).unwrap().solve(&mut last).unwrap();
+    let report = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap().solve(&mut last).unwrap();
     assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
     (report, last.1.unwrap(), last.2)
 }

@@ -3,11 +3,11 @@
 
 use crate::common;
 use crate::common::solve;
+use std::ops::ControlFlow;
 use stickslip::fem::{Dofs, Elasticity, Element, assemble, element_stiffness, traction};
-use stickslip::history::{Observer, Status, Step};
+use stickslip::history::{IncrementView, Observer, Status};
 use stickslip::mesh::{Boundary, Cell, CellKind, Geometry, Mesh, MeshFault, block, from_gmsh};
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::report::fields;
 use stickslip::scene::Scene;
 use stickslip::vector::{cross, dot, minus};
@@ -187,11 +187,11 @@ fn check_wedge(points: &[[f64; 3]], nodes: &[usize]) {
 struct Seen<'a>(&'a Model);
 
 impl Observer for Seen<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let grid = fields(self.0, step);
         assert!(grid.cells.iter().all(|(nodes, kind)| *kind == 13 && nodes.len() == 6));
         grid.cells.iter().for_each(|(nodes, _)| check_wedge(&grid.points, nodes));
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

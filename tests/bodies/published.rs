@@ -8,7 +8,7 @@ use stickslip::contact::{GapDirection, Obstacle, Place, Shape};
 use stickslip::description::{Action, Axis, Description};
 use stickslip::fem::{Material, Plane};
 use stickslip::formula::Formula;
-use stickslip::history::{LinearAlgebra, Method, Solver, Status};
+use stickslip::history::{LinearAlgebra, Method, SolverChoice, Status};
 use stickslip::laws::ContactStatus;
 use stickslip::mesh::MeshSource;
 use stickslip::model::Model;
@@ -23,7 +23,7 @@ const NU: f64 = 0.3;
 fn solve(description: &Description) -> (Model, Vec<RecordedIncrement>) {
     let model = Model::build(description).unwrap();
     let mut recording = Recording::all();
-    let solver = Solver { linear: Some(LinearAlgebra::condensed()), ..Solver::new(Method::BN) };
+    let solver = SolverChoice { linear: Some(LinearAlgebra::condensed()), ..SolverChoice::new(Method::BN) };
     let report = Run::of(&model, model.times().to_vec(), solver).unwrap().solve(&mut recording).unwrap();
     assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
     (model, recording.increments)

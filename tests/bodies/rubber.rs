@@ -2,7 +2,7 @@
 //! The tables of doc/verification.md are what the last two tests print.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::history::{LinearAlgebra, Solver, Status};
+use stickslip::history::{LinearAlgebra, SolverChoice, Status};
 use stickslip::model::Model;
 use stickslip::report::{RunReport, WarningKind};
 use stickslip::run::Run;
@@ -11,7 +11,7 @@ use stickslip::scene::Scene;
 fn solved(text: &str) -> RunReport {
     let scene = Scene::parse("rubber.toml", text, &[]).unwrap();
     let model = Model::new(&scene).unwrap();
-    let solver = Solver { linear: Some(LinearAlgebra::condensed()), ..scene.solver };
+    let solver = SolverChoice { linear: Some(LinearAlgebra::condensed()), ..scene.solver };
     let report = Run::of(&model, scene.time.all(), solver).unwrap().solve(&mut ()).unwrap();
     assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
     report

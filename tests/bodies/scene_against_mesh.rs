@@ -3,11 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::edit;
-use crate::common::faults::{BLOCK, Fault, line_at, line_of, verify};
+use crate::common::faults::{BLOCK, InputError, line_at, line_of, verify};
 use stickslip::model::{Model, ModelError};
 use stickslip::scene::{Scene, SceneError};
 
-const AGAINST_THE_MESH: &[Fault] = &[
+const AGAINST_THE_MESH: &[InputError] = &[
     ("poisson =", "layers = [[0.1, 1e9, 0.3]]\npoisson =", "layers =", &["in material.layers[0]"], "more elements"),
     (
         "poisson =",
@@ -83,7 +83,7 @@ const BOTTOM: &str = "boundary = \"bottom\"\nfriction = 0.4\nobstacle = { kind =
 const FREE: &str = "boundary = \"left\"\nfix = [\"x\", \"y\", \"z\"]";
 
 /// The same of the cube, and what belongs to the plane.
-const IN_SPACE: &[Fault] = &[
+const IN_SPACE: &[InputError] = &[
     (
         "[0.0, 0.0, -10e6]",
         "[0.0, -10e6]",

@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::common::edit;
-use crate::common::faults::{BLOCK, Fault, line_at, located, verify, verify_all};
+use crate::common::faults::{BLOCK, InputError, line_at, located, verify, verify_all};
 use miette::Diagnostic;
 use stickslip::scene::{Scene, SceneError};
 
@@ -17,7 +17,7 @@ const LISTED: &str = "use one of the values it lists";
 const FORM: &str = "`stickslip init block` shows the form of every value";
 const MEND: &str = "mend the TOML here";
 
-const KEYS_AND_TYPES: &[Fault] = &[
+const KEYS_AND_TYPES: &[InputError] = &[
     ("title =", "titel =", "titel", &["unknown field `titel`", "`title`"], REMOVE),
     ("[solver]", "[slover]", "[slover]", &["unknown field `slover`", "`solver`"], REMOVE),
     ("poisson =", "poison =", "poison =", &["unknown field `poison`", "`poisson`"], REMOVE),

@@ -5,14 +5,14 @@ use stickslip::model::{Model, ModelError};
 use stickslip::scene::Scene;
 
 use crate::common::edit;
-use crate::common::faults::{BLOCK, Fault, line_of, verify, verify_all};
+use crate::common::faults::{BLOCK, InputError, line_of, verify, verify_all};
 
 const FIX: &str = "fix = [\"x\", \"y\"]";
 const TRACTION: &str = "traction = [0.0, -10e6]";
 const FACES: &str = "boundary = \"top\"\ntraction = [0.0, -10e6]";
 
 /// Refused as the scene is read.
-const READ: &[Fault] = &[
+const READ: &[InputError] = &[
     (FIX, "fix = []", "fix =", &["fix is empty"], "[\"x\", \"y\"]"),
     (FIX, "fix = [\"n\"]", "fix =", &["unknown variant `n`"], "one of the values"),
     (FIX, "fix = [\"x\"]\ndirection = [1, 1]", "direction", &["both fix and direction"], "keep one"),
@@ -73,7 +73,7 @@ const READ: &[Fault] = &[
 ];
 
 /// Refused when the mesh is known.
-const BUILT: &[Fault] = &[
+const BUILT: &[InputError] = &[
     (FIX, "fix = [\"z\"]", "fix", &["two dimensions"], "leave out"),
     (FIX, "direction = [1, 0, 0]", "direction", &["3 components"], "[x, y]"),
     ("boundary = \"left\"", "point = [0.01, 0.3]", "point", &["no node of the mesh is at (0.01, 0.3)"], "the nearest"),

@@ -2,14 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::common::faults::{BLOCK, Fault, line_of, located, verify, verify_all};
+use crate::common::faults::{BLOCK, InputError, line_of, located, verify, verify_all};
 use crate::common::{block, edit};
 use stickslip::description::Probe;
 use stickslip::model::Model;
 use stickslip::run::Run;
 use stickslip::scene::Scene;
 
-const OUTPUT: &[Fault] = &[
+const OUTPUT: &[InputError] = &[
     ("times =", "every = 0\ntimes =", "every =", &["output.every is 0", "at least 1"], "each increment"),
     ("times =", "every = -3\ntimes =", "every =", &["output.every is -3", "at least 1"], "each increment"),
     ("times = [1.0, 2.0]", "times = \"all\"\nevery = 2", "every =", &["\"all\" has no every"], "remove the key"),

@@ -1,8 +1,8 @@
 //! Values that a scene may not have, and values that contradict one another.
 
-use crate::common::faults::{Fault, verify_all};
+use crate::common::faults::{InputError, verify_all};
 
-const VALUES: &[Fault] = &[
+const VALUES: &[InputError] = &[
     (
         "\"bn\"",
         "\"bn\"\nr_factor = 2",

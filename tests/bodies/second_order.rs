@@ -5,6 +5,7 @@
 use crate::common;
 use crate::common::solve;
 use miette::Diagnostic;
+use std::ops::ControlFlow;
 use stickslip::fem::{
     Dofs, Elasticity, Element, assemble, body_force, element_stiffness, facet_load, facet_normals, facet_weights,
     thermal_forces, traction,
@@ -345,9 +346,9 @@ const BAR: &str = r#"
 /// Keeps the fields.
 struct Fields<'a>(&'a Model, &'a mut Vec<Grid>);
 impl stickslip::history::Observer for Fields<'_> {
-    fn increment(&mut self, step: &stickslip::history::Step<'_>) -> stickslip::nonlinear::Flow {
+    fn increment(&mut self, step: &stickslip::history::IncrementView<'_>) -> ControlFlow<()> {
         self.1.push(fields(self.0, step));
-        stickslip::nonlinear::Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

@@ -7,11 +7,11 @@ mod obstacles;
 mod tables;
 
 use crate::common::{Keep, difference};
+use std::ops::ControlFlow;
 use stickslip::contact::ContactNode;
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver, Status, Step};
+use stickslip::history::{HistoryOutcome, IncrementView, LinearAlgebra, Method, Observer, SolverChoice, Status};
 use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
 use stickslip::report::ContactLine;
 use stickslip::run::Run;
@@ -32,7 +32,7 @@ pub(super) fn pressed(cells: &str, elements: &str, friction: f64, formula: &str,
     Scene::parse("pressed.toml", &text, &[]).unwrap()
 }
 
-pub(super) fn solve(model: &Model, times: &[f64], solver: Solver, observer: &mut dyn Observer) -> HistoryOutcome {
+pub(super) fn solve(model: &Model, times: &[f64], solver: SolverChoice, observer: &mut dyn Observer) -> HistoryOutcome {
     let outcome = Run::of(model, times.to_vec(), solver).unwrap().history(observer).unwrap();
     assert_eq!(outcome.status, Status::Converged, "{solver:?}");
     outcome
@@ -47,9 +47,9 @@ pub(super) fn sums(state: &State) -> [f64; 2] {
 pub(super) struct Lines<'a>(&'a Model, Vec<ContactLine>);
 
 impl Observer for Lines<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.1.extend(ContactLine::all(self.0, step));
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 
@@ -66,7 +66,7 @@ fn parabolas_on_squares_and_cubes() {
     ] {
         let scene = pressed(cells, elements, mu, formula, "");
         let model = Model::new(&scene).unwrap();
-        let found = sums(&solve(&model, &[1.0], Solver::default(), &mut ()).state);
+        let found = sums(&solve(&model, &[1.0], SolverChoice::default(), &mut ()).state);
         for (found, expected) in found.into_iter().zip(expected) {
             assert!((found - expected).abs() <= 2e-10 * expected.abs(), "{cells} {mu}: {found:.10e} {expected:.10e}");
         }
@@ -105,7 +105,8 @@ fn all_ways_agree() {
         assert!(model.contacts.iter().filter(|contact| contact.ends.is_some()).count() > 5);
         let states = |method: Method, linear: LinearAlgebra| {
             let mut keep = Keep::default();
-            let outcome = solve(&model, &times, Solver { linear: Some(linear), ..Solver::new(method) }, &mut keep);
+            let outcome =
+                solve(&model, &times, SolverChoice { linear: Some(linear), ..SolverChoice::new(method) }, &mut keep);
             assert!(outcome.linear.worst_backward_error < 1e-13, "{:e}", outcome.linear.worst_backward_error);
             keep.states
         };
@@ -142,7 +143,7 @@ fn bodies_that_only_contact_holds() {
         let model = Model::build(&scene.description).unwrap();
         let states = [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| {
             let mut keep = Keep::default();
-            solve(&model, &[1.0], Solver { linear: Some(linear), ..Solver::default() }, &mut keep);
+            solve(&model, &[1.0], SolverChoice { linear: Some(linear), ..SolverChoice::default() }, &mut keep);
             keep.states
         });
         assert!((sums(&states[0][0])[0] - 0.02).abs() < 1e-12);
@@ -186,7 +187,8 @@ fn a_block_in_a_corner() {
         let along = edge.iter().filter(|contact| !contact.tangents[0].is_empty()).count();
         assert_eq!(along, if d == 2 { 0 } else { 4 });
         for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
-            let state = solve(&model, &[1.0], Solver { linear: Some(linear), ..Solver::default() }, &mut ()).state;
+            let state =
+                solve(&model, &[1.0], SolverChoice { linear: Some(linear), ..SolverChoice::default() }, &mut ()).state;
             for (contact, p) in model.contacts.iter().zip(&state.p_n) {
                 let pressure = if contact.facing.normal[0] == 1.0 { 0.01 } else { 0.02 };
                 // Friction takes a little off.

@@ -8,10 +8,10 @@ use std::path::Path;
 use crate::common::edit;
 use crate::common::faults::BLOCK;
 use crate::common::vtu::{Array, Piece};
+use std::ops::ControlFlow;
 use stickslip::description::{Action, Description, Field};
-use stickslip::history::{Observer, Status, Step};
+use stickslip::history::{IncrementView, Observer, Status};
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
 use stickslip::report::{Grid, fields};
 use stickslip::run::{Recording, Run};
@@ -187,9 +187,9 @@ fn arrays(grid: &Grid) -> Vec<Array> {
 struct Last<'a>(&'a Model, Option<Grid>);
 
 impl Observer for Last<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.1 = Some(fields(self.0, step));
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

@@ -13,7 +13,7 @@ use stickslip::contact::{GapDirection, Obstacle, Place, Shape};
 use stickslip::description::{Axis, Description};
 use stickslip::fem::Material;
 use stickslip::formula::Formula;
-use stickslip::history::{Method, Solver};
+use stickslip::history::{Method, SolverChoice};
 use stickslip::mesh::{Mesh, MeshSource, block};
 use stickslip::model::Model;
 use stickslip::problem::State;
@@ -45,7 +45,7 @@ fn roller(x: f64) -> Obstacle {
 fn recorded(description: &Description) -> (Model, Vec<State>, RunReport) {
     let (model, mut recording) = (Model::build(description).unwrap(), Recording::all());
     let report =
-        Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap().solve(&mut recording).unwrap();
+        Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap().solve(&mut recording).unwrap();
     let states = recording.increments.into_iter().map(|increment| increment.state).collect();
     (model, states, report)
 }

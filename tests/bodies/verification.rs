@@ -9,13 +9,13 @@ use crate::common;
 use crate::common::Keep;
 use crate::common::convergence::{self, order};
 use crate::common::hertz::Hertz;
+use std::ops::ControlFlow;
 use stickslip::fem::{Dofs, assemble};
 use stickslip::history::{
-    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, Status, Step, System,
+    self, HistoryOutcome, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status, SystemSolver,
 };
 use stickslip::laws::ContactStatus;
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::report::Resultant;
 use stickslip::scene::Scene;
 
@@ -84,7 +84,7 @@ fn indenting_wedge(elements: usize) -> [f64; 2] {
     let mesh = mesh.map(|(key, value)| format!("mesh.{key}={value}").parse().unwrap());
     let model = Model::new(&Scene::parse("wedge.toml", &text, &mesh).unwrap()).unwrap();
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
-    let linear = System::from(LinearAlgebra::condensed());
+    let linear = SystemSolver::from(LinearAlgebra::condensed());
     let outcome = history::run(&model.problem, &model.loading, &[1.0], &settings, linear, &mut ()).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     let p_n = &outcome.state.p_n;
@@ -311,9 +311,9 @@ fn guide_force(model: &Model, u: &[f64]) -> f64 {
 struct Statuses(Vec<ContactStatus>);
 
 impl Observer for Statuses {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.0 = step.statuses.to_vec();
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

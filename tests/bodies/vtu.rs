@@ -6,9 +6,9 @@ use std::fs;
 
 use crate::common;
 use crate::common::vtu::{HEXAHEDRON, Piece, QUAD, TETRA, WEDGE, values};
-use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Step, System};
+use std::ops::ControlFlow;
+use stickslip::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, SystemSolver};
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::report::{Claim, Grid, ResultFolder, fields};
 use stickslip::run::Run;
 use stickslip::scene::{Origin, Scene};
@@ -17,16 +17,16 @@ use stickslip::scene::{Origin, Scene};
 struct Fields<'a>(&'a Model, Vec<Grid>);
 
 impl Observer for Fields<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.1.push(fields(self.0, step));
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 
 fn solve(scene: &Scene) -> (Model, Vec<Grid>) {
     let model = Model::new(scene).unwrap();
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10);
-    let linear = System::from(LinearAlgebra::default());
+    let linear = SystemSolver::from(LinearAlgebra::default());
     let mut observer = Fields(&model, Vec::new());
     history::run(&model.problem, &model.loading, &scene.time.all(), &settings, linear, &mut observer).unwrap();
     let grids = observer.1;

@@ -8,7 +8,7 @@ use super::edit;
 pub const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 
 /// What to replace, by what, a text on the line that must be named, words of the message, words of the help.
-pub type Fault = (&'static str, &'static str, &'static str, &'static [&'static str], &'static str);
+pub type InputError = (&'static str, &'static str, &'static str, &'static [&'static str], &'static str);
 
 /// The line (from 1) of the first `marker` in `text`.
 pub fn line_of(text: &str, marker: &str) -> usize {
@@ -40,7 +40,7 @@ pub fn verify(error: &SceneError, text: &str, line: usize, says: &[&str], remedy
 }
 
 /// The block with each of the faults, refused as it is read.
-pub fn verify_all(faults: &[Fault]) {
+pub fn verify_all(faults: &[InputError]) {
     for &(from, to, marker, says, remedy) in faults {
         let text = edit(BLOCK, from, to);
         verify(&located(&text), &text, line_of(&text, marker), says, remedy);

@@ -16,9 +16,10 @@ pub mod vtu;
 pub mod whole;
 
 use std::io::Write;
+use std::ops::ControlFlow;
 
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, Solver};
-use stickslip::linear::Direct;
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, SolverChoice};
+use stickslip::linear::RefinedSolver;
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
 use stickslip::run::Run;
@@ -64,7 +65,7 @@ pub fn scene(name: &str, overrides: &[&str]) -> Scene {
 
 /// The same with BN in its default setting on condensed matrices, whatever the scene says.
 pub fn run_default(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> HistoryOutcome {
-    let solver = Solver { method: Method::BN, linear: Some(LinearAlgebra::condensed()), ..scene.solver };
+    let solver = SolverChoice { method: Method::BN, linear: Some(LinearAlgebra::condensed()), ..scene.solver };
     Run::of(model, scene.time.all(), solver).unwrap().history(observer).unwrap()
 }
 
@@ -113,13 +114,13 @@ impl Keep {
 }
 
 impl Observer for Keep {
-    fn increment(&mut self, step: &stickslip::history::Step<'_>) -> stickslip::nonlinear::Flow {
+    fn increment(&mut self, step: &stickslip::history::IncrementView<'_>) -> ControlFlow<()> {
         self.states.push(step.state.clone());
         self.forces.push(step.increment.force.to_vec());
         self.mu.push(step.increment.mu.to_vec());
         self.w_t_last.push(step.increment.w_t_last.to_vec());
         self.w_o_last.push(step.increment.w_o_last.to_vec());
-        stickslip::nonlinear::Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 
@@ -139,7 +140,7 @@ pub fn difference(a: &[State], b: &[State]) -> f64 {
 pub fn solve(stiffness: &Symmetric, force: &[f64]) -> Vec<f64> {
     let n = stiffness.order();
     let k = SystemMatrix::from(Csc::from_triplets(n, n, &stiffness.entries().collect::<Vec<_>>()).unwrap());
-    let mut direct = Direct::default();
+    let mut direct = RefinedSolver::default();
     direct.analyze(&k).unwrap();
     direct.factorize(&k).unwrap();
     let mut u = vec![0.0; n];

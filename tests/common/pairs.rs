@@ -2,7 +2,7 @@
 
 use stickslip::description::{Axis, Description, Load};
 use stickslip::fem::{Material, MaterialGroup};
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Solver, Status};
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
 use stickslip::mesh::{Body, MeshSource};
 use stickslip::model::Model;
 use stickslip::run::Run;
@@ -51,12 +51,12 @@ pub fn pushed(description: Description, slave: Side) -> Description {
 }
 
 /// BN on the condensed system to the last digits.
-pub fn solver(method: Method, linear: LinearAlgebra) -> Solver {
-    Solver { method, linear: Some(linear), tolerance: 1e-12, ..Solver::default() }
+pub fn solver(method: Method, linear: LinearAlgebra) -> SolverChoice {
+    SolverChoice { method, linear: Some(linear), tolerance: 1e-12, ..SolverChoice::default() }
 }
 
 /// The history of `model`, and its end, which is converged.
-pub fn solved(model: &Model, solver: Solver, observer: &mut dyn stickslip::history::Observer) -> HistoryOutcome {
+pub fn solved(model: &Model, solver: SolverChoice, observer: &mut dyn stickslip::history::Observer) -> HistoryOutcome {
     let outcome = Run::of(model, model.times().to_vec(), solver).unwrap().history(observer).unwrap();
     assert_eq!(outcome.status, Status::Converged, "{solver:?}");
     outcome

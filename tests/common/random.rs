@@ -78,7 +78,7 @@ pub fn problem(random: &mut Random, contacts: usize, mu: f64, decades: f64) -> (
         c_o: map(2),
         mu: (0..contacts).map(|_| mu * (0.5 + 0.5 * random.next())).collect(),
         weight: Some(vec![0.05; contacts]),
-        free_motions: Some(Vec::new()),
+        rigid_modes: Some(Vec::new()),
     })
     .unwrap();
     // Loads along the normals and along both tangents, and a general one.

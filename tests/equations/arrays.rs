@@ -1,11 +1,14 @@
 //! Arrays that do not fit, numbers that are none: each is refused by an error that names the array.
 #![allow(clippy::unwrap_used)]
 
-use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Start, Status, Step, System};
+use std::ops::ControlFlow;
+use stickslip::history::{
+    self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Start, Status, SystemSolver,
+};
 use stickslip::laws::{KktErrors, KktScales, statuses};
-use stickslip::linear::Direct;
-use stickslip::loading::{Bend, LoadCase, Loading, Motion};
-use stickslip::nonlinear::{Flow, LinearSystem};
+use stickslip::linear::RefinedSolver;
+use stickslip::loading::{GapCorrection, LoadCase, Loading, Motion};
+use stickslip::nonlinear::LinearSystem;
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
 use stickslip::solvability::rigid_equilibrium;
 use stickslip::sparse::{Csc, Csr, MatrixError, Symmetric};
@@ -31,7 +34,7 @@ fn loading(force: Vec<f64>, gap: Vec<f64>) -> Loading {
 fn run(loading: &Loading, times: &[f64], change: impl FnOnce(&mut HistorySettings)) -> Result<Status, history::Error> {
     let mut settings = HistorySettings::new(&problem(), &self::loading(vec![1.0; 2], vec![0.0]), Method::BN).unwrap();
     change(&mut settings);
-    history::run(&problem(), loading, times, &settings, System::default(), &mut ()).map(|outcome| outcome.status)
+    history::run(&problem(), loading, times, &settings, SystemSolver::default(), &mut ()).map(|outcome| outcome.status)
 }
 
 /// Every way to hand in nonsense, with what its error says.
@@ -66,7 +69,8 @@ fn every_error_names_its_array() {
         let measured = KktErrors::measure(&problem, &increment, state, &scales).map(|_| ()).map_err(|e| e.to_string());
         let found = statuses(&problem, &increment, state, &scales).map(|_| ()).map_err(|e| e.to_string());
         assert_eq!(measured, found);
-        let critical = critical_friction(&problem, &increment, state, &scales, Scaling::SI, &mut Direct::default());
+        let critical =
+            critical_friction(&problem, &increment, state, &scales, Scaling::SI, &mut RefinedSolver::default());
         assert_eq!(critical.map(|_| ()).map_err(|error| error.to_string()), measured);
         measured
     };
@@ -118,10 +122,10 @@ fn every_error_names_its_array() {
         ),
         (made(&|p| *p = indefinite.clone()), "takes energy out of it"),
         (made(&|p| p.stiffness = Symmetric::from_triplets(0, &[]).unwrap()), "order 0"),
-        (made(&|p| p.free_motions = Some(vec![vec![1.0]])), "free_motions[0] has 1 entries, but must have 2"),
-        (made(&|p| p.free_motions = Some(vec![vec![NAN, 1.0]])), "free_motions[0][0] is NaN"),
-        (made(&|p| p.free_motions = Some(vec![vec![1.0, 0.0]])), "free_motions[0] is no free motion"),
-        (made(&|p| p.free_motions = Some(vec![vec![0.0, 0.0]])), "free_motions[0] is a combination"),
+        (made(&|p| p.rigid_modes = Some(vec![vec![1.0]])), "free_motions[0] has 1 entries, but must have 2"),
+        (made(&|p| p.rigid_modes = Some(vec![vec![NAN, 1.0]])), "free_motions[0][0] is NaN"),
+        (made(&|p| p.rigid_modes = Some(vec![vec![1.0, 0.0]])), "free_motions[0] is no free motion"),
+        (made(&|p| p.rigid_modes = Some(vec![vec![0.0, 0.0]])), "free_motions[0] is a combination"),
         // Loads, times, settings (N3).
         (case(vec![NAN], still()), "force[0] is NaN"),
         (case(vec![1.0], vec![[1.0, 1.0], [0.0, 0.0]]), "history[1] goes from time 1 to 0"),
@@ -130,8 +134,14 @@ fn every_error_names_its_array() {
         (motion(0..2, vec![1.0], vec![[0.0; 2]; 2], still()), "gap has 1 entries, but must have 2"),
         (motion(0..1, vec![1.0], Vec::new(), still()), "drift has 0 entries, but must have 1"),
         (motion(0..1, vec![1.0], vec![[0.0, NAN]], still()), "drift[0][1] is NaN"),
-        (Bend::new(0..1, vec![0.0, 0.0], vec![vec![0.0]; 2]).map(|_| ()).map_err(|e| e.to_string()), "times[1]"),
-        (Bend::new(0..1, vec![0.0], vec![vec![]]).map(|_| ()).map_err(|e| e.to_string()), "gap[0] has 0 entries"),
+        (
+            GapCorrection::new(0..1, vec![0.0, 0.0], vec![vec![0.0]; 2]).map(|_| ()).map_err(|e| e.to_string()),
+            "times[1]",
+        ),
+        (
+            GapCorrection::new(0..1, vec![0.0], vec![vec![]]).map(|_| ()).map_err(|e| e.to_string()),
+            "gap[0] has 0 entries",
+        ),
         (
             good.clone()
                 .with_motions(vec![Motion::new(0..3, vec![0.0; 3], vec![[0.0; 2]; 3], still()).unwrap()], Vec::new())
@@ -182,7 +192,7 @@ fn weights_are_asked_for_where_they_are_used() {
     let loading = loading(vec![0.1, 1.0], vec![0.0]);
     for method in [Method::BN, Method::IP] {
         let settings = HistorySettings::new(&problem, &loading, method).unwrap();
-        let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap();
+        let outcome = history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged);
     }
     for method in [Method::PaperBn, Method::paper_ip(Start::Safe)] {
@@ -196,11 +206,11 @@ fn weights_are_asked_for_where_they_are_used() {
 fn free_motions_are_found_where_they_are_not_given() {
     let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0)]).unwrap();
     let problem = ContactProblem::new(Parts { stiffness, ..parts() }).unwrap();
-    let [motion] = problem.free_motions() else { panic!("{:?}", problem.free_motions()) };
+    let [motion] = problem.rigid_modes() else { panic!("{:?}", problem.rigid_modes()) };
     assert!(motion[0].abs() < 1e-15 && (motion[1] - 1.0).abs() < 1e-15, "{motion:?}");
     let loading = loading(vec![0.1, 1.0], vec![0.0]);
     let settings = HistorySettings::new(&problem, &loading, Method::BN).unwrap();
-    let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap();
+    let outcome = history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ()).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     assert!((outcome.state.p_n[0] - 1.0).abs() < 1e-12);
 }
@@ -214,7 +224,7 @@ fn an_observer_sees_the_linear_systems() {
         iterations: usize,
     }
     impl Observer for Watch {
-        fn linear_system(&mut self, _index: usize, system: &LinearSystem<'_>) -> Flow {
+        fn linear_system(&mut self, _index: usize, system: &LinearSystem<'_>) -> ControlFlow<()> {
             self.systems += 1;
             let product = system.matrix.times(system.solution).unwrap();
             // Row by row against the sizes of its entries and of the solution.
@@ -225,19 +235,19 @@ fn an_observer_sees_the_linear_systems() {
             let fits = rows.into_iter().all(|((a, b), size)| (a - b).abs() <= 1e-12 * size);
             assert!(fits, "{product:?} {:?} {:?}", system.rhs, system.solution);
             assert_eq!(system.layout.unknowns(), 4);
-            Flow::Continue
+            ControlFlow::Continue(())
         }
 
-        fn increment(&mut self, step: &Step<'_>) -> Flow {
+        fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
             self.iterations += step.record.iterations;
-            Flow::Continue
+            ControlFlow::Continue(())
         }
     }
     let loading = loading(vec![1.0, 1.0], vec![0.0]);
     for method in [Method::BN, Method::PaperBn, Method::IP] {
         let settings = HistorySettings::new(&problem(), &loading, method).unwrap();
         let mut watch = Watch::default();
-        history::run(&problem(), &loading, &[0.5, 1.0], &settings, System::default(), &mut watch).unwrap();
+        history::run(&problem(), &loading, &[0.5, 1.0], &settings, SystemSolver::default(), &mut watch).unwrap();
         assert!(watch.systems > 0 && watch.systems <= watch.iterations, "{method}");
     }
 }
@@ -264,7 +274,8 @@ fn an_interior_point_method_that_fails_at_its_first_step() {
         let problem = ContactProblem::new(parts).unwrap();
         for method in [Method::BN, Method::IP, Method::PaperBn, Method::paper_ip(Start::Safe)] {
             let settings = HistorySettings::new(&problem, &loading, method).unwrap();
-            let outcome = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap();
+            let outcome =
+                history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ()).unwrap();
             let kept = outcome.records.iter().all(|record| record.kkt.worst().1 <= settings.tolerance);
             assert_eq!(outcome.status == Status::Converged, kept && !outcome.records.is_empty(), "{method}");
         }
@@ -297,7 +308,7 @@ fn a_method_changed_afterwards_is_checked() {
     let loading = loading(vec![0.1, 1.0], vec![0.0]);
     let settings =
         HistorySettings { method: Method::PaperBn, ..HistorySettings::new(&problem, &loading, Method::BN).unwrap() };
-    let error = history::run(&problem, &loading, &[1.0], &settings, System::default(), &mut ()).unwrap_err();
+    let error = history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ()).unwrap_err();
     assert!(error.to_string().contains("weight"), "{error}");
 }
 
@@ -343,7 +354,7 @@ fn increments_without_a_middle_end() {
         let loading = Loading::new(vec![press, push], vec![0.0]).unwrap();
         let settings = HistorySettings::new(&problem, &loading, Method::BN).unwrap();
         let times = [1.0, next];
-        let outcome = history::run(&problem, &loading, &times, &settings, System::default(), &mut ()).unwrap();
+        let outcome = history::run(&problem, &loading, &times, &settings, SystemSolver::default(), &mut ()).unwrap();
         assert_ne!(outcome.status, Status::Converged);
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::common;
 use crate::common::{Keep, difference};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
 use stickslip::model::Model;
 use stickslip::scene::Scene;
 
@@ -39,7 +39,7 @@ fn histories() -> Vec<History> {
 
 fn run(history: &History, settings: &HistorySettings, backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let History { model, times, .. } = history;
-    let (linear, mut keep) = (System::from(backend), Keep::default());
+    let (linear, mut keep) = (SystemSolver::from(backend), Keep::default());
     let outcome = history::run(&model.problem, &model.loading, times, settings, linear, &mut keep).unwrap();
     (outcome, keep)
 }

@@ -4,7 +4,7 @@
 use crate::common;
 use crate::common::{Keep, difference};
 use stickslip::formulation::NewtonSystem;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Start, Status, System};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Start, Status, SystemSolver};
 use stickslip::model::Model;
 use stickslip::problem::State;
 use stickslip::scene::Scene;
@@ -26,7 +26,7 @@ fn punch(increments: usize) -> (Model, Vec<f64>) {
 /// The states at the end of all increments, which have to converge.
 fn states((model, times): &(Model, Vec<f64>), settings: &HistorySettings) -> (Vec<State>, HistoryOutcome) {
     let mut keep = Keep::default();
-    let linear = System::from(LinearAlgebra::condensed());
+    let linear = SystemSolver::from(LinearAlgebra::condensed());
     let outcome = history::run(&model.problem, &model.loading, times, settings, linear, &mut keep).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     (keep.states, outcome)

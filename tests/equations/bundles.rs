@@ -2,11 +2,12 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::difference;
+use std::ops::ControlFlow;
 use stickslip::history::{
-    self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Method, Observer, Status, Step,
+    self, HistoryOutcome, HistorySettings, IncrementRecord, IncrementView, LinearAlgebra, Method, Observer, Status,
 };
 use stickslip::model::Model;
-use stickslip::nonlinear::{Flow, IterationRecord};
+use stickslip::nonlinear::IterationRecord;
 use stickslip::problem::State;
 use stickslip::scene::Scene;
 
@@ -35,16 +36,16 @@ impl Observer for Watched {
         (self.waits)(index)
     }
 
-    fn iteration(&mut self, index: usize, _record: &IterationRecord) -> Flow {
+    fn iteration(&mut self, index: usize, _record: &IterationRecord) -> ControlFlow<()> {
         self.iterating = index;
-        if index == self.stops_in { Flow::Stop } else { Flow::Continue }
+        if index == self.stops_in { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         assert_eq!(step.record.index, self.states.len() + 1);
         self.states.push(step.state.clone());
         self.ahead.push(self.iterating);
-        if step.record.index == self.stops_after { Flow::Stop } else { Flow::Continue }
+        if step.record.index == self.stops_after { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 

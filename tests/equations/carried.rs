@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::neutral::{agreed, solve};
-use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step};
+use std::ops::ControlFlow;
+use stickslip::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status};
 use stickslip::laws::KktErrors;
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::report::Resultant;
 use stickslip::scene::Scene;
 
@@ -61,12 +61,12 @@ fn a_block_comes_to_rest_in_a_corner() {
 fn a_body_that_was_carried_is_in_equilibrium() {
     struct Measured<'a>(&'a Model, Vec<(KktErrors, f64)>);
     impl Observer for Measured<'_> {
-        fn increment(&mut self, step: &Step<'_>) -> Flow {
+        fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
             let scales = stickslip::laws::KktScales::new(&self.0.problem, step.increment, step.state);
             let errors = KktErrors::measure(&self.0.problem, step.increment, step.state, &scales).unwrap();
             let least = step.increment.gap.iter().fold(f64::INFINITY, |least, gap| least.min(*gap));
             self.1.push((errors, least));
-            Flow::Continue
+            ControlFlow::Continue(())
         }
     }
     let model = on_the_way("3, 3, 3", 1e-3, 10.0);

@@ -256,7 +256,7 @@ fn the_default_of_this_build() {
 #[cfg(feature = "faer")]
 #[test]
 fn any_number_of_threads() {
-    use stickslip::linear::{Direct, FaerLu};
+    use stickslip::linear::{FaerLu, RefinedSolver};
     use stickslip::sparse::SystemMatrix;
 
     let n = 1000;
@@ -268,7 +268,8 @@ fn any_number_of_threads() {
     let solved = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let (mut direct, mut x, mut y) = (Direct::new(Box::new(FaerLu::default())), vec![0.0; n], vec![0.0; n]);
+            let (mut direct, mut x, mut y) =
+                (RefinedSolver::new(Box::new(FaerLu::default())), vec![0.0; n], vec![0.0; n]);
             direct.analyze(&a).unwrap();
             direct.factorize(&a).unwrap();
             direct.solve(&a, &b, &mut x).unwrap();

@@ -4,7 +4,7 @@
 
 use crate::common::Keep;
 use stickslip::condense::Condensed;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
 use stickslip::linear::{LinearError, SparseCholesky};
 use stickslip::model::Model;
 use stickslip::problem::State;
@@ -20,7 +20,7 @@ fn model(text: &str, overrides: &[&str]) -> Model {
 
 fn run(model: &Model, times: &[f64], backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
-    let (linear, mut keep) = (System::from(backend), Keep::default());
+    let (linear, mut keep) = (SystemSolver::from(backend), Keep::default());
     let outcome = history::run(&model.problem, &model.loading, times, &settings, linear, &mut keep).unwrap();
     (outcome, keep)
 }
@@ -63,7 +63,7 @@ fn a_body_that_only_contact_holds() {
     let text = include_str!("../../data/scenes/held_by_contact.toml");
     let scene = Scene::parse("held_by_contact.toml", text, &[]).unwrap();
     let model = Model::new(&scene).unwrap();
-    assert!(!model.problem.free_motions().is_empty());
+    assert!(!model.problem.rigid_modes().is_empty());
     let [whole, condensed] =
         [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&model, &scene.time.all(), backend));
     assert_eq!((whole.0.status, condensed.0.status), (Status::Converged, Status::Converged));

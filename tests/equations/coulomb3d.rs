@@ -4,8 +4,8 @@
 use std::ops::Range;
 
 use crate::common::random::{self, Random};
-use stickslip::formulation::{Bdiff, Conventions};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, System};
+use stickslip::formulation::{Bdiff, FormulationScaling};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
 use stickslip::laws::{ContactStatus, KktErrors, KktScales, statuses};
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
@@ -14,7 +14,7 @@ use stickslip::units::Scaling;
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 
 fn run(problem: &ContactProblem, loading: &Loading, settings: &HistorySettings) -> HistoryOutcome {
-    history::run(problem, loading, &TIMES, settings, System::default(), &mut ()).unwrap()
+    history::run(problem, loading, &TIMES, settings, SystemSolver::default(), &mut ()).unwrap()
 }
 
 /// The default settings, without halving.
@@ -150,7 +150,7 @@ fn flat(random: &mut Random, contacts: usize) -> ([ContactProblem; 2], [Loading;
             c_o: random::rows(n, (0..contacts).map(|i| if third { vec![(2 * contacts + i, 1.0)] } else { Vec::new() })),
             mu: mu.clone(),
             weight: Some(vec![0.05; contacts]),
-            free_motions: Some(Vec::new()),
+            rigid_modes: Some(Vec::new()),
         })
         .unwrap()
     };
@@ -193,7 +193,7 @@ fn an_idle_direction_changes_nothing() {
         assert_eq!((&other.state.u, &other.state.p_n), (&expected.state.u, &expected.state.p_n));
         assert_eq!((&other.state.p_o, &other.state.p_t), (&expected.state.p_t, &expected.state.p_o));
         // Alone, a node is as stiff in space as in the plane, but r is another share of that.
-        let same_r = HistorySettings { conventions: Conventions::natural(&two), ..settings(&three, &padded) };
+        let same_r = HistorySettings { conventions: FormulationScaling::natural(&two), ..settings(&three, &padded) };
         let three = run(&three, &padded, &same_r);
         assert_eq!(three.status, Status::Converged, "seed {seed}");
         // In space an increment starts where the last one was going: the way there is another.
@@ -215,7 +215,7 @@ fn a_tiny_slip() {
         c_o: random::rows(3, [vec![(0, -0.8), (1, 0.6)]]),
         mu: vec![0.5],
         weight: Some(vec![1.0]),
-        free_motions: Some(Vec::new()),
+        rigid_modes: Some(Vec::new()),
     })
     .unwrap();
     let case = |force: [f64; 3], history: &[[f64; 2]]| LoadCase::new(force.to_vec(), history.to_vec()).unwrap();
@@ -241,7 +241,7 @@ fn one_node() {
         c_o: random::rows(3, [vec![(1, 1.0)]]),
         mu: vec![mu],
         weight: Some(vec![1.0]),
-        free_motions: Some(Vec::new()),
+        rigid_modes: Some(Vec::new()),
     })
     .unwrap();
     for (force, slips) in [([0.2, -0.1, 1.0], false), ([0.3, -0.4, 1.0], true), ([-2.0, 0.1, 3.0], true)] {
@@ -277,7 +277,7 @@ fn the_measure_sees_directions() {
         c_o: random::rows(3, [vec![(1, 1.0)]]),
         mu: vec![0.5],
         weight: Some(vec![1.0]),
-        free_motions: Some(Vec::new()),
+        rigid_modes: Some(Vec::new()),
     })
     .unwrap();
     let increment =
@@ -322,7 +322,7 @@ fn jacobian_is_the_derivative() {
     let mut random = Random(5);
     let (problem, loading) = random::problem(&mut random, CASES.len(), 0.5, 0.0);
     let scaling = Scaling::near(1e11, 1.0);
-    for conventions in [Conventions::paper(problem.weight().unwrap()), Conventions::natural(&problem)] {
+    for conventions in [FormulationScaling::paper(problem.weight().unwrap()), FormulationScaling::natural(&problem)] {
         let mut formulation = Bdiff::new(&problem, scaling, &conventions);
         let layout = formulation.layout().clone();
         let n = layout.unknowns();

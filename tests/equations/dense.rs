@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use stickslip::condense::Condensed;
-use stickslip::formulation::{Bdiff, Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
+use stickslip::formulation::{Bdiff, Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
 use stickslip::laws::coulomb::{NormalCase, TangentialCase};
-use stickslip::linear::{Dense, Direct, LinearError, SparseCholesky, backward_error};
+use stickslip::linear::{Dense, LinearError, RefinedSolver, SparseCholesky, backward_error};
 use stickslip::model::Model;
 use stickslip::problem::ContactProblem;
 use stickslip::scene::Scene;
@@ -64,7 +64,7 @@ fn compare(solver: &mut Dense, a: &SystemMatrix, tolerance: f64) -> usize {
     let error = backward_error(a, &b, &x).unwrap();
     assert!(error < 1e-9, "{error:e}");
 
-    let refined = |mut direct: Direct| {
+    let refined = |mut direct: RefinedSolver| {
         let mut x = vec![0.0; n];
         direct.analyze(a).unwrap();
         direct.factorize(a).unwrap();
@@ -72,7 +72,7 @@ fn compare(solver: &mut Dense, a: &SystemMatrix, tolerance: f64) -> usize {
         assert!(info.backward_error <= 1e-15, "{}: {info:?}", direct.name());
         x
     };
-    let (x, y) = (refined(Direct::from(Dense::default())), refined(Direct::default()));
+    let (x, y) = (refined(RefinedSolver::from(Dense::default())), refined(RefinedSolver::default()));
     let largest = y.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
     let difference = x.iter().zip(&y).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()));
     assert!(difference <= tolerance * largest, "{difference:e} against {largest:e}");
@@ -87,7 +87,7 @@ fn condensed(model: &Model) -> ContactProblem {
 }
 
 fn bdiff(model: &Model, condensed: &ContactProblem) -> Bdiff {
-    Bdiff::new(condensed, model.scaling(), &Conventions::natural(&model.problem))
+    Bdiff::new(condensed, model.scaling(), &FormulationScaling::natural(&model.problem))
 }
 
 /// Open, sticking and slipping nodes by thirds, in turn or in a row; then cases that only iterates
@@ -160,7 +160,7 @@ fn a_body_held_by_contact() {
     let support = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
     for (text, kind) in [(BLOCK.replace(support, ""), 3), (BLOCK.replace("\"x\", \"y\"", "\"x\""), 1)] {
         let model = model(&text, &["mesh.elements=[10,10]"]);
-        assert_eq!(model.problem.free_motions().len(), kind);
+        assert_eq!(model.problem.rigid_modes().len(), kind);
         assert!(mixed_states(&model, 1e-11).len() >= 4);
         // With every node open nothing holds it.
         let condensed = condensed(&model);
@@ -178,7 +178,7 @@ fn a_body_held_by_contact() {
 fn matrices_of_an_interior_point_method() {
     let model = model(BLOCK, &["mesh.elements=[10,10]"]);
     for newton in [NewtonSystem::Reduced, NewtonSystem::Extended] {
-        let conventions = Conventions::paper(model.problem.weight().unwrap());
+        let conventions = FormulationScaling::paper(model.problem.weight().unwrap());
         let condensed = condensed(&model);
         let mut formulation = Constrained::new(&condensed, model.scaling(), &conventions, Partition::Products, newton);
         let mut solver = Dense::default();
@@ -325,7 +325,7 @@ fn any_number_of_threads() {
     let solved = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let (mut direct, mut x) = (Direct::from(Dense::default()), vec![0.0; size]);
+            let (mut direct, mut x) = (RefinedSolver::from(Dense::default()), vec![0.0; size]);
             direct.analyze(&a).unwrap();
             assert_eq!((1.5 * direct.factorize(&a).unwrap().flops).cbrt().round() as usize, n);
             let info = direct.solve(&a, &b, &mut x).unwrap();

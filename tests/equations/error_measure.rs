@@ -140,7 +140,7 @@ fn rounding_of_a_body_that_sticks() {
         c_o,
         mu: vec![0.5],
         weight: Some(vec![1.0]),
-        free_motions: Some(Vec::new()),
+        rigid_modes: Some(Vec::new()),
     })
     .unwrap();
     let increment = Increment { force: &[0.1, 1.0], gap: &[0.0], mu: problem.mu(), w_t_last: &[0.0], w_o_last: &[0.0] };

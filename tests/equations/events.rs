@@ -5,7 +5,9 @@
 use crate::common::random::Random;
 use stickslip::checkpoint::Checkpoint;
 use stickslip::events::NodeStatus;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, Status, System};
+use stickslip::history::{
+    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, Status, SystemSolver,
+};
 use stickslip::loading::{LoadCase, Loading, Motion};
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Parts};
@@ -33,7 +35,7 @@ fn solve(
     linear: LinearAlgebra,
 ) -> HistoryOutcome {
     let settings = HistorySettings::new(problem, loading, method).unwrap();
-    history::run(problem, loading, times, &settings, System::from(linear), &mut ()).unwrap()
+    history::run(problem, loading, times, &settings, SystemSolver::from(linear), &mut ()).unwrap()
 }
 
 fn exact(model: &Model, times: &[f64], linear: LinearAlgebra) -> HistoryOutcome {
@@ -62,7 +64,7 @@ fn taken_up(problem: &ContactProblem, loading: &Loading, times: &[f64], method: 
     let settings = HistorySettings::new(problem, loading, method).unwrap();
     let mut kept = Kept(Vec::new());
     let run = |settings: &HistorySettings, observer: &mut dyn Observer| {
-        history::run(problem, loading, times, settings, System::from(linear), observer).unwrap()
+        history::run(problem, loading, times, settings, SystemSolver::from(linear), observer).unwrap()
     };
     let whole = run(&settings, &mut kept);
     assert_eq!(kept.0.len(), times.len());

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{Keep, run_default};
-use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Status, System};
+use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
 use stickslip::model::Model;
 use stickslip::report::Resultant;
 use stickslip::scene::Scene;
@@ -73,7 +73,7 @@ fn an_obstacle_that_passes_symmetry_planes() {
         let settings = HistorySettings::new(&model.problem, &model.loading, Method::IP)
             .unwrap()
             .until(100, scene.solver.tolerance);
-        let (linear, mut by_ip) = (System::from(LinearAlgebra::condensed()), Keep::default());
+        let (linear, mut by_ip) = (SystemSolver::from(LinearAlgebra::condensed()), Keep::default());
         let times = scene.time.all();
         let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut by_ip).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{along:?}");

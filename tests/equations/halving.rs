@@ -3,7 +3,7 @@
 
 use crate::common;
 use crate::common::Keep;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, System};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
 use stickslip::model::Model;
 
 /// BN that gives up after so many iterations, without help from the interior point method.
@@ -13,7 +13,7 @@ fn hasty(model: &Model, iterations: usize, times: &[f64], keep: &mut Keep) -> Hi
     if let Method::Bn { rescue, .. } = &mut settings.method {
         *rescue = false;
     }
-    history::run(&model.problem, &model.loading, times, &settings, System::default(), keep).unwrap()
+    history::run(&model.problem, &model.loading, times, &settings, SystemSolver::default(), keep).unwrap()
 }
 
 /// Nearly incompressible, which makes BN work for its solution.

@@ -5,9 +5,9 @@ use std::ops::Range;
 
 use crate::common;
 use crate::common::random::{self, Random};
-use stickslip::formulation::{Cone, Conventions, InteriorPoint, NewtonSystem};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status, System};
-use stickslip::linear::Direct;
+use stickslip::formulation::{ConeSystem, FormulationScaling, InteriorPoint, NewtonSystem};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status, SystemSolver};
+use stickslip::linear::RefinedSolver;
 use stickslip::loading::{LoadCase, Loading};
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Increment, Parts};
@@ -18,7 +18,7 @@ use stickslip::units::Scaling;
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 
 fn run(problem: &ContactProblem, loading: &Loading, times: &[f64], settings: &HistorySettings) -> HistoryOutcome {
-    history::run(problem, loading, times, settings, System::default(), &mut ()).unwrap()
+    history::run(problem, loading, times, settings, SystemSolver::default(), &mut ()).unwrap()
 }
 
 /// Without halving.
@@ -165,7 +165,7 @@ fn a_body_held_by_contact_only() {
             *x /= size;
         }
         let problem =
-            ContactProblem::new(Parts { stiffness, free_motions: Some(vec![motion]), ..held.into_parts() }).unwrap();
+            ContactProblem::new(Parts { stiffness, rigid_modes: Some(vec![motion]), ..held.into_parts() }).unwrap();
         count.add(&agree(&problem, &loading, &format!("seed {seed}")));
     }
     println!("{count}");
@@ -199,7 +199,8 @@ fn the_newton_system_is_the_derivative() {
     let mut random = Random(5);
     let (problem, loading) = random::problem(&mut random, 7, 0.5, 0.0);
     let problem = common::changed(&problem, |parts| parts.mu[3] = 0.0);
-    let mut formulation = Cone::new(&problem, Scaling::near(1e11, 1.0), &Conventions::paper(problem.weight().unwrap()));
+    let mut formulation =
+        ConeSystem::new(&problem, Scaling::near(1e11, 1.0), &FormulationScaling::paper(problem.weight().unwrap()));
     let force = loading.cases()[0].force();
     let last = [(); 2].map(|()| (0..7).map(|_| 0.3 * random.sign()).collect::<Vec<f64>>());
     formulation.begin(&Increment {
@@ -209,7 +210,7 @@ fn the_newton_system_is_the_derivative() {
         w_t_last: &last[0],
         w_o_last: &last[1],
     });
-    let mut linear = Direct::default();
+    let mut linear = RefinedSolver::default();
     linear.analyze(formulation.matrix()).unwrap();
     for spread in [0.0, 0.5, 1.0] {
         // Inside and outside of the cone, pairs tilted either way.
@@ -273,7 +274,7 @@ fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Lo
         c_n: wide(problem.c_n()),
         c_t: wide(problem.c_t()),
         c_o: random::rows(n + contacts, (0..contacts).map(|i| vec![(n + i, 1.0)])),
-        free_motions: Some(problem.free_motions().iter().map(|motion| padded(motion)).collect()),
+        rigid_modes: Some(problem.rigid_modes().iter().map(|motion| padded(motion)).collect()),
         ..problem.clone().into_parts()
     })
     .unwrap();

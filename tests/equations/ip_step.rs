@@ -4,9 +4,9 @@
 
 use crate::common;
 use crate::common::random;
-use stickslip::formulation::{Constrained, Conventions, InteriorPoint, NewtonSystem, Partition};
-use stickslip::history::{Method, Solver, Start, Status};
-use stickslip::linear::Direct;
+use stickslip::formulation::{Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
+use stickslip::history::{Method, SolverChoice, Start, Status};
+use stickslip::linear::RefinedSolver;
 use stickslip::model::Model;
 use stickslip::problem::Increment;
 use stickslip::run::Run;
@@ -26,7 +26,7 @@ fn model() -> Model {
 
 fn formulation(model: &Model, partition: Partition, newton: NewtonSystem) -> Constrained {
     let problem = &model.problem;
-    let conventions = Conventions::paper(problem.weight().unwrap());
+    let conventions = FormulationScaling::paper(problem.weight().unwrap());
     let mut formulation = Constrained::new(problem, model.scaling(), &conventions, partition, newton);
     let force = model.loading.force_at(0.7, problem).unwrap();
     let w_t_last: Vec<f64> = (0..problem.contacts()).map(|i| 1e-6 * (i as f64).cos()).collect();
@@ -63,7 +63,7 @@ fn direction(formulation: &mut Constrained, z: &[f64], b: &[f64]) -> Vec<f64> {
     let n = formulation.matrix().order();
     let (mut rhs, mut dz) = (vec![0.0; n], vec![0.0; z.len()]);
     formulation.reduce(z, b, &mut rhs);
-    let mut direct = Direct::default();
+    let mut direct = RefinedSolver::default();
     direct.analyze(formulation.matrix()).unwrap();
     direct.factorize(formulation.matrix()).unwrap();
     direct.solve(formulation.matrix(), &rhs, &mut dz[..n]).unwrap();
@@ -177,7 +177,7 @@ fn both_partitions_solve_the_block() {
     for partition in [Partition::Products, Partition::Cone] {
         for newton in [NewtonSystem::Reduced, NewtonSystem::Extended] {
             for start in [Start::Safe, Start::PREV] {
-                let solver = Solver::new(Method::PaperIp { start, partition, newton });
+                let solver = SolverChoice::new(Method::PaperIp { start, partition, newton });
                 let run = Run::of(&model, scene.time.all(), solver).unwrap().history(&mut ()).unwrap();
                 assert_eq!(run.status, Status::Converged, "{partition:?} {newton:?} {start:?}");
                 assert!(run.records.iter().all(|record| record.theta <= 1e-2));

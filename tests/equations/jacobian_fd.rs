@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::formulation::{Bdiff, Conventions};
+use stickslip::formulation::{Bdiff, FormulationScaling};
 use stickslip::model::Model;
 use stickslip::problem::Increment;
 
@@ -35,7 +35,7 @@ fn check_jacobian(overrides: &[&str]) {
     let model = Model::new(&scene).unwrap();
     let problem = &model.problem;
     let scaling = model.scaling();
-    let mut formulation = Bdiff::new(problem, scaling, &Conventions::paper(problem.weight().unwrap()));
+    let mut formulation = Bdiff::new(problem, scaling, &FormulationScaling::paper(problem.weight().unwrap()));
     let layout = formulation.layout().clone();
     assert_eq!(layout.contacts(), CASES.len());
 
@@ -107,12 +107,12 @@ fn the_cases_are_all_different() {
 /// Along a Newton direction the cheap merit equals the merit of the full residual.
 #[test]
 fn merit_along_a_direction_is_the_merit() {
-    use stickslip::linear::Direct;
+    use stickslip::linear::RefinedSolver;
     let scene = common::block(&["mesh.elements=[6,6]", "contact.friction=0.4"]);
     let model = Model::new(&scene).unwrap();
     let problem = &model.problem;
     let scaling = model.scaling();
-    let mut formulation = Bdiff::new(problem, scaling, &Conventions::paper(problem.weight().unwrap()));
+    let mut formulation = Bdiff::new(problem, scaling, &FormulationScaling::paper(problem.weight().unwrap()));
     let force = model.loading.force_at(1.0, problem).unwrap();
     let w_t_last = vec![0.0; problem.contacts()];
     formulation.begin(&Increment {
@@ -127,7 +127,7 @@ fn merit_along_a_direction_is_the_merit() {
     let (mut h, mut dz) = (vec![0.0; n], vec![0.0; n]);
     formulation.residual(&z, &mut h);
     formulation.linearize(&z);
-    let mut direct = Direct::default();
+    let mut direct = RefinedSolver::default();
     direct.analyze(formulation.jacobian()).unwrap();
     direct.factorize(formulation.jacobian()).unwrap();
     let rhs: Vec<f64> = h.iter().map(|x| -x).collect();

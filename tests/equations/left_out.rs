@@ -4,7 +4,7 @@
 
 use crate::common;
 use crate::common::Keep;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
 use stickslip::model::Model;
 use stickslip::report::LeftOut;
 use stickslip::scene::Scene;
@@ -15,7 +15,7 @@ fn solve(scene: &Scene, backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN)
         .unwrap()
         .until(solver.max_iterations, solver.tolerance);
-    let (linear, mut keep) = (System::from(backend), Keep::default());
+    let (linear, mut keep) = (SystemSolver::from(backend), Keep::default());
     let outcome =
         history::run(&model.problem, &model.loading, &scene.time.all(), &settings, linear, &mut keep).unwrap();
     assert_eq!(outcome.status, Status::Converged);

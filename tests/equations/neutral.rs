@@ -102,7 +102,7 @@ fn a_block_that_rolls() {
 fn a_particle_on_a_floor() {
     let stiffness = Symmetric::from_triplets(1, &[(0, 0, 0.0)]).unwrap();
     let problem = ContactProblem::new(Parts::new(stiffness, Csr::from_rows(1, [[(0, -1.0)]]).unwrap())).unwrap();
-    assert_eq!(problem.free_motions().len(), 1);
+    assert_eq!(problem.rigid_modes().len(), 1);
     let load = LoadCase::new(vec![-3.0], vec![[0.0, 0.0], [1.0, 1.0]]).unwrap();
     let loading = Loading::new(vec![load], vec![0.5]).unwrap();
     for (word, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {

@@ -6,12 +6,12 @@ use std::rc::Rc;
 
 use crate::common;
 use stickslip::history::{
-    self, Algorithm, HistorySettings, IncrementSolver, LinearAlgebra, Method, Observe, Status, System, Task,
+    self, Algorithm, HistorySettings, IncrementSolver, LinearAlgebra, Method, Observe, Status, SystemSolver, Task,
 };
-use stickslip::linear::{Direct, LinearError};
+use stickslip::linear::{LinearError, RefinedSolver};
 use stickslip::loading::Loading;
 use stickslip::model::Model;
-use stickslip::nonlinear::Outcome;
+use stickslip::nonlinear::MethodResult;
 use stickslip::problem::{ContactProblem, State};
 use stickslip::sparse::SystemMatrix;
 
@@ -45,7 +45,12 @@ impl IncrementSolver for Kept<'_> {
         self.inner.hold_contacts()
     }
 
-    fn solve(&mut self, task: &Task<'_>, linear: &mut Direct, observe: Observe<'_>) -> Result<Outcome, LinearError> {
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<MethodResult, LinearError> {
         self.pages.borrow_mut().push(task.increment.force.len());
         self.inner.solve(task, linear, observe)
     }
@@ -69,7 +74,7 @@ fn a_method_of_ones_own() {
     let model = Model::new(&scene).unwrap();
     let (problem, loading, times) = (&model.problem, &model.loading, scene.time.all());
     let settings = HistorySettings::new(problem, loading, Method::BN).unwrap();
-    let known = history::run(problem, loading, &times, &settings, System::default(), &mut ()).unwrap();
+    let known = history::run(problem, loading, &times, &settings, SystemSolver::default(), &mut ()).unwrap();
     let border = problem.contact_displacements().len();
     for (linear, n) in [(LinearAlgebra::default(), problem.displacements()), (LinearAlgebra::condensed(), border)] {
         let diary = Diary { settings: settings.clone(), pages: Rc::default() };

@@ -6,7 +6,7 @@ use crate::common;
 use crate::common::random::Random;
 use stickslip::fem::{Elasticity, Element, RigidMotion, assemble};
 use stickslip::formulation::{Layout, SlackLayout};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, System};
+use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
 use stickslip::loading::Loading;
 use stickslip::model::Model;
 use stickslip::scene::Scene;
@@ -19,7 +19,7 @@ const METHODS: [&str; 2] = ["bn", "ip"];
 fn solve(method: &str, model: &Model, times: &[f64]) -> HistoryOutcome {
     let method = if method == "bn" { Method::BN } else { Method::IP };
     let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap().until(100, 1e-10);
-    history::run(&model.problem, &model.loading, times, &settings, System::default(), &mut ()).unwrap()
+    history::run(&model.problem, &model.loading, times, &settings, SystemSolver::default(), &mut ()).unwrap()
 }
 
 /// Fails unless both methods get through whole increments by themselves, in 40 iterations each and 20
@@ -110,7 +110,7 @@ fn held_by_contact_only() {
     assert!(!text.contains("[[support]]"));
     for gap in ["contact.obstacle.gap=1e-5", "contact.obstacle.gap=0"] {
         let (model, times) = block(&text, 10, &[gap, "load[1].traction=[-1e6,0]"]);
-        assert_eq!(model.problem.free_motions().len(), 3);
+        assert_eq!(model.problem.rigid_modes().len(), 3);
         assert_solved(gap, &model, &times);
     }
 }
@@ -124,7 +124,7 @@ fn r_does_not_matter() {
         let mut settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10);
         settings.conventions.scale_r(factor);
         let outcome =
-            history::run(&model.problem, &model.loading, &times, &settings, System::default(), &mut ()).unwrap();
+            history::run(&model.problem, &model.loading, &times, &settings, SystemSolver::default(), &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged, "{factor:e}: {:?}", outcome.violation);
         outcome.state
     };
@@ -250,7 +250,8 @@ fn no_equilibrium() {
     let run = |side: &str| {
         let (model, times) = block(&text, 8, &["contact.obstacle.gap=0", "load[0].history=[[0,1]]", side]);
         let paper = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(100, 1e-10);
-        let bn = history::run(&model.problem, &model.loading, &times, &paper, System::default(), &mut ()).unwrap();
+        let bn =
+            history::run(&model.problem, &model.loading, &times, &paper, SystemSolver::default(), &mut ()).unwrap();
         let [default, ip] = METHODS.map(|method| solve(method, &model, &times));
         (model, [bn, default, ip])
     };

@@ -2,14 +2,14 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{Keep, block, difference, run, scene};
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Solver, Status};
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
 use stickslip::model::Model;
 use stickslip::scene::Scene;
 
 /// The history of a scene by `method`.
 fn history(scene: &Scene, method: Method, linear: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let mut scene = scene.clone();
-    scene.solver = Solver { method, linear: Some(linear), ..scene.solver };
+    scene.solver = SolverChoice { method, linear: Some(linear), ..scene.solver };
     let (model, mut keep) = (Model::new(&scene).unwrap(), Keep::default());
     let outcome = run(&scene, &model, &mut keep);
     assert_eq!(outcome.status, Status::Converged, "{method}, {linear}");

@@ -6,11 +6,12 @@
 use crate::common;
 use faer::Mat;
 use faer::prelude::Solve;
-use stickslip::formulation::{Bdiff, Conventions, Pressure};
+use std::ops::ControlFlow;
+use stickslip::formulation::{Bdiff, FormulationScaling, Pressure};
 use stickslip::laws::{ContactStatus, KktErrors, KktScales, statuses};
-use stickslip::linear::Direct;
+use stickslip::linear::RefinedSolver;
 use stickslip::model::Model;
-use stickslip::nonlinear::{Armijo, Bn, End, Flow};
+use stickslip::nonlinear::{Armijo, Bn, StopCriterion};
 use stickslip::problem::{ContactProblem, Increment, Parts, State};
 use stickslip::sparse::{Csr, Symmetric};
 use stickslip::uniqueness::{CriticalFriction, critical_friction};
@@ -23,7 +24,7 @@ fn node(k_tt: f64, k_tn: f64, mu: f64) -> ContactProblem {
     let c_o = Csr::empty(1, 2);
     let c_t = Csr::from_rows(2, [[(0, 1.0)]]).unwrap();
     let c_n = Csr::from_rows(2, [[(1, 1.0)]]).unwrap();
-    let free_motions = if k_tt == 0.0 { vec![vec![1.0, 0.0]] } else { vec![] };
+    let rigid_modes = if k_tt == 0.0 { vec![vec![1.0, 0.0]] } else { vec![] };
     ContactProblem::new(Parts {
         stiffness,
         c_n,
@@ -31,7 +32,7 @@ fn node(k_tt: f64, k_tn: f64, mu: f64) -> ContactProblem {
         c_o,
         mu: vec![mu],
         weight: Some(vec![1.0]),
-        free_motions: Some(free_motions),
+        rigid_modes: Some(rigid_modes),
     })
     .unwrap()
 }
@@ -53,7 +54,7 @@ fn state(u: [f64; 2], p_t: f64, p_n: f64) -> State {
 fn critical(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> CriticalFriction {
     let increment = &Increment { mu: problem.mu(), ..*increment };
     let scales = KktScales::new(problem, increment, state);
-    let mut linear = Direct::default();
+    let mut linear = RefinedSolver::default();
     critical_friction(problem, increment, state, &scales, Scaling::SI, &mut linear).unwrap().unwrap()
 }
 
@@ -77,14 +78,16 @@ fn grid() -> Vec<[f64; 4]> {
 
 /// BN from one start; the solution if it gets there, and the law holds.
 fn solve(problem: &ContactProblem, increment: &Increment<'_>, start: [f64; 4]) -> Option<State> {
-    let conventions = Conventions { r_n: vec![1.0], r_t: vec![1.0], pressure: Pressure::Unknown, row_unit: vec![1.0] };
+    let conventions =
+        FormulationScaling { r_n: vec![1.0], r_t: vec![1.0], pressure: Pressure::Unknown, row_unit: vec![1.0] };
     let mut formulation = Bdiff::new(problem, Scaling::SI, &conventions);
     formulation.begin(&Increment { mu: problem.mu(), ..*increment });
-    let mut linear = Direct::default();
+    let mut linear = RefinedSolver::default();
     linear.analyze(formulation.jacobian()).unwrap();
     let mut z = start;
     let mut bn = Bn::new(Armijo::PAPER, 60, formulation.unknowns());
-    bn.solve(&mut formulation, &mut linear, &mut z, End::Merit(1e-26), &mut |_| Flow::Continue).unwrap();
+    bn.solve(&mut formulation, &mut linear, &mut z, StopCriterion::Merit(1e-26), &mut |_| ControlFlow::Continue(()))
+        .unwrap();
     let state = formulation.layout().unpack(&z, &Scaling::SI).unwrap();
     (kkt(problem, increment, &state) < 1e-12).then_some(state)
 }
@@ -154,7 +157,7 @@ fn a_body_that_slides_freely_is_singular_without_friction() {
     let singular = CriticalFriction { factor: 0.0, slipping: 1 };
     let problem = node(0.0, 0.0, 0.3);
     assert_eq!(critical(&problem, &load(&[0.3, 1.0]), &slides), singular);
-    let problem = common::changed(&problem, |parts| parts.free_motions = Some(Vec::new()));
+    let problem = common::changed(&problem, |parts| parts.rigid_modes = Some(Vec::new()));
     assert_eq!(critical(&problem, &load(&[0.3, 1.0]), &slides), singular);
 }
 
@@ -258,7 +261,7 @@ pub(crate) fn posed_critical(cells: &str, n: usize, mu: f64, wanted: &[ContactSt
     };
     let scales = KktScales { force: 1e6, length: 1e-5 };
     assert_eq!(statuses(&model.problem, &increment, &state, &scales).unwrap(), wanted);
-    let mut linear = Direct::default();
+    let mut linear = RefinedSolver::default();
     let critical =
         critical_friction(&model.problem, &increment, &state, &scales, model.scaling(), &mut linear).unwrap().unwrap();
     assert_eq!(critical.slipping, wanted.iter().filter(|status| **status == ContactStatus::Slip).count());

@@ -4,7 +4,7 @@
 use crate::uniqueness::{posed, posed_critical};
 use stickslip::condense::Condensed;
 use stickslip::laws::{ContactStatus, KktScales};
-use stickslip::linear::{Direct, SparseCholesky};
+use stickslip::linear::{RefinedSolver, SparseCholesky};
 use stickslip::problem::{ContactProblem, Increment, State};
 use stickslip::uniqueness::critical_friction;
 
@@ -64,7 +64,7 @@ fn condensed_critical(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) ->
     let increment = Increment { force: &force, gap: &gap, mu: problem.mu(), w_t_last: &w_t_last, w_o_last: &zeros };
     let state = State { u: vec![0.0; problem.displacements()], ..state };
     let scales = KktScales { force: 1e6, length: 1e-5 };
-    let mut linear = Direct::default();
+    let mut linear = RefinedSolver::default();
     let found = critical_friction(problem, &increment, &state, &scales, model.scaling(), &mut linear);
     found.unwrap().unwrap().factor
 }

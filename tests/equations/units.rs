@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 use proptest::prelude::*;
-use stickslip::history::{self, HistorySettings, Method, Observer, Status, Step, System};
+use std::ops::ControlFlow;
+use stickslip::history::{self, HistorySettings, IncrementView, Method, Observer, Status, SystemSolver};
 use stickslip::laws::ContactStatus;
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
 use stickslip::scene::{Override, Scene};
 use stickslip::units::Scaling;
@@ -79,11 +79,11 @@ struct Told {
 }
 
 impl Observer for Told {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.iterations.push(step.record.iterations);
         self.statuses.push(step.statuses.to_vec());
         self.states.push(step.state.clone());
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 
@@ -93,7 +93,7 @@ fn run(method: &str, scene: &Scene, inside: impl Fn(Scaling) -> Scaling) -> Told
     let method = if method == "bn" { Method::BN } else { Method::IP };
     let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap().until(100, 1e-10);
     let settings = HistorySettings { scaling, ..settings };
-    let (mut told, times, system) = (Told::default(), scene.time.all(), System::default());
+    let (mut told, times, system) = (Told::default(), scene.time.all(), SystemSolver::default());
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, system, &mut told).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     told

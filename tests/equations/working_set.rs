@@ -3,12 +3,14 @@
 
 use crate::common::random::Random;
 use crate::common::{self, Keep, difference};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, System, WorkingSet};
+use stickslip::history::{
+    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver, WorkingSet,
+};
+use stickslip::initial_working_set;
 use stickslip::linear::SparseCholesky;
 use stickslip::loading::{LoadCase, Loading, Motion};
 use stickslip::model::Model;
 use stickslip::problem::{ContactProblem, Parts};
-use stickslip::reach;
 use stickslip::report::LeftOut;
 use stickslip::run::{Recording, Run};
 use stickslip::scene::Scene;
@@ -29,12 +31,14 @@ fn solve(
     let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap();
     let settings = HistorySettings { working_set: first, ..settings };
     let (problem, loading, times, mut keep) = (&model.problem, &model.loading, scene.time.all(), Keep::default());
-    let outcome = history::run(problem, loading, &times, &settings, System::from(linear), &mut keep).unwrap();
+    let outcome = history::run(problem, loading, &times, &settings, SystemSolver::from(linear), &mut keep).unwrap();
     (outcome, keep)
 }
 
 fn within_reach(problem: &ContactProblem, loading: &Loading, times: &[f64], affordable: f64) -> Option<Vec<usize>> {
-    reach::working_set(problem, loading, times, affordable, Some(SparseCholesky::default())).unwrap().nodes
+    initial_working_set::working_set(problem, loading, times, affordable, Some(SparseCholesky::default()))
+        .unwrap()
+        .nodes
 }
 
 /// Some of `n` nodes, one at least, each with this probability.
@@ -185,7 +189,7 @@ fn a_set_that_is_wrong_five_times_in_a_row() {
         let (mut keep, mut expected) = (Keep::default(), Keep::default());
         let linear = || LinearAlgebra::condensed().into();
         let outcome = history::run(&problem, &loading, &times, &set, linear(), &mut keep).unwrap();
-        let all = history::run(&problem, &loading, &times, &settings, System::default(), &mut expected).unwrap();
+        let all = history::run(&problem, &loading, &times, &settings, SystemSolver::default(), &mut expected).unwrap();
         assert_eq!((outcome.status, all.status), (Status::Converged, Status::Converged));
         let joined: Vec<usize> = outcome.records.iter().map(|record| record.joined).collect();
         assert_eq!(joined, [2, 4, 7, 14, 28]);
@@ -239,7 +243,7 @@ fn what_is_within_reach() {
     let spared = |affordable| within_reach(&problem, &loading(0.0), &[1.0], affordable);
     assert_eq!((spared(1.0), spared(f64::INFINITY)), (None, None));
     // A body that contact alone holds has them all.
-    let parts = Parts { free_motions: None, ..problem.clone().into_parts() };
+    let parts = Parts { rigid_modes: None, ..problem.clone().into_parts() };
     let free = Symmetric::from_triplets(n, &[(0, 0, 1.0)]).unwrap();
     let free = ContactProblem::new(Parts { stiffness: free, ..parts }).unwrap();
     assert_eq!(within_reach(&free, &loading(0.0), &[1.0], 0.0), None);

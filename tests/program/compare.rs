@@ -2,14 +2,14 @@
 //! loads do beyond the strain energy, time stepping is of first order, and the cheapest run is the cheapest.
 #![allow(clippy::unwrap_used)]
 
+use std::ops::ControlFlow;
 use stickslip::compare::{
     self, Comparison, End, Estimate, MeshChoice, MeshErrors, MeshResult, MeshSize, Phases, Plan, SolverPath,
     TimeErrors, TractionNode, Tractions, Trial, front,
 };
-use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Observer, Status, Step, System};
+use stickslip::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status, SystemSolver};
 use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::scene::Scene;
 use stickslip::units::UnitSystem;
 
@@ -116,13 +116,13 @@ struct External {
 }
 
 impl Observer for External {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let moved = step.state.u.iter().zip(&self.u).map(|(u, before)| u - before);
         let mean = step.increment.force.iter().zip(&self.force).map(|(f, before)| 0.5 * (f + before));
         self.work += moved.zip(mean).map(|(u, f)| u * f).sum::<f64>();
         self.force = step.increment.force.to_vec();
         self.u.clone_from(&step.state.u);
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 
@@ -141,7 +141,7 @@ fn friction_dissipates_what_the_loads_do_beyond_the_strain_energy() {
         let settings = HistorySettings::new(problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
         let times = scene.time.all();
         let outcome =
-            history::run(problem, &model.loading, &times, &settings, System::default(), &mut external).unwrap();
+            history::run(problem, &model.loading, &times, &settings, SystemSolver::default(), &mut external).unwrap();
         assert_eq!(outcome.status, Status::Converged);
 
         let force = problem.stiffness().times(&outcome.state.u).unwrap();

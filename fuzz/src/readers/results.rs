@@ -1,6 +1,6 @@
 //! What is read back: reports of runs, and what a sweep varies.
 
-use stickslip::sweep::{Outcome, Variation, combinations};
+use stickslip::sweep::{VariantResult, Variation, combinations};
 
 use super::{changed, said};
 use crate::corpus::Corpus;
@@ -14,7 +14,7 @@ pub(super) fn make(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
 
 /// Errors that an outcome tells are numbers, and none is above the largest.
 pub(super) fn check(bytes: &[u8]) -> Verdict {
-    let outcome: Outcome = match serde_json::from_slice(bytes) {
+    let outcome: VariantResult = match serde_json::from_slice(bytes) {
         Ok(outcome) => outcome,
         Err(error) => return said(&error),
     };

@@ -4,7 +4,7 @@
 //! Forces are compared with the largest external or contact force so far, lengths with the largest displacement or interference; where
 //! loads cancel, with what rounding leaves of their terms.
 
-use stickslip::history::{Method, Solver, Status};
+use stickslip::history::{Method, SolverChoice, Status};
 use stickslip::loading::Loading;
 use stickslip::model::Model;
 use stickslip::problem::State;
@@ -47,7 +47,7 @@ fn strained(model: &Model, state: &State) -> Vec<Double> {
     let mut u: Vec<Double> = state.u.iter().enumerate().map(|(i, u)| Double { high: *u, low: rest(i) }).collect();
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut basis: Vec<Vec<f64>> = Vec::new();
-    for motion in model.problem.free_motions() {
+    for motion in model.problem.rigid_modes() {
         let mut motion = motion.clone();
         for other in &basis {
             let share = product(&motion, other) / product(other, other);
@@ -147,7 +147,7 @@ fn terms(loading: &Loading, time: f64) -> f64 {
 ///
 /// # Errors
 /// The law that does not hold, where, and by how much.
-pub fn check(model: &Model, solver: &Solver, increments: &[RecordedIncrement]) -> Result<(), String> {
+pub fn check(model: &Model, solver: &SolverChoice, increments: &[RecordedIncrement]) -> Result<(), String> {
     for (k, found) in increments.iter().enumerate() {
         if found.record.status != Status::Converged {
             break;
@@ -164,7 +164,7 @@ pub fn check(model: &Model, solver: &Solver, increments: &[RecordedIncrement]) -
 /// The laws of contact and friction that do not hold in an increment that others came `before`.
 pub fn contact_faults(
     model: &Model,
-    solver: &Solver,
+    solver: &SolverChoice,
     before: &[RecordedIncrement],
     found: &RecordedIncrement,
 ) -> Vec<String> {
@@ -205,7 +205,7 @@ struct Data<'a> {
 impl<'a> Data<'a> {
     fn of(
         model: &'a Model,
-        solver: &Solver,
+        solver: &SolverChoice,
         before: &[RecordedIncrement],
         found: &RecordedIncrement,
     ) -> Result<Self, String> {
@@ -236,7 +236,7 @@ impl<'a> Data<'a> {
 
     fn equilibrium(&self, state: &State) -> Option<String> {
         // The way of a body that contact alone holds is told to so many digits: what rounding it strains is no error of the run.
-        let way = if self.model.problem.free_motions().is_empty() { 0.0 } else { 4.0 * f64::EPSILON * self.moving };
+        let way = if self.model.problem.rigid_modes().is_empty() { 0.0 } else { 4.0 * f64::EPSILON * self.moving };
         let balance = imbalance(self.model, &self.force, state);
         let beyond = balance.iter().map(|r| if r.abs() <= way { 0.0 } else { *r });
         beyond.enumerate().find_map(|(dof, r)| self.too_large("equilibrium", dof, r, self.scales.force))
@@ -291,7 +291,7 @@ impl<'a> Data<'a> {
                 0.0
             };
             // Beside the way of a body that contact alone holds a slip may be so small that its direction is lost in rounding.
-            let way = if problem.free_motions().is_empty() { 0.0 } else { 4.0 * f64::EPSILON * self.scales.length };
+            let way = if problem.rigid_modes().is_empty() { 0.0 } else { 4.0 * f64::EPSILON * self.scales.length };
             let unknown = if length > 0.0 { radius * (way / length).min(2.0) } else { 0.0 };
             let lacking = (lacking - unknown).max(0.0);
             let both = smaller(relative(lacking, self.scales.force), relative(length, self.scales.length));

@@ -1,6 +1,6 @@
 //! A scene, solved and judged.
 
-use stickslip::history::{Method, Solver, Status};
+use stickslip::history::{Method, SolverChoice, Status};
 use stickslip::model::Model;
 use stickslip::report::RunReport;
 use stickslip::run::{RecordedIncrement, Recording, Run};
@@ -11,7 +11,7 @@ use super::laws;
 /// What a run is and what it gave.
 pub(super) struct Solved {
     pub model: Model,
-    pub solver: Solver,
+    pub solver: SolverChoice,
     pub report: RunReport,
     pub increments: Vec<RecordedIncrement>,
 }
@@ -27,7 +27,7 @@ impl Solved {
     }
 
     /// What a run gives.
-    pub fn run(run: Run<'_>, solver: Solver) -> Result<Self, String> {
+    pub fn run(run: Run<'_>, solver: SolverChoice) -> Result<Self, String> {
         let mut recording = Recording::all();
         let report = run.solve(&mut recording).map_err(|error| format!("the run breaks off: {error}"))?;
         let solved = Solved { model: run.into_model(), solver, report, increments: recording.increments };
@@ -59,6 +59,6 @@ impl Solved {
         let problem = &self.model.problem;
         let friction = problem.mu().iter().fold(0.0_f64, |m, mu| m.max(*mu));
         let events = matches!(self.solver.method, Method::Events { .. });
-        friction <= LITTLE && problem.free_motions().is_empty() && !events
+        friction <= LITTLE && problem.rigid_modes().is_empty() && !events
     }
 }

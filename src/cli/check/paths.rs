@@ -1,11 +1,11 @@
 //! What a run takes of time and memory, by each linear algebra.
 
-use stickslip::auto::{Choice, Means, Path};
+use stickslip::auto::{AvailableSolvers, Choice, Path};
 use stickslip::history::LinearAlgebra;
+use stickslip::initial_working_set::InitialWorkingSet;
 use stickslip::linear::built_in::ranks;
 use stickslip::memory::{Budget, in_words};
 use stickslip::model::Model;
-use stickslip::reach::Reach;
 use stickslip::run::{Need, RunError, unsuited};
 use stickslip::scene::Scene;
 
@@ -14,8 +14,8 @@ pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Res
     let (method, increments) = (scene.solver.method, model.times().len());
     let unsuited = unsuited(model, method);
     let ranks = ranks();
-    let means = Means { available: budget.map(|budget| budget.bytes), multigrid: unsuited.is_none(), ranks };
-    let choice = Choice::cheapest(&model.problem, &Reach::default(), method, increments, means)?;
+    let means = AvailableSolvers { available: budget.map(|budget| budget.bytes), multigrid: unsuited.is_none(), ranks };
+    let choice = Choice::cheapest(&model.problem, &InitialWorkingSet::default(), method, increments, means)?;
     let linear = scene.solver.linear.unwrap_or(choice.linear);
     let need = match choice.paths().iter().find(|path| path.linear == linear) {
         Some(path) => Need::of_path(model, path),

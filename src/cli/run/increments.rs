@@ -3,8 +3,9 @@
 use std::str::FromStr;
 
 use clap::Args;
+use std::ops::ControlFlow;
 use stickslip::history::{Method, Observer};
-use stickslip::nonlinear::{Flow, IterationRecord};
+use stickslip::nonlinear::IterationRecord;
 use stickslip::report::ChosenIncrements;
 use stickslip::run::increments_for;
 use stickslip::scene::{Override, Scene};
@@ -93,7 +94,7 @@ impl Observer for UntilInterrupted {
         false
     }
 
-    fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> Flow {
-        if interrupt::requested() { Flow::Stop } else { Flow::Continue }
+    fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> ControlFlow<()> {
+        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

@@ -2,12 +2,13 @@
 
 use std::io;
 
+use std::ops::ControlFlow;
 use stickslip::checkpoint::Checkpoint;
 use stickslip::events::Event;
-use stickslip::history::{IncrementRecord, Observer, Status, Step};
+use stickslip::history::{IncrementRecord, IncrementView, Observer, Status};
 use stickslip::linear;
 use stickslip::model::Model;
-use stickslip::nonlinear::{Flow, IterationRecord};
+use stickslip::nonlinear::IterationRecord;
 use stickslip::report::{BalanceRecord, ContactLine, ContactSurface, DeformedBody, ForceRecord, ResultFolder, fields};
 use stickslip::run::{Ledger, RecordedIncrement};
 use stickslip::scene::Output;
@@ -41,7 +42,7 @@ impl Watcher<'_> {
     }
 
     /// Writes what is wanted of some increments only.
-    fn write(&mut self, step: &Step<'_>) -> io::Result<()> {
+    fn write(&mut self, step: &IncrementView<'_>) -> io::Result<()> {
         let Some(folder) = &mut self.folder else { return Ok(()) };
         for line in ContactLine::all(self.model, step) {
             folder.add_contact_line(&line, self.title)?;
@@ -58,11 +59,11 @@ impl Watcher<'_> {
         Ok(())
     }
 
-    fn probe(&mut self, step: &Step<'_>) -> io::Result<()> {
+    fn probe(&mut self, step: &IncrementView<'_>) -> io::Result<()> {
         self.folder.as_mut().map_or(Ok(()), |folder| folder.add_probes(self.model, step))
     }
 
-    fn add(&mut self, step: &Step<'_>) -> io::Result<()> {
+    fn add(&mut self, step: &IncrementView<'_>) -> io::Result<()> {
         let converged = step.record.status == Status::Converged;
         if converged {
             self.probe(step)?;
@@ -72,7 +73,7 @@ impl Watcher<'_> {
         if is_failure || converged && self.is_wanted(step) { self.write(step) } else { Ok(()) }
     }
 
-    fn is_wanted(&self, step: &Step<'_>) -> bool {
+    fn is_wanted(&self, step: &IncrementView<'_>) -> bool {
         self.wanted.binary_search(&step.record.index).is_ok()
     }
 }
@@ -88,10 +89,10 @@ impl Observer for Watcher<'_> {
         self.folder.is_some() && self.wanted.binary_search(&index).is_ok()
     }
 
-    fn iteration(&mut self, _index: usize, record: &IterationRecord) -> Flow {
+    fn iteration(&mut self, _index: usize, record: &IterationRecord) -> ControlFlow<()> {
         self.progress.iteration(record.iteration, record.theta);
         let stop = interrupt::requested() || self.failed_write.is_some();
-        if stop { Flow::Stop } else { Flow::Continue }
+        if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     fn event(&mut self, index: usize, event: &Event) {
@@ -100,7 +101,7 @@ impl Observer for Watcher<'_> {
         }
     }
 
-    fn part(&mut self, part: &Step<'_>) {
+    fn part(&mut self, part: &IncrementView<'_>) {
         let is_wanted = self.is_wanted(part);
         if let (Some(folder), true) = (&mut self.folder, is_wanted && self.failed_write.is_none()) {
             let mut lines = ContactLine::all(self.model, part).into_iter();
@@ -108,12 +109,12 @@ impl Observer for Watcher<'_> {
         }
     }
 
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         if self.failed_write.is_none() {
             self.failed_write = self.add(step).err();
         }
         self.progress.increment(step.record);
-        if self.failed_write.is_none() { Flow::Continue } else { Flow::Stop }
+        if self.failed_write.is_none() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {

@@ -10,7 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use stickslip::sweep::Outcome;
+use stickslip::sweep::VariantResult;
 
 #[cfg(feature = "blas")]
 use super::super::blas_kernel::Kernel;
@@ -40,7 +40,7 @@ pub(super) struct Processes<'a> {
 pub(super) struct Ended {
     /// Which of the orders it was.
     pub order: usize,
-    pub outcome: Outcome,
+    pub outcome: VariantResult,
 }
 
 /// A process at work.
@@ -78,13 +78,13 @@ impl Processes<'_> {
     }
 
     /// The result of an earlier try, if it is complete and of the scene of `task`: folders can be renamed.
-    pub(super) fn kept(&self, task: &Task) -> Option<Outcome> {
+    pub(super) fn kept(&self, task: &Task) -> Option<VariantResult> {
         let outcome = read(&self.whole(&task.fingerprint).join("run.json"))?;
         (outcome.is_final() && outcome.scene_text.as_ref() == Some(&task.text)).then_some(outcome)
     }
 
     /// Keeps the results of a variant for good, if they are final; what came of it.
-    pub(super) fn keep(&self, task: &Task, outcome: Outcome) -> Outcome {
+    pub(super) fn keep(&self, task: &Task, outcome: VariantResult) -> VariantResult {
         let (partial, whole) = (self.partial(&task.fingerprint), self.whole(&task.fingerprint));
         if !outcome.is_final() || !partial.join("run.json").is_file() {
             return outcome;
@@ -96,7 +96,7 @@ impl Processes<'_> {
         match fs::rename(&partial, &whole) {
             // Another sweep may have been faster.
             Err(error) if self.kept(task).is_none() => {
-                Outcome::failed("machine-failure", format!("the results cannot be kept: {error}"))
+                VariantResult::failed("machine-failure", format!("the results cannot be kept: {error}"))
             }
             _ => outcome,
         }
@@ -137,7 +137,7 @@ impl Processes<'_> {
                     Ok(Some(status)) => format!("the process ended without a word, {status}"),
                     Err(error) => format!("the process cannot be watched: {error}"),
                 };
-                let outcome = read(&process.printed).unwrap_or_else(|| Outcome::failed("machine-failure", words));
+                let outcome = read(&process.printed).unwrap_or_else(|| VariantResult::failed("machine-failure", words));
                 tell(Ended { order: process.order, outcome });
                 self.clear(&process, orders);
             }
@@ -176,7 +176,7 @@ impl Processes<'_> {
     }
 }
 
-fn read(report: &Path) -> Option<Outcome> {
+fn read(report: &Path) -> Option<VariantResult> {
     serde_json::from_str(&fs::read_to_string(report).ok()?).ok()
 }
 

@@ -13,7 +13,7 @@ const ROUNDING: f64 = 1e-13;
 const SINGULAR: f64 = 1e-15;
 
 /// What a facet adds to the row of one of its nodes.
-pub(super) struct Part {
+pub(super) struct FacetShare {
     pub node: usize,
     /// `∫ ψ_j dA`, m or m².
     pub weight: f64,
@@ -33,7 +33,7 @@ pub(super) struct Part {
 ///
 /// all over the covered part of the facet. Those of nodes that are lost are added in equal parts to those of the others that
 /// [`takers`] names. None where the cover is too thin to tell the functions apart.
-pub(super) fn parts(mesh: &Mesh, facet: &[usize], cover: &Cover, lost: &BTreeSet<usize>) -> Vec<Part> {
+pub(super) fn parts(mesh: &Mesh, facet: &[usize], cover: &Cover, lost: &BTreeSet<usize>) -> Vec<FacetShare> {
     let (kept, gone): (Vec<usize>, Vec<usize>) = (0..facet.len()).partition(|&i| !lost.contains(&facet[i]));
     let Some(dual) = dual(cover, facet.len()).filter(|_| cover.counts() && !kept.is_empty()) else { return Vec::new() };
     let edges = if gone.is_empty() { Vec::new() } else { mesh.bent_edges(facet) };
@@ -47,7 +47,7 @@ pub(super) fn parts(mesh: &Mesh, facet: &[usize], cover: &Cover, lost: &BTreeSet
         let bulge =
             terms().map(|(k, share)| share * dual[k].iter().zip(&cover.bulge).map(|(a, c)| a * c).sum::<f64>()).sum();
         let psi: Values = std::array::from_fn(|j| terms().map(|(k, share)| share * dual[k][j]).sum());
-        Part { node: facet[i], weight, slave: slave.collect(), master: on_master(cover, &psi, weight), bulge }
+        FacetShare { node: facet[i], weight, slave: slave.collect(), master: on_master(cover, &psi, weight), bulge }
     };
     kept.iter().map(part).collect()
 }

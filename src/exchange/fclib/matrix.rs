@@ -3,7 +3,7 @@
 use super::vectors::{finite, has_length, length, need, one, written};
 use crate::exchange::error::of_dataset;
 use crate::exchange::hdf5::File;
-use crate::fault::Fault;
+use crate::input_error::InputError;
 use crate::sparse::Csc;
 
 /// Memory for an entry while a matrix is read, bytes: row and column as they are in the file, as places, and in columns; its value.
@@ -12,33 +12,38 @@ const BYTES_OF_AN_ENTRY: u64 = 80;
 const BYTES_OF_A_LINE: u64 = 32;
 
 /// Whether the matrix at `path` is not there, or has no entry.
-pub(super) fn is_empty(file: &File<'_>, path: &str) -> Result<bool, Fault> {
+pub(super) fn is_empty(file: &File<'_>, path: &str) -> Result<bool, InputError> {
     let nzmax = format!("{path}/nzmax");
     Ok(written(file, &nzmax)?.is_none() || one(file, &nzmax)? == 0)
 }
 
 /// An error unless the matrix at `path` says that it is one of `rows` × `columns`: these sizes are those of the vectors that it
 /// is between.
-pub(super) fn has_sizes(file: &File<'_>, path: &str, rows: usize, columns: usize) -> Result<(), Fault> {
+pub(super) fn has_sizes(file: &File<'_>, path: &str, rows: usize, columns: usize) -> Result<(), InputError> {
     for (name, expected) in [("m", rows), ("n", columns)] {
         let at = format!("{path}/{name}");
         let found = one(file, &at)?;
         if usize::try_from(found) != Ok(expected) {
             let message = format!("it is {found}, but must be {expected} to fit the vectors");
-            return Err(Fault::new(format!("dataset {at}"), message, "mend the sizes, which contradict each other"));
+            return Err(InputError::new(
+                format!("dataset {at}"),
+                message,
+                "mend the sizes, which contradict each other",
+            ));
         }
     }
     Ok(())
 }
 
 /// The `rows` × `columns` matrix at `path`.
-pub(super) fn matrix(file: &File<'_>, path: &str, rows: usize, columns: usize) -> Result<Csc, Fault> {
+pub(super) fn matrix(file: &File<'_>, path: &str, rows: usize, columns: usize) -> Result<Csc, InputError> {
     has_sizes(file, path, rows, columns)?;
     let at = |name: &str| format!("{path}/{name}");
-    let fault = |name: &str, message: String, help: &str| Fault::new(format!("dataset {}", at(name)), message, help);
+    let fault =
+        |name: &str, message: String, help: &str| InputError::new(format!("dataset {}", at(name)), message, help);
     let storage = one(file, &at("nz"))?;
     // The first `count` values.
-    let whole = |name: &str, count: usize| -> Result<Vec<usize>, Fault> {
+    let whole = |name: &str, count: usize| -> Result<Vec<usize>, InputError> {
         let values = need(file, &at(name))?.integers(count).map_err(|error| of_dataset(&at(name), &error))?;
         let checked = |(place, value): (usize, i64)| {
             let message = || format!("value {place} is {value}, but must be 0 or more");
@@ -49,7 +54,7 @@ pub(super) fn matrix(file: &File<'_>, path: &str, rows: usize, columns: usize) -
     let x_of = |count: usize| need(file, &at("x"))?.numbers(count).map_err(|error| of_dataset(&at("x"), &error));
     // An error unless so many entries are there, and can be meant: several for each place of the matrix are no problem, but only a
     // compressed dataset has more than its file has bytes.
-    let has_entries = |names: &[&str], count: usize, why: &str| -> Result<(), Fault> {
+    let has_entries = |names: &[&str], count: usize, why: &str| -> Result<(), InputError> {
         for name in names {
             let found = need(file, &at(name))?.count();
             if found < count {
@@ -94,7 +99,7 @@ pub(super) fn matrix(file: &File<'_>, path: &str, rows: usize, columns: usize) -
     };
     drop(finite(&at("x"), x)?);
     let wrong = |error: crate::sparse::MatrixError| {
-        Fault::new(format!("group {path}"), error.to_string(), "count rows and columns from 0, and below m and n")
+        InputError::new(format!("group {path}"), error.to_string(), "count rows and columns from 0, and below m and n")
     };
     Csc::from_triplets(rows, columns, &entries).map_err(wrong)
 }

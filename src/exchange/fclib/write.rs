@@ -3,7 +3,7 @@
 use super::{GLOBAL, LOCAL};
 use crate::exchange::hdf5::{self, Node};
 use crate::exchange::{GlobalProblem, Info, Problem, ProblemFile, Solution};
-use crate::fault::Fault;
+use crate::input_error::InputError;
 use crate::local::LocalProblem;
 use crate::sparse::Csc;
 
@@ -11,7 +11,7 @@ use crate::sparse::Csc;
 const GUESSES: usize = 15;
 
 /// The bytes of an FCLIB file.
-pub(crate) fn write(file: &ProblemFile) -> Result<Vec<u8>, Fault> {
+pub(crate) fn write(file: &ProblemFile) -> Result<Vec<u8>, InputError> {
     let mut children = Vec::new();
     let constraints = match &file.problem {
         Problem::Global(problem) => {
@@ -36,19 +36,19 @@ pub(crate) fn write(file: &ProblemFile) -> Result<Vec<u8>, Fault> {
 }
 
 /// FCLIB's integers have 32 bits.
-fn integer(number: usize) -> Result<i32, Fault> {
+fn integer(number: usize) -> Result<i32, InputError> {
     i32::try_from(number).map_err(|_| {
         let message = format!("{number} is too large for the 32-bit integers of FCLIB");
-        Fault::new("sizes", message, "export the local form, or a coarser mesh")
+        InputError::new("sizes", message, "export the local form, or a coarser mesh")
     })
 }
 
-fn one(number: usize) -> Result<Node, Fault> {
+fn one(number: usize) -> Result<Node, InputError> {
     Ok(Node::Integers(vec![integer(number)?]))
 }
 
 /// In compressed columns.
-fn matrix(matrix: &Csc) -> Result<Node, Fault> {
+fn matrix(matrix: &Csc) -> Result<Node, InputError> {
     let pattern = matrix.pattern();
     let mut starts = vec![0; pattern.columns() + 1];
     let (mut rows, mut values) = (Vec::new(), Vec::new());
@@ -81,12 +81,12 @@ fn info(info: &Info) -> Node {
     Node::Group(texts.into_iter().filter_map(text).collect())
 }
 
-fn global(problem: &GlobalProblem, about: &Info) -> Result<Node, Fault> {
+fn global(problem: &GlobalProblem, about: &Info) -> Result<Node, InputError> {
     let (n, constraints) = (problem.unknowns() - problem.constraints(), problem.constraints());
     let part = |matrix: &Csc, columns: usize| {
         let entries: Vec<_> = matrix.entries().filter(|(i, j, _)| *i < n && *j < columns).collect();
         let whole = |error: crate::sparse::MatrixError| {
-            Fault::new("group fclib_global", error.to_string(), "mend the matrices")
+            InputError::new("group fclib_global", error.to_string(), "mend the matrices")
         };
         Csc::from_triplets(n, columns, &entries).map_err(whole)
     };
@@ -104,7 +104,7 @@ fn global(problem: &GlobalProblem, about: &Info) -> Result<Node, Fault> {
     if constraints > 0 {
         let of_g = problem.m().entries().filter(|(i, j, _)| *i < n && *j >= n).map(|(i, j, x)| (i, j - n, -x));
         let g = Csc::from_triplets(n, constraints, &of_g.collect::<Vec<_>>())
-            .map_err(|error| Fault::new("group fclib_global/G", error.to_string(), "mend the matrix"))?;
+            .map_err(|error| InputError::new("group fclib_global/G", error.to_string(), "mend the matrix"))?;
         children.push(("G".to_string(), matrix(&g)?));
         vectors.push(("b".to_string(), Node::Numbers(problem.f()[n..].iter().map(|b| -b).collect())));
     }
@@ -112,7 +112,7 @@ fn global(problem: &GlobalProblem, about: &Info) -> Result<Node, Fault> {
     Ok(Node::Group(children))
 }
 
-fn local(problem: &LocalProblem, about: &Info) -> Result<Node, Fault> {
+fn local(problem: &LocalProblem, about: &Info) -> Result<Node, InputError> {
     let vectors = [("q", Node::Numbers(problem.q().to_vec())), ("mu", Node::Numbers(problem.mu().to_vec()))];
     Ok(Node::group([
         ("spacedim", one(problem.dimension())?),

@@ -1,10 +1,10 @@
 //! Sparse matrices of dense blocks: compressed rows of blocks.
 
 use super::words::Words;
-use crate::fault::Fault;
+use crate::input_error::InputError;
 
 /// The entries of a matrix with so many `rows` and `columns`.
-pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, Fault> {
+pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, InputError> {
     let help = "mend the sizes, which contradict each other";
     let blocks = words.count("the number of blocks")?;
     let in_a_column = words.count("the rows of blocks")?;

@@ -1,13 +1,13 @@
 //! Sparse matrices as CSparse prints them: triplets, or columns with their rows.
 
 use super::words::Words;
-use crate::fault::Fault;
+use crate::input_error::InputError;
 
 /// Words that a head may have: the name, the version and the date of CSparse.
 const HEAD: usize = 40;
 
 /// The entries of a matrix that Siconos says has so many `rows` and `columns`.
-pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, Fault> {
+pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, InputError> {
     words.count("where a sparse matrix comes from")?;
     let (mut triplets, mut sizes) = (false, String::new());
     let mut left = HEAD;
@@ -33,7 +33,7 @@ pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result
     if triplets { self::triplets(words, count) } else { by_columns(words, count, columns) }
 }
 
-fn colon(words: &mut Words<'_>) -> Result<(), Fault> {
+fn colon(words: &mut Words<'_>) -> Result<(), InputError> {
     match words.word("a colon")? {
         ":" => Ok(()),
         "..." => Err(words.fault("CSparse has printed the matrix in brief", "write the file with all its entries")),
@@ -42,7 +42,7 @@ fn colon(words: &mut Words<'_>) -> Result<(), Fault> {
 }
 
 /// Lines of `row column : value`.
-fn triplets(words: &mut Words<'_>, count: usize) -> Result<Vec<(usize, usize, f64)>, Fault> {
+fn triplets(words: &mut Words<'_>, count: usize) -> Result<Vec<(usize, usize, f64)>, InputError> {
     let mut entries = Vec::new();
     for _ in 0..count {
         let (row, column) = (words.count("the row of an entry")?, words.count("the column of an entry")?);
@@ -53,7 +53,7 @@ fn triplets(words: &mut Words<'_>, count: usize) -> Result<Vec<(usize, usize, f6
 }
 
 /// `col j : locations a to b`, and lines of `row : value` below.
-fn by_columns(words: &mut Words<'_>, count: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, Fault> {
+fn by_columns(words: &mut Words<'_>, count: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, InputError> {
     words.word("the norm of a sparse matrix")?;
     words.word("the norm of a sparse matrix")?;
     let mut entries = Vec::new();

@@ -1,6 +1,6 @@
 //! The words of a text, with their lines.
 
-use crate::fault::Fault;
+use crate::input_error::InputError;
 
 /// The words that are left of a text.
 pub(super) struct Words<'a> {
@@ -22,8 +22,8 @@ impl<'a> Words<'a> {
     }
 
     /// What is wrong in the line of the last word.
-    pub(super) fn fault(&self, message: &str, help: &str) -> Fault {
-        Fault::new(format!("line {}", self.line), message, help)
+    pub(super) fn fault(&self, message: &str, help: &str) -> InputError {
+        InputError::new(format!("line {}", self.line), message, help)
     }
 
     pub(super) fn next(&mut self) -> Option<&'a str> {
@@ -37,20 +37,20 @@ impl<'a> Words<'a> {
     }
 
     /// The next word, which is `what`.
-    pub(super) fn word(&mut self, what: &str) -> Result<&'a str, Fault> {
+    pub(super) fn word(&mut self, what: &str) -> Result<&'a str, InputError> {
         let word = self.next();
         word.ok_or_else(|| self.fault(&format!("the text ends before {what}"), "write the file again, it was cut off"))
     }
 
     /// A number of things, which is `what`.
-    pub(super) fn count(&mut self, what: &str) -> Result<usize, Fault> {
+    pub(super) fn count(&mut self, what: &str) -> Result<usize, InputError> {
         let word = self.word(what)?;
         word.parse()
             .map_err(|_| self.fault(&format!("expected {what}, found `{word}`"), "give a whole number, 0 or more"))
     }
 
     /// A number, which is `what`.
-    pub(super) fn number(&mut self, what: &str) -> Result<f64, Fault> {
+    pub(super) fn number(&mut self, what: &str) -> Result<f64, InputError> {
         let word = self.word(what)?;
         match word.parse::<f64>() {
             Ok(number) if number.is_finite() => Ok(number),
@@ -59,7 +59,7 @@ impl<'a> Words<'a> {
     }
 
     /// So many numbers; room is made as they come.
-    pub(super) fn numbers(&mut self, what: &str, count: usize) -> Result<Vec<f64>, Fault> {
+    pub(super) fn numbers(&mut self, what: &str, count: usize) -> Result<Vec<f64>, InputError> {
         let mut numbers = Vec::new();
         for _ in 0..count {
             numbers.push(self.number(what)?);
@@ -68,7 +68,7 @@ impl<'a> Words<'a> {
     }
 
     /// So many numbers of things.
-    pub(super) fn counts(&mut self, what: &str, count: usize) -> Result<Vec<usize>, Fault> {
+    pub(super) fn counts(&mut self, what: &str, count: usize) -> Result<Vec<usize>, InputError> {
         let mut counts = Vec::new();
         for _ in 0..count {
             counts.push(self.count(what)?);

@@ -25,7 +25,7 @@ impl Bdiff {
     /// if no closed node stops it along the normal and no sticking node along a tangent; a slipping one resists across its
     /// slip, as friction would turn.
     fn unheld_motions(&self) -> Vec<Vec<f64>> {
-        let motions = &self.data.free_motions;
+        let motions = &self.data.rigid_modes;
         if motions.is_empty() {
             return Vec::new();
         }

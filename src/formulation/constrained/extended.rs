@@ -2,7 +2,7 @@
 
 use crate::formulation::SlackLayout;
 use crate::formulation::mixed::{matrix_with, slot, take_equilibrium, write_equilibrium};
-use crate::formulation::scaled::Scaled;
+use crate::formulation::scaled::ScaledData;
 use crate::problem::ContactProblem;
 use crate::sparse::{Pattern, SystemMatrix};
 
@@ -14,7 +14,7 @@ pub(super) struct Extended {
 }
 
 impl Extended {
-    pub(super) fn new(problem: &ContactProblem, data: &Scaled) -> Self {
+    pub(super) fn new(problem: &ContactProblem, data: &ScaledData) -> Self {
         let layout = &SlackLayout::new(&data.layout);
         let n = layout.unknowns();
         let pattern = Pattern::of(n, n, |take| {
@@ -49,7 +49,7 @@ impl Extended {
 }
 
 /// The entries of the gap, slip and cone rows, which are linear.
-fn linear_rows(data: &Scaled, layout: &SlackLayout, write: &mut dyn FnMut(usize, usize, f64)) {
+fn linear_rows(data: &ScaledData, layout: &SlackLayout, write: &mut dyn FnMut(usize, usize, f64)) {
     for i in 0..data.layout.contacts() {
         let p_n = data.layout.p_n(i);
         data.c_n.row(i).iter().for_each(|&(dof, c)| write(p_n, dof, c));

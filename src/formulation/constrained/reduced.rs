@@ -13,7 +13,7 @@
 
 use crate::formulation::SlackLayout;
 use crate::formulation::mixed::{MixedMatrix, TangentialRow};
-use crate::formulation::scaled::Scaled;
+use crate::formulation::scaled::ScaledData;
 use crate::sparse::SystemMatrix;
 
 /// The reduced system.
@@ -32,7 +32,7 @@ impl Reduced {
         self.matrix.matrix()
     }
 
-    pub(super) fn linearize(&mut self, data: &Scaled, layout: &SlackLayout, z: &[f64]) {
+    pub(super) fn linearize(&mut self, data: &ScaledData, layout: &SlackLayout, z: &[f64]) {
         for i in 0..data.layout.contacts() {
             let (p_n, v_n) = (z[data.layout.p_n(i)], z[layout.v_n(i)]);
             let normal = p_n.max(v_n);
@@ -55,7 +55,7 @@ impl Reduced {
         }
     }
 
-    pub(super) fn reduce(&self, data: &Scaled, layout: &SlackLayout, z: &[f64], b: &[f64], rhs: &mut [f64]) {
+    pub(super) fn reduce(&self, data: &ScaledData, layout: &SlackLayout, z: &[f64], b: &[f64], rhs: &mut [f64]) {
         rhs[..data.layout.displacements()].copy_from_slice(&b[..data.layout.displacements()]);
         for i in 0..data.layout.contacts() {
             let [normal, tangential] = self.row_scale[i];
@@ -74,7 +74,7 @@ impl Reduced {
 /// Works out `dv_n`, `ds` and `dλ` from `(du, dp_t, dp_n)`. Of a pair, the member that is small gets
 /// its change from the product row, divided by the large one: as a difference of large numbers, or
 /// divided by the small one, most of its digits would be lost.
-pub(super) fn recover(data: &Scaled, layout: &SlackLayout, z: &[f64], b: &[f64], dz: &mut [f64]) {
+pub(super) fn recover(data: &ScaledData, layout: &SlackLayout, z: &[f64], b: &[f64], dz: &mut [f64]) {
     for i in 0..data.layout.contacts() {
         let (p_n, v_n) = (data.layout.p_n(i), layout.v_n(i));
         dz[v_n] = if z[p_n] > z[v_n] { (b[v_n] - z[v_n] * dz[p_n]) / z[p_n] } else { b[p_n] - data.w_n(i, dz) };

@@ -7,7 +7,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::{Supernodal, Supernode, nodes};
-use crate::sparse::{LANES, Lanes};
+use crate::sparse::{LANES, SimdPack};
 
 /// `[b_r; b_c] → [L_rr⁻¹ b_r; b_c - L_cr L_rr⁻¹ b_r]`, in the order of the factors.
 pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
@@ -46,7 +46,7 @@ pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
 
 /// `[y_r; x_c] → [L_rr⁻ᵀ (y_r - L_crᵀ x_c); x_c]`, in the order of the factors, of all these vectors in one pass over `L`.
 /// What becomes of one does not hang on the others.
-pub(super) fn backward(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<Lanes>]) {
+pub(super) fn backward(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<SimdPack>]) {
     Arch::new().dispatch(Backward { factor, interior, vectors });
 }
 
@@ -54,7 +54,7 @@ pub(super) fn backward(factor: &dyn Supernodal, interior: usize, vectors: &mut [
 struct Backward<'a> {
     factor: &'a dyn Supernodal,
     interior: usize,
-    vectors: &'a mut [Vec<Lanes>],
+    vectors: &'a mut [Vec<SimdPack>],
 }
 
 impl WithSimd for Backward<'_> {
@@ -69,7 +69,7 @@ impl WithSimd for Backward<'_> {
 
 #[allow(clippy::inline_always)]
 #[inline(always)]
-fn substitute(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<Lanes>]) {
+fn substitute(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<SimdPack>]) {
     let mut work = vec![Vec::new(); vectors.len()];
     for node in nodes(factor).rev().filter(|node| node.first < interior) {
         let columns = node.columns.min(interior - node.first);
@@ -107,7 +107,7 @@ const BLOCK: usize = 64;
 /// Takes `Σ_i l_i x_i` off the first entry of `from` for the first of `columns`, and so on. They are as long as `x`.
 #[allow(clippy::inline_always)]
 #[inline(always)]
-fn subtract_products<const N: usize>(columns: [&[f64]; N], x: &[Lanes], from: &mut [Lanes]) {
+fn subtract_products<const N: usize>(columns: [&[f64]; N], x: &[SimdPack], from: &mut [SimdPack]) {
     for start in (0..x.len()).step_by(BLOCK) {
         let x = &x[start..x.len().min(start + BLOCK)];
         let columns = columns.map(|column| &column[start..start + x.len()]);

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::local::Local;
 use crate::linear::LinearError;
 use crate::linear::error::expect_length;
-use crate::sets::Sets;
 use crate::sparse::{DenseSymmetric, Pattern, SystemMatrix};
+use crate::union_find::UnionFind;
 
 /// The parts of a pattern on `(u, q)`.
 pub(super) struct Blocks {
@@ -39,7 +39,7 @@ impl Blocks {
             let column = |j: usize| pattern.column(j).map(move |slot| (pattern.row_indices()[slot] as usize, j, slot));
             (0..n).flat_map(column)
         };
-        let mut sets = Sets::new(n);
+        let mut sets = UnionFind::new(n);
         entries().for_each(|(row, column, _)| sets.join(row, column));
         let (mut number, mut groups) = (vec![None; n], Vec::<Group>::new());
         // For each unknown its group, and its place there among those of its kind.

@@ -291,7 +291,7 @@ mod tests {
         for m in [2, 5, 17, 30] {
             let [mut faer, mut umfpack] =
                 [Box::new(FaerLu::default()) as Box<dyn LinearSolver>, Box::new(crate::linear::Umfpack::default())]
-                    .map(crate::linear::Direct::new);
+                    .map(crate::linear::RefinedSolver::new);
             for seed in 0..4 {
                 let a = crate::sparse::SystemMatrix::from(bordered(m, seed));
                 if seed == 0 {

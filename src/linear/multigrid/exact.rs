@@ -104,7 +104,7 @@ pub(super) mod tests {
         for (i, law) in laws.iter().enumerate() {
             let node = i + 1;
             let places = [0, 1, 2].map(|k| n_u + 3 * i + k);
-            contacts.push(Contact { node, forces: places.map(Some) });
+            contacts.push(GridContact { node, forces: places.map(Some) });
             // Two tangents and a normal.
             let (c, s) = (0.3_f64.cos(), 0.3_f64.sin());
             let frame = [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]];

@@ -13,7 +13,7 @@ pub struct Grid {
     /// Node and direction of each displacement; these are the first unknowns.
     pub displacements: Vec<(usize, usize)>,
     /// For each contact node its places of tangential and normal forces among the unknowns, and a displacement of its own.
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<GridContact>,
     /// Displacements that hold a share of others, `u_e = ũ_e + Σ c ũ_a`, so that the contact rows of a node hold only its own `ũ`.
     pub changed: Vec<(usize, Vec<(usize, f64)>)>,
     /// The displacements of the rigid motions of the whole grid, without supports: 3 in the plane, 6 in space.
@@ -22,7 +22,7 @@ pub struct Grid {
 
 /// One contact node of a [`Grid`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Contact {
+pub struct GridContact {
     /// The node of the displacements that its rows hold.
     pub node: usize,
     /// The places of its forces.
@@ -105,7 +105,7 @@ mod tests {
             dimension: 2,
             nodes: 2,
             displacements: vec![(0, 0), (1, 0), (1, 1)],
-            contacts: vec![Contact { node: 1, forces: [None, None, Some(3)] }],
+            contacts: vec![GridContact { node: 1, forces: [None, None, Some(3)] }],
             changed: vec![(1, vec![(0, 0.5)])],
             motions: vec![vec![1.0, 1.0, 0.0]],
         };

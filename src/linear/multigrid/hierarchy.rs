@@ -3,7 +3,7 @@
 use super::node::Eliminated;
 use super::shared::SharedCycle;
 use super::small::{on, put, transposed_on, vector};
-use super::stiffness::Layout;
+use super::stiffness::BlockLayout;
 use crate::linear::LinearError;
 use crate::linear::petsc::{Amg, Rows};
 
@@ -99,7 +99,7 @@ impl Hierarchy {
     /// One cycle for the present matrix, whose frames are those of `nodes`.
     pub(super) fn cycle(
         &mut self,
-        layout: &Layout,
+        layout: &BlockLayout,
         nodes: &[Eliminated],
         r: &[f64],
         z: &mut [f64],

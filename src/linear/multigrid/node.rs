@@ -111,14 +111,14 @@ impl Local {
     }
 
     /// The laws with rows of size one and forces in units of the stiffness.
-    fn scaled(&self) -> Scaled {
+    fn scaled(&self) -> ScaledNode {
         let force = if self.stiffness > 0.0 { self.stiffness } else { 1.0 };
         let rows = [0, 1, 2].map(|i| {
             let size = (0..3).fold(0.0_f64, |size, j| size.hypot(self.r[i][j]).hypot(self.d[i][j] * force));
             if size > 0.0 { size } else { 1.0 }
         });
         let by = |m: &Small, factor: f64| [0, 1, 2].map(|i| m[i].map(|v| v * factor / rows[i]));
-        Scaled { r: by(&self.r, 1.0), d: by(&self.d, force), rows, force }
+        ScaledNode { r: by(&self.r, 1.0), d: by(&self.d, force), rows, force }
     }
 
     /// The held directions of a `basis` first, then what is left of the axes of the mesh, then those that the node does not have.
@@ -150,7 +150,7 @@ impl Local {
     }
 }
 
-struct Scaled {
+struct ScaledNode {
     r: Small,
     d: Small,
     rows: [f64; 3],

@@ -6,7 +6,7 @@ use super::grid::Grid;
 use super::hierarchy::Hierarchy;
 use super::node::Eliminated;
 use super::small::{put, vector};
-use super::stiffness::Layout;
+use super::stiffness::BlockLayout;
 use crate::linear::LinearError;
 
 /// Vectors on all directions.
@@ -20,7 +20,7 @@ pub(super) struct Work {
 /// The contact nodes of one matrix, eliminated.
 pub(super) struct Elimination<'a> {
     pub grid: &'a Grid,
-    pub layout: &'a Layout,
+    pub layout: &'a BlockLayout,
     pub nodes: &'a [Eliminated],
     pub border: &'a [Border],
     pub form: Form,
@@ -123,7 +123,7 @@ impl Elimination<'_> {
 }
 
 /// The rigid motions in the frames, orthonormal.
-pub(super) fn kernel(grid: &Grid, layout: &Layout, nodes: &[Eliminated]) -> Vec<Vec<f64>> {
+pub(super) fn kernel(grid: &Grid, layout: &BlockLayout, nodes: &[Eliminated]) -> Vec<Vec<f64>> {
     let d = layout.dimension;
     let mut kernel: Vec<Vec<f64>> = Vec::new();
     for motion in grid.motions() {

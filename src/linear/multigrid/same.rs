@@ -4,7 +4,7 @@
 pub(super) mod tests {
     use crate::linear::multigrid::exact::tests::{LAWS, Numbers, system};
     use crate::linear::multigrid::*;
-    use crate::sparse::{NodeRows, SharedMatrix, Symmetric, Twofold};
+    use crate::sparse::{DoubleDouble, NodeRows, SharedMatrix, Symmetric};
 
     /// A chain of nodes, of which each cell has two.
     struct Chain {
@@ -85,10 +85,10 @@ pub(super) mod tests {
         let (x, rest, b) = (vector(), vector(), vector());
         assert_close(&shared.times(&x).unwrap(), &whole.times(&x).unwrap(), 1e-15);
         let [found, expected] = [&shared, &whole].map(|a| {
-            let (mut r, mut s, mut sums) = (vec![0.0; n], vec![0.0; n], vec![Twofold::default(); n]);
+            let (mut r, mut s, mut sums) = (vec![0.0; n], vec![0.0; n], vec![DoubleDouble::default(); n]);
             a.residual(&x, &b, &mut r, &mut s);
             a.add_beyond(&x, &rest, &mut sums);
-            [r, s, sums.into_iter().map(Twofold::value).collect()]
+            [r, s, sums.into_iter().map(DoubleDouble::value).collect()]
         });
         for (found, expected) in found.iter().zip(&expected) {
             assert_close(found, expected, 1e-14);

@@ -9,7 +9,7 @@ use super::numbering::Numbering;
 use super::piece::{Job, Piece, State};
 use crate::linear::LinearError;
 use crate::linear::ranks::{self, Kind, Shared, World};
-use crate::sparse::{Csc, NodeRows, Pattern, SharedMatrix, SharedSymmetric, Symmetric, SystemMatrix, Twofold};
+use crate::sparse::{Csc, DoubleDouble, NodeRows, Pattern, SharedMatrix, SharedSymmetric, Symmetric, SystemMatrix};
 
 /// The matrix of `body`, of which each rank of MPI makes the rows of its own nodes; of the columns at the nodes `near` contact this process
 /// keeps a copy. `None` where a rank cannot make its rows, or has another body.
@@ -225,7 +225,7 @@ impl SharedMatrix for Stiffness {
         self.spread(&result, &all_sizes, sizes);
     }
 
-    fn add_beyond(&self, factor: f64, x: &[f64], rest: &[f64], sums: &mut [Twofold]) {
+    fn add_beyond(&self, factor: f64, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) {
         let (x, rest) = (self.to_be_dealt(x), self.to_be_dealt(rest));
         let (mut high, mut low) = (self.room(), self.room());
         let to = [&mut high[..], &mut low[..]];

@@ -17,7 +17,7 @@ use crate::linear::ranks::{Graph, partition};
 use crate::sparse::{Pattern, SharedSymmetric, SystemMatrix};
 
 /// Where everything is, for one pattern.
-pub(super) struct Layout {
+pub(super) struct BlockLayout {
     pub dimension: usize,
     /// Displacements of the matrix.
     pub displacements: usize,
@@ -41,7 +41,7 @@ pub(super) struct Layout {
     ranks: Vec<usize>,
 }
 
-impl Layout {
+impl BlockLayout {
     /// That of matrices with the pattern of `matrix`, whose nodes are numbered already if ranks share them.
     pub(super) fn new(grid: &Grid, matrix: &SystemMatrix) -> Result<Self, LinearError> {
         expect_length("columns of the matrix", matrix.pattern().rows(), matrix.order())?;
@@ -72,7 +72,7 @@ impl Layout {
             contact[k] = Some(i);
             contacts.push((k, of.forces));
         }
-        let mut layout = Layout {
+        let mut layout = BlockLayout {
             ranks: shared.map_or_else(|| vec![0, own.len()], |shared| shared.bounds().to_vec()),
             dimension: grid.dimension,
             displacements,
@@ -143,7 +143,7 @@ impl Layout {
             row.sort_unstable();
             row
         });
-        Ok(Layout {
+        Ok(BlockLayout {
             ranks: bounds,
             place: self.place.iter().map(|&(node, direction)| (new[node], direction)).collect(),
             own: order.iter().map(|&node| self.own[node]).collect(),

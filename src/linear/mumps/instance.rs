@@ -8,7 +8,7 @@ use std::ptr;
 
 use super::sys;
 use crate::linear::LinearError;
-use crate::linear::ranks::{Part, World};
+use crate::linear::ranks::{RankLocal, World};
 
 /// What MUMPS does when it is called.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -163,7 +163,7 @@ fn version(text: &[u8]) -> [i32; 3] {
     [(); 3].map(|()| numbers.next().unwrap_or(0))
 }
 
-impl Part for Instance {
+impl RankLocal for Instance {
     /// Rank 0 alone has the arrays, and judges what all ranks are told.
     fn serve(&mut self, _: &World, job: i64) -> Result<(), LinearError> {
         for known in [Job::Analyze, Job::Factorize, Job::Solve] {

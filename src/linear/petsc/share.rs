@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use super::{Rows, sys};
 use crate::linear::LinearError;
 use crate::linear::error::expect_length;
-use crate::linear::ranks::{Part, World};
+use crate::linear::ranks::{RankLocal, World};
 
 const NAME: &str = "PETSc";
 
@@ -264,7 +264,7 @@ impl Share {
     }
 }
 
-impl Part for Share {
+impl RankLocal for Share {
     fn serve(&mut self, world: &World, _cycle: i64) -> Result<(), LinearError> {
         self.shared_cycle(world, &[], &mut [])
     }

@@ -19,7 +19,7 @@
 //!
 //! which is `A du + B dr = b`, each row divided by its largest coefficient. A contact without friction has the first alone.
 
-use crate::local::law::{Contact, Linear, UNIT, Vector3};
+use crate::local::law::{Linear, LocalContact, UNIT, Vector3};
 use crate::vector::dot;
 
 /// The unknowns of a contact, or a change of them.
@@ -43,13 +43,13 @@ pub(super) struct Missing {
 
 impl Unknowns {
     /// Far inside, with pressure `force` and distance `velocity`.
-    pub(super) fn start(law: &Contact, force: f64, velocity: f64) -> Self {
+    pub(super) fn start(law: &LocalContact, force: f64, velocity: f64) -> Self {
         let (s, lambda) = if law.tangents > 0 { (law.mu * force, velocity / law.mu) } else { (0.0, 0.0) };
         Unknowns { r: [force, 0.0, 0.0], v: velocity, s, lambda }
     }
 
     /// The pairs whose products go to zero.
-    pub(super) fn pairs(&self, law: &Contact) -> impl Iterator<Item = (f64, f64)> {
+    pub(super) fn pairs(&self, law: &LocalContact) -> impl Iterator<Item = (f64, f64)> {
         [(self.r[0], self.v), (self.s, self.lambda)].into_iter().take(if law.tangents > 0 { 2 } else { 1 })
     }
 
@@ -64,19 +64,19 @@ impl Unknowns {
     }
 
     /// `ρ` and `e`.
-    fn friction(&self, law: &Contact) -> (f64, [f64; 2]) {
+    fn friction(&self, law: &LocalContact) -> (f64, [f64; 2]) {
         let rho = law.mu * self.r[0];
         (rho, [self.r[1] / rho, self.r[2] / rho])
     }
 
     /// `ρ (1 - e²)`, what the cone leaves.
-    pub(super) fn room(&self, law: &Contact) -> f64 {
+    pub(super) fn room(&self, law: &LocalContact) -> f64 {
         let (rho, e) = self.friction(law);
         rho * (1.0 - dot(e, e))
     }
 
     /// What is missing at the velocity `u` where `τ = 0`.
-    pub(super) fn missing(&self, law: &Contact, u: Vector3) -> Missing {
+    pub(super) fn missing(&self, law: &LocalContact, u: Vector3) -> Missing {
         let mut missing = Missing { gap: u[0] - self.v, products: [-self.r[0] * self.v, 0.0], ..Missing::default() };
         if law.tangents > 0 {
             let (_, e) = self.friction(law);
@@ -88,7 +88,7 @@ impl Unknowns {
     }
 
     /// `A` and `B`, and what the normal row and the tangential ones were divided by.
-    pub(super) fn linearize(&self, law: &Contact) -> (Linear, [f64; 2]) {
+    pub(super) fn linearize(&self, law: &LocalContact) -> (Linear, [f64; 2]) {
         let (mut by_u, mut by_r, mut sizes) = ([[0.0; 3]; 3], [[0.0; 3]; 3], [1.0; 2]);
         sizes[0] = (self.r[0] / law.stiffness).max(self.v);
         (by_u[0][0], by_r[0][0]) = (self.r[0] / sizes[0], self.v / sizes[0]);
@@ -109,7 +109,7 @@ impl Unknowns {
     }
 
     /// The right-hand side on the forces.
-    pub(super) fn reduce(&self, law: &Contact, sizes: [f64; 2], missing: &Missing) -> Vector3 {
+    pub(super) fn reduce(&self, law: &LocalContact, sizes: [f64; 2], missing: &Missing) -> Vector3 {
         let normal = (missing.products[0] - self.r[0] * missing.gap) / sizes[0];
         if law.tangents == 0 {
             return [normal, 0.0, 0.0];
@@ -122,7 +122,7 @@ impl Unknowns {
 
     /// The whole direction, of changes `dr` of force and `du` of velocity. What is small beside its partner comes from the product: as
     /// a difference of large numbers most of its digits would be lost.
-    pub(super) fn recover(&self, law: &Contact, missing: &Missing, dr: Vector3, du: Vector3) -> Self {
+    pub(super) fn recover(&self, law: &LocalContact, missing: &Missing, dr: Vector3, du: Vector3) -> Self {
         let v =
             if self.r[0] > self.v { (missing.products[0] - self.v * dr[0]) / self.r[0] } else { du[0] + missing.gap };
         if law.tangents == 0 {
@@ -144,7 +144,7 @@ mod tests {
         let w = [[1.0, 0.2, 0.1], [0.3, 0.8, -0.1], [0.1, -0.2, 0.9]];
         let times = |x: Vector3| [0, 1, 2].map(|k| dot(w[k], x));
         for tangents in [0, 1, 2] {
-            let law = Contact::new(if tangents > 0 { 0.6 } else { 0.0 }, tangents, &w);
+            let law = LocalContact::new(if tangents > 0 { 0.6 } else { 0.0 }, tangents, &w);
             let own = |x: Vector3| [0, 1, 2].map(|k| if k <= tangents { x[k] } else { 0.0 });
             let point =
                 Unknowns { r: own([1.2, 0.2, 0.3]), v: 0.4, s: if tangents > 0 { 0.5 } else { 0.0 }, lambda: 0.7 };

@@ -1,9 +1,9 @@
 //! What Algorithm BN has beyond the paper's loop: the last digits, the places where it stands still, and bodies that the
 //! contact statuses leave free to move.
 
-use super::{Bn, End};
+use super::{Bn, StopCriterion};
 use crate::formulation::Bdiff;
-use crate::linear::{Direct, LinearError};
+use crate::linear::{LinearError, RefinedSolver};
 use crate::sparse::sum;
 
 /// In the places where several cases meet, the branch that a direction leads into is looked for this
@@ -30,7 +30,7 @@ impl Bn {
         &mut self,
         mut branch: Branch,
         formulation: &mut Bdiff,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         z: &[f64],
         theta: f64,
     ) -> Result<Branch, LinearError> {
@@ -55,9 +55,9 @@ impl Bn {
     pub(super) fn refine(
         &mut self,
         formulation: &Bdiff,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
         z: &mut [f64],
-        end: &mut End<'_>,
+        end: &mut StopCriterion<'_>,
     ) -> Result<bool, LinearError> {
         let mut best = end.measure(z, &self.rest);
         for _ in 0..REFINEMENTS {

@@ -10,7 +10,7 @@ use super::series::Series;
 use super::table::Table;
 use crate::checkpoint::Checkpoint;
 use crate::events::Event;
-use crate::history::{IncrementRecord, Status, Step};
+use crate::history::{IncrementRecord, IncrementView, Status};
 use crate::model::Model;
 use crate::report::balance::BalanceRecord;
 use crate::report::contact_line::ContactLine;
@@ -171,7 +171,7 @@ impl ResultFolder {
     ///
     /// # Errors
     /// When the disk refuses.
-    pub fn add_probes(&mut self, model: &Model, step: &Step<'_>) -> io::Result<()> {
+    pub fn add_probes(&mut self, model: &Model, step: &IncrementView<'_>) -> io::Result<()> {
         self.probes.iter_mut().try_for_each(|(probe, table)| table.append(&probe.lines(model, step)))
     }
 

@@ -9,7 +9,7 @@ use crate::vector::Vector;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(in crate::scene) struct Body {
+pub(in crate::scene) struct BodyTable {
     pub name: String,
     pub at: Option<Vector>,
     pub mesh: Mesh,

@@ -1,8 +1,8 @@
 //! The supports, springs and loads of a scene.
 
 use crate::description::{Action, Axis, Bed, Direction, Field, Held, Load, Support, Where};
-use crate::fault::Fault;
 use crate::formula::Formula;
+use crate::input_error::InputError;
 use crate::scene::SceneError;
 use crate::scene::document::{self, Fix, Scalar, Segments};
 use crate::scene::error::Source;
@@ -11,15 +11,15 @@ use crate::vector::Vector;
 use super::{foreign, points};
 
 /// The support that stands at `key`.
-pub(super) fn support(given: document::Support, key: &str) -> Result<Support, Fault> {
+pub(super) fn support(given: document::Support, key: &str) -> Result<Support, InputError> {
     let document::Support { boundary, point, fix, direction, displacement, history } = given;
-    let at = place(boundary, point, "a support").map_err(|fault| fault.under(key))?;
-    let fault = |name: &str, message: &str, help: &str| Err(Fault::new(format!("{key}.{name}"), message, help));
+    let at = place(boundary, point, "a support").map_err(|fault| fault.with_key(key))?;
+    let fault = |name: &str, message: &str, help: &str| Err(InputError::new(format!("{key}.{name}"), message, help));
     let directions: Vec<Direction> = match (fix, direction) {
         (Some(_), Some(_)) => return fault("direction", "a support has both fix and direction", "keep one of them"),
         (None, None) => {
             let help = "add fix = [\"x\", \"y\"], fix = [\"normal\"] or a direction such as [1, 1]";
-            return Err(Fault::new(key, "a support needs fix or direction", help));
+            return Err(InputError::new(key, "a support needs fix or direction", help));
         }
         (None, Some(along)) => vec![Direction::Along(along)],
         (Some(fix), None) => fix.into_iter().map(held_along).collect(),
@@ -52,23 +52,23 @@ fn held_along(fix: Fix) -> Direction {
 }
 
 /// What `whose` acts on, a boundary or a point.
-fn place(boundary: Option<String>, point: Option<Vector>, whose: &str) -> Result<Where, Fault> {
+fn place(boundary: Option<String>, point: Option<Vector>, whose: &str) -> Result<Where, InputError> {
     match (boundary, point) {
         (Some(boundary), None) => Ok(Where::Boundary(boundary)),
         (None, Some(point)) => Ok(Where::Point(point)),
         (Some(_), Some(_)) => {
-            Err(Fault::new("point", format!("{whose} has both boundary and point"), "keep one of them"))
+            Err(InputError::new("point", format!("{whose} has both boundary and point"), "keep one of them"))
         }
         (None, None) => {
-            Err(Fault::new("boundary", format!("{whose} needs a boundary or a point"), "add one of the keys"))
+            Err(InputError::new("boundary", format!("{whose} needs a boundary or a point"), "add one of the keys"))
         }
     }
 }
 
 /// The spring that stands at `key`.
-pub(super) fn spring(given: document::Spring, key: &str) -> Result<Bed, Fault> {
+pub(super) fn spring(given: document::Spring, key: &str) -> Result<Bed, InputError> {
     let document::Spring { boundary, point, stiffness, normal, tangential } = given;
-    let under = |fault: Fault| fault.under(key);
+    let under = |fault: InputError| fault.with_key(key);
     let at = place(boundary, point, "a spring").map_err(under)?;
     match (at, stiffness) {
         (at, Some(stiffness)) => {
@@ -82,10 +82,10 @@ pub(super) fn spring(given: document::Spring, key: &str) -> Result<Bed, Fault> {
         }
         (Where::Boundary(_), None) => {
             let help = "add normal and tangential, stiffness per area, or stiffness along the axes";
-            Err(Fault::new(key, "a spring needs a stiffness", help))
+            Err(InputError::new(key, "a spring needs a stiffness", help))
         }
         (Where::Point(_), None) => {
-            Err(Fault::new(key, "a spring at a point needs stiffness", "give it along the axes"))
+            Err(InputError::new(key, "a spring at a point needs stiffness", "give it along the axes"))
         }
     }
 }
@@ -94,11 +94,11 @@ pub(super) fn spring(given: document::Spring, key: &str) -> Result<Bed, Fault> {
 pub(super) fn load(given: document::Load, key: &str, source: &Source) -> Result<Load, SceneError> {
     let document::Load { boundary, point, traction, pressure, force, acceleration, rotation, temperature, history } =
         given;
-    let at = |fault: Fault| source.located(fault.under(key));
+    let at = |fault: InputError| source.located(fault.with_key(key));
     let field = |scalar: Scalar, name: &str| field(scalar, &format!("{key}.{name}"), source);
     let on_boundary = |boundary: Option<String>, whose: &str| {
         foreign("point", point.as_ref(), whose).map_err(at)?;
-        boundary.ok_or_else(|| at(Fault::new("boundary", format!("{whose} needs a boundary"), "add the key")))
+        boundary.ok_or_else(|| at(InputError::new("boundary", format!("{whose} needs a boundary"), "add the key")))
     };
     let on_body = |boundary: Option<String>, whose: &str| {
         foreign("boundary", boundary.as_ref(), whose).and(foreign("point", point.as_ref(), whose)).map_err(at)
@@ -114,7 +114,7 @@ pub(super) fn load(given: document::Load, key: &str, source: &Source) -> Result<
     let mut present = given.iter().filter(|(_, given)| *given).map(|(name, _)| *name);
     if let (Some(first), Some(second)) = (present.next(), present.next()) {
         let message = format!("a load has both {first} and {second}");
-        return Err(at(Fault::new(second, message, "make two loads of them, or keep one")));
+        return Err(at(InputError::new(second, message, "make two loads of them, or keep one")));
     }
     let action = if let Some(traction) = traction {
         let boundary = on_boundary(boundary, "a traction")?;
@@ -138,7 +138,7 @@ pub(super) fn load(given: document::Load, key: &str, source: &Source) -> Result<
         Action::Temperature(field(temperature, "temperature")?)
     } else {
         let help = "add one of traction, pressure, force, acceleration, rotation and temperature";
-        return Err(source.located(Fault::new(key, "a load does nothing", help)));
+        return Err(source.located(InputError::new(key, "a load does nothing", help)));
     };
     Ok(Load { action, history: history.map(points) })
 }
@@ -149,7 +149,7 @@ fn field(scalar: Scalar, key: &str, source: &Source) -> Result<Field, SceneError
         Scalar::Number(value) => Ok(value.into()),
         Scalar::Text(text) => Formula::parse(&text).map(Field::from).map_err(|why| {
             let help = "give a number, or a formula of x, y and z in m or as [units] says, such as \"1e6 * (1 - x^2)\"";
-            source.located_within(Fault::new(key, format!("the formula: {why}"), help), &text, &why.span)
+            source.located_within(InputError::new(key, format!("the formula: {why}"), help), &text, &why.span)
         }),
     }
 }

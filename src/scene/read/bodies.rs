@@ -1,7 +1,7 @@
 //! The body of a scene, or its bodies: mesh, elements and materials.
 
-use crate::fault::Fault;
 use crate::fem::{Element, Layer, Material, MaterialGroup};
+use crate::input_error::InputError;
 use crate::mesh::{Body, MeshSource};
 use crate::scene::document::{self, Document, Tuple};
 use crate::scene::error::Source;
@@ -18,12 +18,12 @@ pub(super) struct Bodies {
 }
 
 /// Those of `document`, which is left without them.
-pub(super) fn bodies(document: &mut Document, source: &Source) -> Result<Bodies, Fault> {
+pub(super) fn bodies(document: &mut Document, source: &Source) -> Result<Bodies, InputError> {
     let (mesh, material, body) = (document.mesh.take(), document.material.take(), std::mem::take(&mut document.body));
     if body.is_empty() {
         let missing = |table: &str| {
             let help = "add the key; `stickslip init block` shows a complete scene";
-            Fault::new("", format!("missing field `{table}`"), help)
+            InputError::new("", format!("missing field `{table}`"), help)
         };
         let (mesh, given) = (mesh.ok_or_else(|| missing("mesh"))?, material.ok_or_else(|| missing("material"))?);
         let element = mesh.element.unwrap_or_default();
@@ -38,16 +38,16 @@ pub(super) fn bodies(document: &mut Document, source: &Source) -> Result<Bodies,
         if given {
             let message = format!("the scene has [{table}] and [[body]]");
             let help = format!("give each body a [body.{table}] of its own and remove [{table}], or remove [[body]]");
-            return Err(Fault::new(table, message, help));
+            return Err(InputError::new(table, message, help));
         }
     }
     several(body, source)
 }
 
-fn several(given: Vec<document::Body>, source: &Source) -> Result<Bodies, Fault> {
+fn several(given: Vec<document::BodyTable>, source: &Source) -> Result<Bodies, InputError> {
     let element = given[0].mesh.element.unwrap_or_default();
     let (mut bodies, mut materials, mut keys) = (Vec::new(), Vec::new(), Vec::new());
-    for (k, document::Body { name, at, mesh, material }) in given.into_iter().enumerate() {
+    for (k, document::BodyTable { name, at, mesh, material }) in given.into_iter().enumerate() {
         let key = format!("body[{k}]");
         if mesh.element.unwrap_or_default() != element {
             let message = format!(
@@ -56,9 +56,9 @@ fn several(given: Vec<document::Body>, source: &Source) -> Result<Bodies, Fault>
                 element.name()
             );
             let help = "all bodies have the same mesh.element, which is \"bilinear\" where it is left out";
-            return Err(Fault::new(format!("{key}.mesh.element"), message, help));
+            return Err(InputError::new(format!("{key}.mesh.element"), message, help));
         }
-        let mesh = mesh::source(&mesh, source).map_err(|fault| fault.under(&key))?;
+        let mesh = mesh::source(&mesh, source).map_err(|fault| fault.with_key(&key))?;
         keys.push(format!("{key}.material"));
         keys.extend((0..material.group.len()).map(|j| format!("{key}.material.group[{j}]")));
         materials.push((name.clone(), self::material(material)));

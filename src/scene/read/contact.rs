@@ -2,7 +2,7 @@
 
 use crate::contact::Friction;
 use crate::description::{Against, Contact, FirstGap, Opposite, Slave};
-use crate::fault::Fault;
+use crate::input_error::InputError;
 use crate::scene::SceneError;
 use crate::scene::document::{self, Names, Scalar};
 use crate::scene::error::Source;
@@ -10,18 +10,18 @@ use crate::scene::error::Source;
 use super::{foreign, formula, obstacle, points};
 
 /// Contact `k` of the scene `source`.
-pub(super) fn contact(k: usize, given: document::Contact, source: &Source) -> Result<Contact, SceneError> {
+pub(super) fn contact(k: usize, given: document::ContactTable, source: &Source) -> Result<Contact, SceneError> {
     let key = format!("contact[{k}]");
-    let at = |fault: Fault| source.located(fault.under(&key));
+    let at = |fault: InputError| source.located(fault.with_key(&key));
     let friction = given.friction.as_ref().map(|given| friction(given, &key, source)).transpose()?;
     let needs_friction = || {
         let help = "add friction = 0.3, or 0 without friction";
-        at(Fault::new("friction", "a contact needs its friction", help))
+        at(InputError::new("friction", "a contact needs its friction", help))
     };
     let (against, friction) = match (given.obstacle, given.against) {
         (Some(_), Some(_)) => {
             let help = "keep one of them; a boundary that meets both takes two [[contact]]s with parts of it";
-            return Err(at(Fault::new(
+            return Err(at(InputError::new(
                 "against",
                 "a contact has both an obstacle and a boundary that it is against",
                 help,
@@ -29,7 +29,7 @@ pub(super) fn contact(k: usize, given: document::Contact, source: &Source) -> Re
         }
         (None, None) => {
             let help = "add [contact.obstacle], or against = \"name of a boundary\"";
-            return Err(source.located(Fault::new(
+            return Err(source.located(InputError::new(
                 key,
                 "a contact needs an obstacle or a boundary that it is against",
                 help,

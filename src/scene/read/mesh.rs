@@ -1,6 +1,6 @@
 //! The mesh of a scene.
 
-use crate::fault::{Fault, demand};
+use crate::input_error::{InputError, ensure};
 use crate::mesh::{HalfPlane, MeshSource};
 use crate::scene::document::{Mesh, MeshKind, Segments};
 use crate::scene::error::Source;
@@ -10,7 +10,7 @@ use super::{foreign, needed};
 const KIND: &str = "mesh.kind";
 
 /// The mesh that `mesh` of the scene `source` asks for.
-pub(super) fn source(mesh: &Mesh, source: &Source) -> Result<MeshSource, Fault> {
+pub(super) fn source(mesh: &Mesh, source: &Source) -> Result<MeshSource, InputError> {
     match mesh.kind {
         MeshKind::Block => block(mesh),
         MeshKind::HalfPlane => half_plane(mesh),
@@ -18,7 +18,7 @@ pub(super) fn source(mesh: &Mesh, source: &Source) -> Result<MeshSource, Fault> 
     }
 }
 
-fn block(mesh: &Mesh) -> Result<MeshSource, Fault> {
+fn block(mesh: &Mesh) -> Result<MeshSource, InputError> {
     let whose = "a block";
     let size = size(mesh, whose)?;
     no_half_plane(mesh, whose)?;
@@ -27,7 +27,7 @@ fn block(mesh: &Mesh) -> Result<MeshSource, Fault> {
         given.iter().map(|Segments(axis)| axis.iter().map(|&n| usize::try_from(n).ok()).collect()).collect();
     let help = "give the numbers of elements along each axis";
     // A number below 0 is no number of elements at all.
-    demand(elements.is_some(), "mesh.elements", given, "numbers of at least 1", help)?;
+    ensure(elements.is_some(), "mesh.elements", given, "numbers of at least 1", help)?;
     let grading = mesh.grading.as_deref().map(lists);
     let source = MeshSource::segmented(&size, &elements.unwrap_or_default(), grading.as_deref(), mesh.cells)?;
     Ok(match source {
@@ -36,16 +36,16 @@ fn block(mesh: &Mesh) -> Result<MeshSource, Fault> {
     })
 }
 
-fn half_plane(mesh: &Mesh) -> Result<MeshSource, Fault> {
+fn half_plane(mesh: &Mesh) -> Result<MeshSource, InputError> {
     let whose = "a half-plane";
     let Ok(size) = <[f64; 2]>::try_from(size(mesh, whose)?.concat()) else {
-        return Err(Fault::new(KIND, "a half-plane has two lengths", "give mesh.size as [width, height]"));
+        return Err(InputError::new(KIND, "a half-plane has two lengths", "give mesh.size as [width, height]"));
     };
     no_block(mesh, whose)?;
     let count = |key: &str, given: Option<i64>| {
         let given = needed(key, given, KIND, whose)?;
         let help = "give a number of elements";
-        demand(given >= 0, key, &given, "at least 1 and at most 50 million", help)?;
+        ensure(given >= 0, key, &given, "at least 1 and at most 50 million", help)?;
         Ok(given as usize)
     };
     Ok(MeshSource::HalfPlane(HalfPlane {
@@ -57,7 +57,7 @@ fn half_plane(mesh: &Mesh) -> Result<MeshSource, Fault> {
     }))
 }
 
-fn gmsh(mesh: &Mesh, source: &Source) -> Result<MeshSource, Fault> {
+fn gmsh(mesh: &Mesh, source: &Source) -> Result<MeshSource, InputError> {
     let whose = "a mesh from Gmsh";
     foreign("mesh.size", mesh.size.as_ref(), whose)?;
     no_block(mesh, whose)?;
@@ -67,7 +67,7 @@ fn gmsh(mesh: &Mesh, source: &Source) -> Result<MeshSource, Fault> {
 }
 
 /// The lengths of the segments along each axis of a mesh that is made here.
-fn size(mesh: &Mesh, whose: &str) -> Result<Vec<Vec<f64>>, Fault> {
+fn size(mesh: &Mesh, whose: &str) -> Result<Vec<Vec<f64>>, InputError> {
     foreign("mesh.file", mesh.file.as_ref(), whose)?;
     foreign("mesh.scale", mesh.scale.as_ref(), whose)?;
     Ok(lists(needed("mesh.size", mesh.size.as_ref(), KIND, whose)?))
@@ -78,7 +78,7 @@ fn lists<T: Clone>(given: &[Segments<T>]) -> Vec<Vec<T>> {
 }
 
 /// Refuses the keys of a block.
-fn no_block(mesh: &Mesh, whose: &str) -> Result<(), Fault> {
+fn no_block(mesh: &Mesh, whose: &str) -> Result<(), InputError> {
     foreign("mesh.elements", mesh.elements.as_ref(), whose)?;
     foreign("mesh.cells", mesh.cells.as_ref(), whose)?;
     foreign("mesh.grading", mesh.grading.as_ref(), whose)?;
@@ -86,7 +86,7 @@ fn no_block(mesh: &Mesh, whose: &str) -> Result<(), Fault> {
 }
 
 /// Refuses the keys of a half-plane.
-fn no_half_plane(mesh: &Mesh, whose: &str) -> Result<(), Fault> {
+fn no_half_plane(mesh: &Mesh, whose: &str) -> Result<(), InputError> {
     foreign("mesh.contact_width", mesh.contact_width.as_ref(), whose)?;
     foreign("mesh.contact_elements", mesh.contact_elements.as_ref(), whose)?;
     foreign("mesh.outer_elements", mesh.outer_elements.as_ref(), whose)?;

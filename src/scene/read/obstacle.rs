@@ -1,7 +1,7 @@
 //! The obstacle of a contact.
 
 use crate::contact::{Obstacle, Place, Rotation, Shape};
-use crate::fault::Fault;
+use crate::input_error::InputError;
 use crate::scene::SceneError;
 use crate::scene::document::{self, ObstacleKind};
 use crate::scene::error::Source;
@@ -11,7 +11,7 @@ use super::{foreign, formula, needed, points};
 
 /// The obstacle that stands at `key` of the scene `source`.
 pub(super) fn obstacle(given: document::Obstacle, key: &str, source: &Source) -> Result<Obstacle, SceneError> {
-    let at = |fault: Fault| source.located(fault.under(key));
+    let at = |fault: InputError| source.located(fault.with_key(key));
     own_keys(&given).map_err(at)?;
     let shape = match (&given.kind, &given.formula) {
         (ObstacleKind::Formula, Some(text)) => {
@@ -53,7 +53,7 @@ fn whose(kind: &ObstacleKind) -> &'static str {
 }
 
 /// Refuses the keys of other kinds of obstacles.
-fn own_keys(obstacle: &document::Obstacle) -> Result<(), Fault> {
+fn own_keys(obstacle: &document::Obstacle) -> Result<(), InputError> {
     let document::Obstacle { kind, gap, through, radius, apex, center, axis, .. } = obstacle;
     let document::Obstacle { angle, half_angle, formula, file, scale, .. } = obstacle;
     let keys: &[&str] = match kind {
@@ -83,20 +83,20 @@ fn own_keys(obstacle: &document::Obstacle) -> Result<(), Fault> {
     alien.map_or(Ok(()), |(key, _)| foreign(key, Some(&()), whose(kind)))
 }
 
-fn shape(obstacle: &document::Obstacle, source: &Source) -> Result<Shape, Fault> {
+fn shape(obstacle: &document::Obstacle, source: &Source) -> Result<Shape, InputError> {
     let document::Obstacle { kind, gap, through, radius, apex, center, axis, .. } = obstacle;
     let document::Obstacle { angle, half_angle, file, scale, .. } = obstacle;
     let whose = whose(kind);
     let number = |key: &str, value: &Option<f64>| needed(key, *value, "kind", whose);
     let place = || match (apex, center) {
         (Some(_), Some(_)) => {
-            Err(Fault::new("center", format!("{whose} has both apex and center"), "keep one of them"))
+            Err(InputError::new("center", format!("{whose} has both apex and center"), "keep one of them"))
         }
         (Some(apex), None) => Ok(Place::Apex(*apex)),
         (None, Some(center)) => Ok(Place::Center(*center)),
         (None, None) => {
             let help = "add one of them: a point of the surface, or its centre or a point of its axis";
-            Err(Fault::new("kind", format!("{whose} needs apex or center"), help))
+            Err(InputError::new("kind", format!("{whose} needs apex or center"), help))
         }
     };
     let apex = || needed("apex", *apex, "kind", whose);
@@ -104,7 +104,7 @@ fn shape(obstacle: &document::Obstacle, source: &Source) -> Result<Shape, Fault>
     Ok(match kind {
         ObstacleKind::Plane => match (gap, through) {
             (Some(_), Some(_)) => {
-                return Err(Fault::new("through", "a plane has both gap and through", "keep one of them"));
+                return Err(InputError::new("through", "a plane has both gap and through", "keep one of them"));
             }
             (None, Some(through)) => Shape::PlaneThrough { through: *through },
             (gap, None) => Shape::Plane { gap: gap.unwrap_or(0.0) },
@@ -122,7 +122,7 @@ fn shape(obstacle: &document::Obstacle, source: &Source) -> Result<Shape, Fault>
 }
 
 /// The points of a translation: a time, and two or three coordinates.
-fn path(given: Vec<Vec<f64>>) -> Result<Vec<(f64, Vector)>, Fault> {
+fn path(given: Vec<Vec<f64>>) -> Result<Vec<(f64, Vector)>, InputError> {
     let point = |point: Vec<f64>| match point[..] {
         [t, x, y] => Some((t, [x, y].into())),
         [t, x, y, z] => Some((t, [x, y, z].into())),
@@ -130,5 +130,5 @@ fn path(given: Vec<Vec<f64>>) -> Result<Vec<(f64, Vector)>, Fault> {
     };
     let help = "give points [time, x, y] or [time, x, y, z], s and m, ordered by time";
     let points: Option<_> = given.into_iter().map(point).collect();
-    points.ok_or_else(|| Fault::new("motion.translation", "translation is not a list of points", help))
+    points.ok_or_else(|| InputError::new("motion.translation", "translation is not a list of points", help))
 }

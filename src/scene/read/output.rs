@@ -2,21 +2,21 @@
 
 use super::{foreign, needed};
 use crate::description::{Probe, ProbePlace};
-use crate::fault::{Fault, demand, finite};
+use crate::input_error::{InputError, ensure, finite};
 use crate::scene::document::{self, Times};
 use crate::scene::{Output, Time};
 
 /// The output that `given` asks for, of a history over `time`.
-pub(super) fn output(given: document::Output, time: &Time) -> Result<Output, Fault> {
+pub(super) fn output(given: document::Output, time: &Time) -> Result<Output, InputError> {
     let document::Output { times, every, fields, deformed, magnification, probe } = given;
     if let Some(every) = every {
         let help = "1 stands for each increment, 10 for every tenth; the last one is always written";
-        demand(every >= 1, "output.every", &every, "at least 1", help)?;
+        ensure(every >= 1, "output.every", &every, "at least 1", help)?;
     }
     let mut every = every.map(|every| every as usize);
     let times = match times {
         Some(Times::All) => {
-            foreign("every", every.as_ref(), "output.times = \"all\"").map_err(|fault| fault.under("output"))?;
+            foreign("every", every.as_ref(), "output.times = \"all\"").map_err(|fault| fault.with_key("output"))?;
             every = Some(1);
             vec![0.0]
         }
@@ -26,7 +26,7 @@ pub(super) fn output(given: document::Output, time: &Time) -> Result<Output, Fau
     };
     if let Some(t) = times.iter().find(|&&t| t.is_nan() || t < 0.0 || t > time.end) {
         let message = format!("output.times holds {t}, but the history runs from 0 to {}", time.end);
-        return Err(Fault::new(
+        return Err(InputError::new(
             "output.times",
             message,
             "give times from 0 (before the first increment) to time.end, s",
@@ -35,7 +35,7 @@ pub(super) fn output(given: document::Output, time: &Time) -> Result<Output, Fau
     if let Some(magnification) = magnification {
         let key = "output.magnification";
         finite(key, magnification)?;
-        demand(
+        ensure(
             magnification >= 0.0,
             key,
             &magnification,
@@ -44,7 +44,7 @@ pub(super) fn output(given: document::Output, time: &Time) -> Result<Output, Fau
         )?;
         if !deformed {
             let message = "output.magnification is given, but no picture of the deformed body is asked for";
-            return Err(Fault::new(key, message, "add output.deformed = true, or remove the key"));
+            return Err(InputError::new(key, message, "add output.deformed = true, or remove the key"));
         }
     }
     let probes = probe.into_iter().enumerate().map(|(k, given)| self::probe(&format!("output.probe[{k}]"), given));
@@ -53,12 +53,12 @@ pub(super) fn output(given: document::Output, time: &Time) -> Result<Output, Fau
     Ok(Output { times, every, fields, deformed, magnification, probes })
 }
 
-fn probe(key: &str, given: document::Probe) -> Result<Probe, Fault> {
+fn probe(key: &str, given: document::Probe) -> Result<Probe, InputError> {
     let document::Probe { name, point, from, to, points } = given;
     let place = if let Some(point) = point {
         let alone = |name: &str, is_given: bool| {
             let whose = "a probe with a point";
-            foreign(name, is_given.then_some(&()), whose).map_err(|fault| fault.under(key))
+            foreign(name, is_given.then_some(&()), whose).map_err(|fault| fault.with_key(key))
         };
         alone("from", from.is_some())?;
         alone("to", to.is_some())?;
@@ -70,7 +70,7 @@ fn probe(key: &str, given: document::Probe) -> Result<Probe, Fault> {
         let to = needed("to", to, key, whose)?;
         let count = needed("points", points, key, whose)?;
         let help = "the ends count; use output.fields for the whole body";
-        demand(count >= 2, &format!("{key}.points"), &count, "at least 2 and at most 10000", help)?;
+        ensure(count >= 2, &format!("{key}.points"), &count, "at least 2 and at most 10000", help)?;
         ProbePlace::Line { from, to, count: count as usize }
     };
     Ok(Probe { name, place })

@@ -1,9 +1,9 @@
 //! The solver of a scene.
 
 use super::foreign;
-use crate::fault::{Fault, demand, finite};
 use crate::formulation::NewtonSystem;
-use crate::history::{LinearAlgebra, Method, Solver};
+use crate::history::{LinearAlgebra, Method, SolverChoice};
+use crate::input_error::{InputError, ensure, finite};
 use crate::linear::SparseLu;
 use crate::scene::document;
 use crate::scene::solver::{LinearName, MethodName, Setting};
@@ -23,23 +23,23 @@ pub(super) fn one_tangent_key(method: Method) -> Option<&'static str> {
 }
 
 /// The solver that `given` asks for; `touches` tells whether there is contact.
-pub(super) fn solver(given: &document::Solver, touches: bool) -> Result<Solver, Fault> {
+pub(super) fn solver(given: &document::SolverTable, touches: bool) -> Result<SolverChoice, InputError> {
     let method = method(given)?;
-    let max_iterations = given.max_iterations.unwrap_or(Solver::MAX_ITERATIONS as i64);
+    let max_iterations = given.max_iterations.unwrap_or(SolverChoice::MAX_ITERATIONS as i64);
     let help = "an increment that needs more iterations has not converged";
     let sound = (1..=1_000_000).contains(&max_iterations);
-    demand(sound, "solver.max_iterations", &max_iterations, "at least 1 and at most a million", help)?;
+    ensure(sound, "solver.max_iterations", &max_iterations, "at least 1 and at most a million", help)?;
     let tolerance = given.tolerance.unwrap_or(method.default_tolerance());
     finite("solver.tolerance", tolerance)?;
     let help = "the relative error that every law may have, e.g. 1e-10";
     let sound = tolerance > 0.0 && tolerance < 1.0;
-    demand(sound, "solver.tolerance", &tolerance, "above 0 and below 1", help)?;
+    ensure(sound, "solver.tolerance", &tolerance, "above 0 and below 1", help)?;
     let linear = linear(given.linear, touches)?;
-    Ok(Solver { method, linear, max_iterations: max_iterations as usize, tolerance })
+    Ok(SolverChoice { method, linear, max_iterations: max_iterations as usize, tolerance })
 }
 
-fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgebra>, Fault> {
-    let fault = |message: &str, help: &str| Fault::new("solver.linear", message, help);
+fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgebra>, InputError> {
+    let fault = |message: &str, help: &str| InputError::new("solver.linear", message, help);
     let whole = LinearAlgebra::default();
     let Some(given) = given else {
         // Without contact a condensed body is all interior: what is left is the Cholesky factor of K.
@@ -66,8 +66,8 @@ fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgeb
     Err(fault(&format!("this build has no {missing}"), &help))
 }
 
-fn method(solver: &document::Solver) -> Result<Method, Fault> {
-    let document::Solver { method, setting, start, partition, newton, r_factor, jump, .. } = *solver;
+fn method(solver: &document::SolverTable) -> Result<Method, InputError> {
+    let document::SolverTable { method, setting, start, partition, newton, r_factor, jump, .. } = *solver;
     let setting = setting.unwrap_or_default();
     let whose = match (method, setting) {
         (MethodName::Ip, Setting::Paper) => "the method ip",
@@ -78,11 +78,11 @@ fn method(solver: &document::Solver) -> Result<Method, Fault> {
         (MethodName::Bn, Setting::Default) => "the method bn",
         (MethodName::Events, Setting::Paper) => {
             let help = "the exact path has no constants of the paper: leave solver.setting out";
-            return Err(Fault::new("solver.setting", "the method events has no setting paper", help));
+            return Err(InputError::new("solver.setting", "the method events has no setting paper", help));
         }
         (MethodName::Events, Setting::Default) => "the method events",
     };
-    let in_solver = |fault: Fault| fault.under("solver");
+    let in_solver = |fault: InputError| fault.with_key("solver");
     if (method, setting) != (MethodName::Ip, Setting::Paper) {
         foreign("start", start.as_ref(), whose).map_err(in_solver)?;
         foreign("partition", partition.as_ref(), whose).map_err(in_solver)?;
@@ -113,10 +113,10 @@ fn method(solver: &document::Solver) -> Result<Method, Fault> {
     })
 }
 
-fn checked_factor(given: Option<f64>) -> Result<f64, Fault> {
+fn checked_factor(given: Option<f64>) -> Result<f64, InputError> {
     let factor = given.unwrap_or(1.0);
     finite("solver.r_factor", factor)?;
     let help = "r comes from the problem; this multiplies it, for studies of r alone";
-    demand(factor > 0.0, "solver.r_factor", &factor, "positive", help)?;
+    ensure(factor > 0.0, "solver.r_factor", &factor, "positive", help)?;
     Ok(factor)
 }

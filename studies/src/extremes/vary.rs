@@ -3,8 +3,8 @@
 
 use serde::Deserialize;
 use stickslip::fem::{Elasticity, Element, assemble};
-use stickslip::formulation::{Bdiff, Conventions};
-use stickslip::linear::{Direct, LinearError};
+use stickslip::formulation::{Bdiff, FormulationScaling};
+use stickslip::linear::{LinearError, RefinedSolver};
 use stickslip::loading::Loading;
 use stickslip::model::{Model, ModelError};
 use stickslip::problem::{ContactProblem, Parts};
@@ -72,9 +72,9 @@ const STEPS: usize = 12;
 /// power iteration on `K` and on its inverse; infinite if it is singular even then.
 pub(super) fn condition(model: &Model) -> Result<f64, LinearError> {
     let problem = &model.problem;
-    let mut held = Bdiff::new(problem, model.scaling(), &Conventions::natural(problem));
+    let mut held = Bdiff::new(problem, model.scaling(), &FormulationScaling::natural(problem));
     held.hold_contacts();
-    let mut linear = Direct::default();
+    let mut linear = RefinedSolver::default();
     linear.analyze(held.jacobian())?;
     match linear.factorize(held.jacobian()) {
         Ok(_) => {}

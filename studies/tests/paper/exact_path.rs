@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Solver, Status};
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
 use stickslip::model::Model;
 use stickslip::run::Run;
 use stickslip_studies::tables::{Case, PaperTable};
@@ -10,7 +10,7 @@ use stickslip_studies::tables::{Case, PaperTable};
 fn solve(table: PaperTable, case: &Case, method: Method, linear: LinearAlgebra) -> HistoryOutcome {
     let scene = table.scene(case.contact_nodes, case.mu, case.increments).unwrap();
     let model = Model::new(&scene).unwrap();
-    let solver = Solver { linear: Some(linear), ..Solver::new(method) };
+    let solver = SolverChoice { linear: Some(linear), ..SolverChoice::new(method) };
     Run::of(&model, scene.time.all(), solver).unwrap().history(&mut ()).unwrap()
 }
 

@@ -2,9 +2,9 @@
 //! "converged" stands up to a check that shares nothing with the library's own: the natural map of the
 //! laws, summed in twice the working precision.
 
-use stickslip::history::{Observer, Status, Step};
+use std::ops::ControlFlow;
+use stickslip::history::{IncrementView, Observer, Status};
 use stickslip::laws::KktScales;
-use stickslip::nonlinear::Flow;
 use stickslip::problem::{ContactProblem, Increment, State};
 use stickslip::run::Run;
 use stickslip_studies::extremes::{self, SuiteMethod};
@@ -49,7 +49,7 @@ fn along(row: &[(usize, f64)], state: &State) -> f64 {
 fn strained(problem: &ContactProblem, state: &State) -> [Vec<f64>; 2] {
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut basis: Vec<Vec<f64>> = Vec::new();
-    for motion in problem.free_motions() {
+    for motion in problem.rigid_modes() {
         let mut motion = motion.clone();
         for other in &basis {
             let share = product(&motion, other) / product(other, other);
@@ -117,10 +117,10 @@ struct Judge<'a> {
 }
 
 impl Observer for Judge<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let Judge { name, problem, .. } = *self;
         if step.record.status != Status::Converged {
-            return Flow::Continue;
+            return ControlFlow::Continue(());
         }
         self.scales = KktScales::after(&self.scales, problem, step.increment, step.state);
         let map = natural_map(problem, step.increment, step.state, &self.scales);
@@ -134,7 +134,7 @@ impl Observer for Judge<'_> {
         if step.record.parts == 1 {
             assert!(told <= 10.0 * truth + 1e-14, "{name}, increment {}: {told} for {truth}", step.record.index);
         }
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

@@ -10,9 +10,9 @@ mod svg;
 mod table_block;
 mod table_punch;
 
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Observer, Step};
+use std::ops::ControlFlow;
+use stickslip::history::{HistoryOutcome, IncrementView, LinearAlgebra, Observer};
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
 use stickslip::run::Run;
 use stickslip_studies::tables::{PaperMethod, PaperTable};
@@ -22,9 +22,9 @@ use stickslip_studies::tables::{PaperMethod, PaperTable};
 struct States(Vec<State>);
 
 impl Observer for States {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.0.push(step.state.clone());
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Lines, solve};
 use crate::common::rings::ring;
-use stickslip::history::Solver;
+use stickslip::history::SolverChoice;
 use stickslip::mesh::{Mesh, MeshSource, block};
 use stickslip::model::Model;
 use stickslip::scene::Scene;
@@ -45,7 +45,7 @@ fn shrink_fits() {
     for (delta, n) in [1e-4, 1e-2].into_iter().flat_map(|delta| [4, 8, 16].map(|n| (delta, n))) {
         let model = on_a_shaft(quarter(n, true), 1.0 + delta, 0.0, "");
         let mut lines = Lines(&model, Vec::new());
-        let state = solve(&model, &[1.0], Solver::default(), &mut lines).state;
+        let state = solve(&model, &[1.0], SolverChoice::default(), &mut lines).state;
         let (a2, b2, nu) = (1.0, 4.0, 0.3);
         let exact = delta / (1.0 + nu) * (b2 - a2) / ((1.0 - 2.0 * nu) * a2 + b2);
         let off = |pressure: f64| (pressure / exact - 1.0).abs();
@@ -91,7 +91,7 @@ fn a_ball_in_a_socket() {
     scene.description.mesh = MeshSource::from(mesh);
     let model = Model::new(&scene).unwrap();
     let mut lines = Lines(&model, Vec::new());
-    let state = solve(&model, &[1.0], Solver::default(), &mut lines).state;
+    let state = solve(&model, &[1.0], SolverChoice::default(), &mut lines).state;
     let u = model.displacements(1.0, &state.u).unwrap();
     let off = model.mesh.nodes.iter().zip(&u).map(|(x, u)| (0..3).map(|c| (u[c] + delta * x[c]).powi(2)).sum::<f64>());
     let moved = off.fold(0.0, f64::max).sqrt() / delta;
@@ -108,7 +108,7 @@ fn a_shaft_with_clearance() {
     let outer = "[[support]]\nboundary = \"outer\"\nfix = [\"x\", \"y\"]\n";
     let force = |n: usize, second_order: bool| {
         let model = on_a_shaft(quarter(n, second_order), 0.95, 0.051, outer);
-        let state = solve(&model, &[1.0], Solver::default(), &mut ()).state;
+        let state = solve(&model, &[1.0], SolverChoice::default(), &mut ()).state;
         let balance = model.balance(1.0, &state).unwrap();
         assert!(balance.closure < 1e-12);
         balance.contact.force[1]

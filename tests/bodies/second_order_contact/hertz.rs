@@ -4,7 +4,7 @@
 use super::{Lines, pressed, solve, sums};
 use std::collections::HashMap;
 use stickslip::fem::Element;
-use stickslip::history::{LinearAlgebra, Solver};
+use stickslip::history::{LinearAlgebra, SolverChoice};
 use stickslip::laws::ContactStatus;
 use stickslip::mesh::{Boundary, Cell, CellKind, Mesh, MeshSource};
 use stickslip::model::Model;
@@ -93,8 +93,8 @@ fn quarter(kind: CellKind, n: usize, friction: f64, formula: &str) -> Scene {
 
 const SPHERE: &str = "0.5 * (x^2 + y^2) - 4e-4";
 
-fn condensed() -> Solver {
-    Solver { linear: Some(LinearAlgebra::condensed()), ..Solver::default() }
+fn condensed() -> SolverChoice {
+    SolverChoice { linear: Some(LinearAlgebra::condensed()), ..SolverChoice::default() }
 }
 
 /// A cylinder on a half-plane: the force as another program finds it on the same mesh, the stresses at the nodes near Hertz'.
@@ -103,7 +103,7 @@ fn hertz_line_of_second_order() {
     for (n, force) in [(4, 3.811_741_265_8e-4), (8, 3.780_432_604_0e-4)] {
         let model = Model::new(&cylinder(n, 0.0, "0.5 * x^2 - 0.001")).unwrap();
         let mut lines = Lines(&model, Vec::new());
-        let found = sums(&solve(&model, &[1.0], Solver::default(), &mut lines).state)[0];
+        let found = sums(&solve(&model, &[1.0], SolverChoice::default(), &mut lines).state)[0];
         assert!((found / force - 1.0).abs() < 1e-9, "{n}: {found:.10e}");
         let (a, p0) = {
             let modulus = 1.0 / 0.91;
@@ -125,7 +125,7 @@ fn hertz_line_of_second_order() {
 fn hertz_sphere_and_flat_punch_of_second_order() {
     for (formula, force) in [("0 * x - 1e-4", 8.763_792_915_0e-6), (SPHERE, 1.237_097_934_2e-5)] {
         let model = Model::new(&quarter(CellKind::Tetrahedron10, 4, 0.0, formula)).unwrap();
-        let solver = Solver { linear: Some(LinearAlgebra::condensed()), ..Solver::default() };
+        let solver = SolverChoice { linear: Some(LinearAlgebra::condensed()), ..SolverChoice::default() };
         let facets = &model.mesh.boundary("zone").unwrap().facets;
         let corners: Vec<usize> = facets.iter().flat_map(|f| f.iter().step_by(2)).copied().collect();
         let mut lines = Lines(&model, Vec::new());

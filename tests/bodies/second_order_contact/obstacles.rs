@@ -3,7 +3,7 @@
 use super::{Lines, solve, sums};
 use crate::common::Keep;
 use stickslip::contact::{ContactNode, Term};
-use stickslip::history::{LinearAlgebra, Solver};
+use stickslip::history::{LinearAlgebra, SolverChoice};
 use stickslip::mesh::{Boundary, Cell, CellKind, Mesh, MeshSource};
 use stickslip::model::Model;
 use stickslip::scene::Scene;
@@ -53,7 +53,9 @@ fn corners_that_supports_move() {
     assert!(model.contacts.iter().all(|contact| (1e-9..1.0 - 1e-9).contains(&contact.position[0])));
     let mut keep = Keep::default();
     for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
-        let state = solve(&model, model.times(), Solver { linear: Some(linear), ..Solver::default() }, &mut keep).state;
+        let state =
+            solve(&model, model.times(), SolverChoice { linear: Some(linear), ..SolverChoice::default() }, &mut keep)
+                .state;
         let u = model.displacements(1.0, &state.u).unwrap();
         assert_eq!(u[0], [0.0, -2e-3, 0.0]);
         let mut closed = 0;
@@ -86,7 +88,7 @@ fn a_cylinder_that_moves_along() {
         let scene = Scene::parse("roller.toml", &text, &[]).unwrap();
         let model = Model::new(&scene).unwrap();
         let mut keep = Keep::default();
-        solve(&model, model.times(), Solver::default(), &mut keep);
+        solve(&model, model.times(), SolverChoice::default(), &mut keep);
         for (state, t) in keep.states.iter().zip(model.times()) {
             let u = model.displacements(*t, &state.u).unwrap();
             let centre = [0.36 + 0.3 * (t - 1.0).max(0.0), 0.7 - 0.01 * t.min(1.0), 0.0];
@@ -174,7 +176,7 @@ fn stresses_on_curved_boundaries() {
     scene.description.mesh = MeshSource::from(mesh);
     let model = Model::new(&scene).unwrap();
     let mut lines = Lines(&model, Vec::new());
-    solve(&model, &[1.0], Solver::default(), &mut lines);
+    solve(&model, &[1.0], SolverChoice::default(), &mut lines);
     // Lamé in plane strain: nothing moves at the outside. With σ_r = A - B / r², u_r = ((1 - 2ν) A r + B / r) (1 + ν) / E.
     let (a2, nu) = (0.36, 0.3);
     let ratio = -(1.0 - 2.0 * nu);
@@ -215,6 +217,6 @@ fn rims_of_obstacles() {
     }
     assert!(alone > 2, "{alone}");
     assert!(model.contact_boundaries[0].beyond > 0);
-    let state = solve(&model, model.times(), Solver::default(), &mut ()).state;
+    let state = solve(&model, model.times(), SolverChoice::default(), &mut ()).state;
     assert!(sums(&state)[0] > 0.0);
 }

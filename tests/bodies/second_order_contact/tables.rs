@@ -1,9 +1,9 @@
 //! What tables and reports tell of boundaries of second order.
 
 use super::{Lines, pressed, pushed, solve};
-use stickslip::history::{Observer, Solver, Step};
+use std::ops::ControlFlow;
+use stickslip::history::{IncrementView, Observer, SolverChoice};
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::report::{ContactLine, Resultant};
 use stickslip::run::Run;
 use stickslip::vector::dot;
@@ -11,7 +11,7 @@ use stickslip::vector::dot;
 /// Looks at tables.
 struct Tables<'a>(&'a Model);
 impl Observer for Tables<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let u = self.0.displacements(step.record.time, &step.state.u).unwrap();
         let lines = ContactLine::all(self.0, step);
         for point in &lines[0].points {
@@ -25,7 +25,7 @@ impl Observer for Tables<'_> {
         }
         // In a row: from end to end, the middles between.
         assert!(lines[0].points.windows(2).all(|pair| (pair[0].x - pair[1].x).abs() < 0.1));
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 
@@ -33,7 +33,7 @@ impl Observer for Tables<'_> {
 #[test]
 fn tables_tell_of_nodes() {
     let (_, model, times) = pushed("triangle6", "[6, 3]");
-    solve(&model, &times, Solver::default(), &mut Tables(&model));
+    solve(&model, &times, SolverChoice::default(), &mut Tables(&model));
 }
 
 /// The largest pressure of a run, and the peak that its estimate is about, are those of the tables.

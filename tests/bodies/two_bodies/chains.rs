@@ -5,7 +5,7 @@ use crate::common::{Keep, difference};
 use stickslip::contact::{Obstacle, SlaveReason};
 use stickslip::description::{Axis, Description, Load, Opposite, Slave, Support};
 use stickslip::fem::{Material, MaterialGroup};
-use stickslip::history::{LinearAlgebra, Method, Solver, Status};
+use stickslip::history::{LinearAlgebra, Method, SolverChoice, Status};
 use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::mesh::{Body, MeshSource};
 use stickslip::model::Model;
@@ -191,7 +191,7 @@ fn stiff_bodies_that_stay_make_no_forces() {
             .held(slide.over(&[[0.0, 0.0], [2.0, 1.0]]))
             .support("low:bottom", &[Axis::X, Axis::Y]);
         let model = Model::build(&body).unwrap();
-        let outcome = solved(&model, Solver::new(Method::BN), &mut ());
+        let outcome = solved(&model, SolverChoice::new(Method::BN), &mut ());
         let largest = outcome.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
         assert!(outcome.scales.force < 10.0 * largest, "{contrast}: {:e} {largest:e}", outcome.scales.force);
         assert!(outcome.state.p_t.iter().any(|p| *p != 0.0));
@@ -230,7 +230,7 @@ fn slides_by_supports_are_told() {
         let body = blocks(&all, equal_increments(2.0, 4)).pair("high:bottom", 0.1, "low:top");
         let body = body.held(pressed).held(moved).support("low:bottom", &[Axis::X, Axis::Y]);
         let model = Model::build(&body).unwrap();
-        let run = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN)).unwrap();
+        let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
         let report = run.solve(&mut ()).unwrap();
         report.warnings.iter().any(|warning| warning.kind == WarningKind::SlidAcrossFacets)
     };
@@ -244,7 +244,7 @@ fn forces_beyond_the_end_are_told() {
         let all = [("low", [0.0, 0.0], [1.0, 0.5], [8, 4]), ("high", [at, 0.5], [0.4, 0.1], [n, 2])];
         let body = blocks(&all, vec![1.0]).pair(slave, 0.3, master).support("low:bottom", &[Axis::X, Axis::Y]);
         let model = Model::build(&body.load(Load::new("high:top", &[0.0, -1e5]))).unwrap();
-        let report = Run::of(&model, vec![1.0], Solver::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
+        let report = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
         let told = report.warnings.iter().any(|warning| warning.kind == WarningKind::BeyondTheEnd);
         (report.status == Status::Converged, told)
     };

@@ -3,7 +3,7 @@
 use crate::common::pairs::{Side, bodies, pushed};
 use crate::common::{Keep, difference};
 use stickslip::description::Description;
-use stickslip::history::{LinearAlgebra, Method, Solver, Status};
+use stickslip::history::{LinearAlgebra, Method, SolverChoice, Status};
 use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::mesh::MeshSource;
 use stickslip::model::Model;
@@ -33,7 +33,7 @@ fn stiff_on_soft() {
                 (Method::IP, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
             ] {
                 let mut keep = Keep::default();
-                let solver = Solver { method, linear: Some(linear), tolerance: 1e-10, ..Solver::default() };
+                let solver = SolverChoice { method, linear: Some(linear), tolerance: 1e-10, ..SolverChoice::default() };
                 let run = Run::of(&model, model.times().to_vec(), solver).unwrap();
                 let outcome = run.history(&mut keep).unwrap();
                 let counts: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();

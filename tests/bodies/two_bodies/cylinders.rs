@@ -7,7 +7,7 @@ use crate::common::hertz::Hertz;
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::Round;
 use stickslip::description::{Axis, Description, Load, Opposite};
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Solver};
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
 use stickslip::model::Model;
 
 const RADII: [f64; 2] = [1.0, 0.5];
@@ -50,7 +50,7 @@ fn solve(
 ) -> (Model, HistoryOutcome) {
     let model = Model::build(&cylinders(n, a, ratio, slave).0).unwrap();
     // What rounding leaves is 3e-12 on the finest of these meshes.
-    let solver = Solver { method, linear: Some(linear), tolerance: 1e-11, ..Solver::default() };
+    let solver = SolverChoice { method, linear: Some(linear), tolerance: 1e-11, ..SolverChoice::default() };
     let outcome = solved(&model, solver, &mut ());
     (model, outcome)
 }

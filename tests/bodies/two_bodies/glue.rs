@@ -3,7 +3,7 @@
 use super::patch::mesh;
 use crate::common::pairs::bodies;
 use stickslip::description::{Axis, Description, Load, Support};
-use stickslip::history::{Method, Solver, Status};
+use stickslip::history::{Method, SolverChoice, Status};
 use stickslip::mesh::{CellKind, MeshSource};
 use stickslip::model::Model;
 use stickslip::report::WarningKind;
@@ -11,7 +11,7 @@ use stickslip::run::Run;
 
 fn solved(description: &Description) -> (Model, Vec<[f64; 3]>) {
     let model = Model::build(description).unwrap();
-    let run = Run::of(&model, vec![1.0], Solver::new(Method::BN)).unwrap();
+    let run = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap();
     let outcome = run.history(&mut ()).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     let u = model.displacements(1.0, &outcome.state.u).unwrap();
@@ -76,7 +76,7 @@ fn supports_carry_what_glue_passes_on() {
                 .support(held, &[Axis::X])
                 .load(Load::new("upper:top", &[3e6, -10e6]));
             let model = Model::build(&body).unwrap();
-            let run = Run::of(&model, vec![1.0], Solver::new(Method::BN)).unwrap();
+            let run = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap();
             let state = run.history(&mut ()).unwrap().state;
             let balance = model.balance(1.0, &state).unwrap();
             assert!((balance.supports[1].force[0] / -6e5 - 1.0).abs() < 1e-10, "{n} {m} {held} {balance:?}");
@@ -96,7 +96,7 @@ fn the_moment_across_a_gap_is_told() {
             .support("lower:bottom", &[Axis::X, Axis::Y])
             .load(Load::new("upper:top", &[1e5, 0.0]));
         let model = Model::build(&body).unwrap();
-        let report = Run::of(&model, vec![1.0], Solver::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
+        let report = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
         let told = report.warnings.iter().find(|warning| warning.kind == WarningKind::Unbalanced);
         assert_eq!(told.is_some(), warned, "{told:?}");
         let names_gap = |message: &str| message.contains("5.00e-2 m apart") && !message.contains("rounding");

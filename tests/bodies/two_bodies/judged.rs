@@ -1,10 +1,10 @@
 //! Two blocks that are pressed and pushed to and fro, judged by displacements and contact forces alone: element forces, gaps and slip are computed
 //! here, with linear triangles and weights on the facets of the slave that are written for this test.
 
-use stickslip::history::{LinearAlgebra, Method, Observer, Status, Step};
+use std::ops::ControlFlow;
+use stickslip::history::{IncrementView, LinearAlgebra, Method, Observer, Status};
 use stickslip::mesh::{Mesh, MeshSource, block};
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::report::ContactLine;
 use stickslip::timeline::equal_increments;
 
@@ -96,7 +96,7 @@ struct Judge<'a> {
 }
 
 impl Observer for Judge<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         assert_eq!(step.record.status, Status::Converged);
         let mesh = &*self.model.mesh;
         let u: Vec<Plane> = self.model.dofs.displacements(&step.state.u).iter().map(|u| [u[0], u[1]]).collect();
@@ -147,7 +147,7 @@ impl Observer for Judge<'_> {
             self.seen[if sticks { 1 } else { 2 * usize::from(closed) }] += 1;
         }
         self.last = apart;
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

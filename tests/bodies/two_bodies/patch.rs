@@ -1,14 +1,14 @@
 //! A uniform pressure goes through any meshes as it is.
 
 use crate::common::pairs::{Side, bodies, paired, solved, solver};
+use std::ops::ControlFlow;
 use stickslip::contact::ContactNode;
 use stickslip::description::{Action, Axis, Description, Load, Opposite, Support, Where};
 use stickslip::fem::{Material, MaterialGroup, Plane};
-use stickslip::history::{LinearAlgebra, Method, Observer, Step};
+use stickslip::history::{IncrementView, LinearAlgebra, Method, Observer};
 use stickslip::linear::SparseCholesky;
 use stickslip::mesh::{Body, CellKind, MeshSource, Segment};
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::report::{ContactLine, ContactPoint};
 
 const PRESSURE: f64 = 1e7;
@@ -133,9 +133,9 @@ fn in_space() {
 struct Line<'a>(Option<&'a Model>, Vec<ContactPoint>);
 
 impl Observer for Line<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.1 = self.0.map(|model| ContactLine::all(model, step).remove(0).points).unwrap_or_default();
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

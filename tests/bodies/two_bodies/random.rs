@@ -2,13 +2,13 @@
 
 use crate::common::pairs::{Side, bodies, paired};
 use crate::common::random::Random;
+use std::ops::ControlFlow;
 use stickslip::description::{Axis, Description, FirstGap, Load, Opposite};
 use stickslip::fem::{Dofs, assemble, facet_load};
-use stickslip::history::{Method, Observer, Solver, Status, Step};
+use stickslip::history::{IncrementView, Method, Observer, SolverChoice, Status};
 use stickslip::laws::ContactStatus;
 use stickslip::mesh::MeshSource;
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::problem::State;
 use stickslip::run::Run;
 use stickslip::timeline::equal_increments;
@@ -120,7 +120,7 @@ impl Judge<'_> {
 }
 
 impl Observer for Judge<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         if step.record.status == Status::Converged {
             let error = self.error(step.record.time, step.state);
             self.worst = self.worst.max(error);
@@ -130,7 +130,7 @@ impl Observer for Judge<'_> {
                     .all(|status| matches!(status, ContactStatus::Open | ContactStatus::Stick | ContactStatus::Slip))
             );
         }
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 
@@ -142,7 +142,7 @@ fn random_pairs_are_right() {
         let model = Model::build(&scene(&mut random)).unwrap();
         let verdicts = [Method::BN, Method::IP].map(|method| {
             let mut judge = Judge { model: &model, last: vec![[0.0; 2]; model.contacts.len()], worst: 0.0 };
-            let run = Run::of(&model, model.times().to_vec(), Solver::new(method)).unwrap();
+            let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(method)).unwrap();
             let outcome = run.history(&mut judge).unwrap();
             assert!(judge.worst < 3e-9, "scene {k}, {method:?}: {:e}", judge.worst);
             (outcome.status, outcome.reached)

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::{Round, lines};
 use stickslip::description::{Action, Axis, Description, Load, Opposite, Where};
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Solver};
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
 use stickslip::mesh::{Boundary, Cell, CellKind, Mesh};
 use stickslip::model::Model;
 use stickslip::timeline::equal_increments;
@@ -93,7 +93,8 @@ fn figures(model: &Model, outcome: &HistoryOutcome) -> [f64; 5] {
 
 fn solve(n: [usize; 2], slave: Side, friction: f64, increments: usize) -> (Vec<usize>, [f64; 5]) {
     let model = Model::build(&roller(n[1], n[0], slave, friction, increments)).unwrap();
-    let solver = Solver { linear: Some(LinearAlgebra::default()), tolerance: 1e-10, ..Solver::new(Method::BN) };
+    let solver =
+        SolverChoice { linear: Some(LinearAlgebra::default()), tolerance: 1e-10, ..SolverChoice::new(Method::BN) };
     let outcome = solved(&model, solver, &mut ());
     let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
     let figures = figures(&model, &outcome);

@@ -7,7 +7,7 @@ use crate::common::pairs::solved;
 use crate::common::round::moved;
 use stickslip::description::{Axis, Description, Opposite};
 use stickslip::fem::{Material, MaterialGroup, Plane};
-use stickslip::history::{LinearAlgebra, Method, Solver};
+use stickslip::history::{LinearAlgebra, Method, SolverChoice};
 use stickslip::mesh::{Body, CellKind, Mesh, MeshSource, block};
 use stickslip::model::Model;
 
@@ -72,7 +72,8 @@ fn errors(shape: Ring, kind: CellKind, n: usize, inner_is_slave: bool) -> [f64; 
         if shape == Ring::Quarter { body.support(&format!("{name}:top"), &[Axis::X]) } else { body }
     });
     let model = Model::build(&body).unwrap();
-    let solver = Solver { linear: Some(LinearAlgebra::default()), tolerance: 1e-11, ..Solver::new(Method::BN) };
+    let solver =
+        SolverChoice { linear: Some(LinearAlgebra::default()), tolerance: 1e-11, ..SolverChoice::new(Method::BN) };
     let state = solved(&model, solver, &mut ()).state;
     let weights: f64 = model.contacts.iter().map(|contact| contact.weight).sum();
     let mean = state.p_n.iter().sum::<f64>() / weights;

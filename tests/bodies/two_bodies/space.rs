@@ -1,12 +1,12 @@
 //! A brick on a larger one, pressed and then pushed round a corner.
 
 use crate::common::pairs::{Side, bodies, paired, solved, solver};
+use std::ops::ControlFlow;
 use stickslip::description::{Axis, Description, Load};
-use stickslip::history::{LinearAlgebra, Method, Observer, Step};
+use stickslip::history::{IncrementView, LinearAlgebra, Method, Observer};
 use stickslip::linear::{SparseCholesky, SparseLu};
 use stickslip::mesh::MeshSource;
 use stickslip::model::Model;
-use stickslip::nonlinear::Flow;
 use stickslip::report::{ContactLine, ContactSurface};
 use stickslip::timeline::equal_increments;
 
@@ -14,14 +14,14 @@ use stickslip::timeline::equal_increments;
 struct Maps<'a>(&'a Model, usize);
 
 impl Observer for Maps<'_> {
-    fn increment(&mut self, step: &Step<'_>) -> Flow {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let maps = ContactSurface::all(self.0, step);
         let drawn: f64 = maps[0].nodes.iter().map(|node| node.pressure).fold(0.0, f64::max);
         let lines = ContactLine::all(self.0, step);
         let largest = lines[0].points.iter().map(|point| point.sigma_n).fold(0.0, f64::max);
         assert_eq!((maps.len(), drawn), (1, largest));
         self.1 += 1;
-        Flow::Continue
+        ControlFlow::Continue(())
     }
 }
 

@@ -7,7 +7,7 @@ use crate::common::hertz::Hertz;
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::Round;
 use stickslip::description::{Axis, Description, Load, Opposite};
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Solver};
+use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
 use stickslip::model::Model;
 use stickslip::timeline::equal_increments;
 
@@ -45,7 +45,11 @@ fn solve(n: [usize; 2], a: f64, ratio: f64, slave: Side) -> (Model, HistoryOutco
     let (body, force) = cylinders(n, a, ratio, slave);
     let model = Model::build(&body).unwrap();
     let linear = Some(LinearAlgebra::default());
-    let outcome = solved(&model, Solver { method: Method::BN, linear, tolerance: 1e-10, ..Solver::default() }, &mut ());
+    let outcome = solved(
+        &model,
+        SolverChoice { method: Method::BN, linear, tolerance: 1e-10, ..SolverChoice::default() },
+        &mut (),
+    );
     (model, outcome, force)
 }
 

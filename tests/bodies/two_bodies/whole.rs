@@ -1,7 +1,7 @@
 //! Runs to their reports.
 
 use stickslip::description::Description;
-use stickslip::history::{LinearAlgebra, Method, Solver, Status};
+use stickslip::history::{LinearAlgebra, Method, SolverChoice, Status};
 use stickslip::model::Model;
 use stickslip::report::{RunReport, WarningKind};
 use stickslip::run::Run;
@@ -9,7 +9,7 @@ use stickslip::run::Run;
 /// The report of a run that converges.
 pub fn report(body: &Description, method: Method, linear: LinearAlgebra) -> RunReport {
     let model = Model::build(body).unwrap();
-    let solver = Solver { linear: Some(linear), ..Solver::new(method) };
+    let solver = SolverChoice { linear: Some(linear), ..SolverChoice::new(method) };
     let report = Run::of(&model, model.times().to_vec(), solver).unwrap().solve(&mut ()).unwrap();
     assert_eq!(report.status, Status::Converged, "{method:?} {linear:?}");
     report

@@ -3,8 +3,8 @@
 use super::{Piece, State};
 use crate::linear::LinearError;
 use crate::linear::petsc::Share;
-use crate::linear::ranks::{Part, World};
-use crate::sparse::Twofold;
+use crate::linear::ranks::{RankLocal, World};
+use crate::sparse::DoubleDouble;
 
 /// What there is to do. Hierarchies have numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,7 +110,7 @@ impl Piece {
     ) -> Result<(), LinearError> {
         let (d, x, rest) = (self.dimension, self.dealt(world, x)?, self.dealt(world, rest)?);
         let sums = self.of_rows(|columns, values| {
-            let mut sum = Twofold::default();
+            let mut sum = DoubleDouble::default();
             for (values, column) in values.chunks_exact(d).zip(columns) {
                 for (value, at) in values.iter().zip(*column as usize * d..) {
                     sum.add_product(*value, x[at]);
@@ -193,7 +193,7 @@ fn on_first(world: &World, many: usize) -> Vec<f64> {
     vec![0.0; if world.rank() == 0 { many } else { 0 }]
 }
 
-impl Part for Option<Piece> {
+impl RankLocal for Option<Piece> {
     fn serve(&mut self, world: &World, job: i64) -> Result<(), LinearError> {
         let Some(piece) = self else { return Ok(()) };
         let [one, other]: [&mut [f64]; 2] = [&mut [], &mut []];

@@ -12,7 +12,7 @@ use crate::sparse::{Csr, sum};
 
 /// A free motion of the body, in what it does to displacements and contact nodes.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Carried {
+pub(super) struct RigidOffset {
     /// The displacements, n_u, m; empty while the body has stayed.
     u: Vec<f64>,
     /// What contact nodes have moved along their normals, n_c, m.
@@ -21,11 +21,11 @@ pub(super) struct Carried {
     pub w_t: [Vec<f64>; 2],
 }
 
-impl Carried {
+impl RigidOffset {
     /// A body that has stayed where it was.
     pub(super) fn nowhere(problem: &ContactProblem) -> Self {
         let zeros = || vec![0.0; problem.contacts()];
-        Carried { u: Vec::new(), w_n: zeros(), w_t: [zeros(), zeros()] }
+        RigidOffset { u: Vec::new(), w_n: zeros(), w_t: [zeros(), zeros()] }
     }
 
     /// Further, by the problem's free motions with these `weights`.
@@ -34,11 +34,11 @@ impl Carried {
             return self.clone();
         }
         let mut u = if self.u.is_empty() { vec![0.0; problem.displacements()] } else { self.u.clone() };
-        for (motion, weight) in problem.free_motions().iter().zip(weights) {
+        for (motion, weight) in problem.rigid_modes().iter().zip(weights) {
             u.iter_mut().zip(motion).for_each(|(u, r)| *u += weight * r);
         }
         let moved = |map: &Csr| map.mul(&u);
-        Carried { w_n: moved(problem.c_n()), w_t: problem.tangential_maps().map(moved), u }
+        RigidOffset { w_n: moved(problem.c_n()), w_t: problem.tangential_maps().map(moved), u }
     }
 
     /// Whether it is one of `problem`.
@@ -49,7 +49,7 @@ impl Carried {
     }
 
     /// Whether the body has moved at all.
-    pub(super) fn is_somewhere(&self) -> bool {
+    pub(super) fn is_nonzero(&self) -> bool {
         !self.u.is_empty()
     }
 
@@ -62,10 +62,10 @@ impl Carried {
     /// here.
     pub(super) fn whole(&self, state: &State) -> State {
         let mut whole = state.clone();
-        if self.is_somewhere() {
+        if self.is_nonzero() {
             let rest = state.u_rest.iter().chain(std::iter::repeat(&0.0));
-            let sums = self.u.iter().zip(&state.u).zip(rest).map(|((carried, u), rest)| {
-                let (u, left) = sum(*carried, *u);
+            let sums = self.u.iter().zip(&state.u).zip(rest).map(|((offset, u), rest)| {
+                let (u, left) = sum(*offset, *u);
                 sum(u, left + rest)
             });
             (whole.u, whole.u_rest) = sums.unzip();

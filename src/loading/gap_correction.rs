@@ -9,7 +9,7 @@ use crate::problem::error::{expect_finite, expect_increasing, expect_length};
 /// What the rates of a [`super::Motion`] leave out of the gaps, as an obstacle that is round passes, one that is oblique turns, or
 /// another one comes nearer.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bend {
+pub struct GapCorrection {
     pub(super) nodes: Range<usize>,
     pub(super) times: Vec<f64>,
     pub(super) gap: Vec<Vec<f64>>,
@@ -17,7 +17,7 @@ pub struct Bend {
     pub(super) drift: Vec<Vec<[f64; 2]>>,
 }
 
-impl Bend {
+impl GapCorrection {
     /// What to add to the gaps of the contact nodes `nodes`, m: a row of `gap` for each of the `times` (s), linear between
     /// them and constant outside.
     ///
@@ -33,7 +33,7 @@ impl Bend {
             expect_length(&name, nodes.len(), row.len(), PER_NODE)?;
             expect_finite(&name, row)?;
         }
-        Ok(Bend { nodes, times, gap, drift: Vec::new() })
+        Ok(GapCorrection { nodes, times, gap, drift: Vec::new() })
     }
 
     /// The same, which also adds to how far the surface has moved past the nodes along both tangents, m: a row of `drift` for each
@@ -48,7 +48,7 @@ impl Bend {
             expect_length(&name, self.nodes.len(), row.len(), PER_NODE)?;
             expect_finite(&name, row.as_flattened())?;
         }
-        Ok(Bend { drift, ..self })
+        Ok(GapCorrection { drift, ..self })
     }
 
     /// The times, s.

@@ -9,20 +9,20 @@
 use super::task::{IncrementSolver, Response};
 use crate::formulation::Layout;
 use crate::laws::coulomb::length;
-use crate::linear::{Direct, LinearError};
+use crate::linear::{LinearError, RefinedSolver};
 use crate::loading::Loading;
 use crate::problem::ContactProblem;
 use crate::units::Scaling;
 
 /// The body's answer to each load case while the contact nodes are held.
-pub(super) struct HeldBody {
+pub(super) struct ClampedBody {
     /// `∂(u, p_t, p_n)/∂factor` per case, scaled.
     answers: Vec<Vec<f64>>,
     layout: Layout,
     scaling: Scaling,
 }
 
-impl HeldBody {
+impl ClampedBody {
     /// One factorisation with held contacts and one solve per load case. The inner `Err` tells that
     /// the body is free even then, and by which weights of its free motions if that is why.
     pub(super) fn new(
@@ -30,7 +30,7 @@ impl HeldBody {
         problem: &ContactProblem,
         loading: &Loading,
         scaling: &Scaling,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
     ) -> Result<Result<Self, Option<Vec<f64>>>, LinearError> {
         if let Err(motion) = method.hold_contacts() {
             return Ok(Err(Some(motion)));
@@ -58,7 +58,7 @@ impl HeldBody {
                 answers.push(z[..layout.unknowns()].to_vec());
             }
         }
-        Ok(Ok(HeldBody { answers, layout, scaling: *scaling }))
+        Ok(Ok(ClampedBody { answers, layout, scaling: *scaling }))
     }
 
     /// What the change of the load from one time to another does; `None` stands for the unloaded body.

@@ -1,23 +1,26 @@
 //! What an observer is told while an increment is solved.
 
-use super::observer::{Observer, Step};
+use super::increment_result::IncrementResult;
+use super::observer::{IncrementView, Observer};
 use super::record::{ContactCounts, IncrementRecord, Seconds};
-use super::walked::Walked;
 use crate::laws::statuses_of;
-use crate::nonlinear::{Flow, Iteration};
+use crate::nonlinear::Iteration;
 use crate::problem::{ContactProblem, Increment, State};
+use std::ops::ControlFlow;
 
 /// The observer of increment `index`.
-pub(super) struct Told<'a> {
+pub(super) struct Progress<'a> {
     pub problem: &'a ContactProblem,
     pub index: usize,
     pub observer: &'a mut dyn Observer,
 }
 
-impl Told<'_> {
-    pub(super) fn iteration(&mut self, iteration: &Iteration<'_>) -> Flow {
-        let flow = iteration.system.map_or(Flow::Continue, |system| self.observer.linear_system(self.index, &system));
-        if flow == Flow::Stop { flow } else { self.observer.iteration(self.index, &iteration.record) }
+impl Progress<'_> {
+    pub(super) fn iteration(&mut self, iteration: &Iteration<'_>) -> ControlFlow<()> {
+        let flow = iteration
+            .system
+            .map_or(ControlFlow::Continue(()), |system| self.observer.linear_system(self.index, &system));
+        if flow.is_break() { flow } else { self.observer.iteration(self.index, &iteration.record) }
     }
 
     /// A part that ends at `time` before the increment does, by its `data` from where the body has been carried; observers are
@@ -26,14 +29,14 @@ impl Told<'_> {
         &mut self,
         time: f64,
         data: &Increment<'_>,
-        walked: &Walked,
+        walked: &IncrementResult,
         increment: &Increment<'_>,
         state: &State,
     ) {
-        let statuses = statuses_of(self.problem, data, &walked.attempt.state, &walked.attempt.scales);
+        let statuses = statuses_of(self.problem, data, &walked.substep.state, &walked.substep.scales);
         let counts = ContactCounts::of(&statuses);
         let record = record(self.problem, data.force, self.index, time, walked, counts, Seconds::default());
-        self.observer.part(&Step { record: &record, increment, state, statuses: &statuses });
+        self.observer.part(&IncrementView { record: &record, increment, state, statuses: &statuses });
     }
 }
 
@@ -43,7 +46,7 @@ pub(super) fn record(
     force: &[f64],
     index: usize,
     time: f64,
-    walked: &Walked,
+    walked: &IncrementResult,
     contact: ContactCounts,
     seconds: Seconds,
 ) -> IncrementRecord {
@@ -64,7 +67,7 @@ pub(super) fn record(
         backward_error: solved.backward_error,
         contact,
         friction_work: walked.friction_work,
-        strain_energy: problem.energy_in_equilibrium(force, &walked.attempt.state),
+        strain_energy: problem.energy_in_equilibrium(force, &walked.substep.state),
         seconds,
     }
 }

@@ -9,7 +9,7 @@ use crate::problem::State;
 /// All that the next increment of a method depends on, beside the data: with it, it goes on to the last bit as if it had never
 /// stopped.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub struct Memory {
+pub struct Snapshot {
     /// The state, of a method that has nothing else.
     pub(super) state: Option<State>,
     /// The unknowns, in the method's own units.
@@ -25,13 +25,13 @@ pub struct Memory {
     /// Whether there are factors of it.
     pub(super) is_factored: bool,
     /// That of the method that rescues this one.
-    pub(super) rescue: Option<Box<Memory>>,
+    pub(super) rescue: Option<Box<Snapshot>>,
 }
 
-impl Memory {
+impl Snapshot {
     /// That of a method which nothing but its state tells from a new one.
     pub fn of_state(state: State) -> Self {
-        Memory { state: Some(state), ..Memory::default() }
+        Snapshot { state: Some(state), ..Snapshot::default() }
     }
 
     /// The state of such a method.

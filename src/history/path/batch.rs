@@ -7,13 +7,13 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
-use super::{Path, Start, Walk};
+use super::{IncrementDriver, IncrementProgress, Start};
 use crate::history::Status;
-use crate::history::told::Told;
-use crate::history::whole::{Balanced, Whole};
+use crate::history::progress::Progress;
+use crate::history::recovery::{InteriorRecovery, RecoveredState};
 use crate::laws::KktScales;
-use crate::linear::{Direct, LinearError, Statistics};
-use crate::nonlinear::{Outcome, Stop};
+use crate::linear::{LinearError, RefinedSolver, Statistics};
+use crate::nonlinear::{MethodResult, Termination};
 
 /// The most that go together: beyond that the factors are hardly read less often.
 const MOST: usize = 16;
@@ -26,12 +26,12 @@ const OPERATIONS: f64 = 2e10;
 const ITERATIONS: f64 = 5.0;
 
 /// An increment that is solved and not yet judged.
-struct Pending {
+struct SolvedIncrement {
     time: f64,
     began: Instant,
     start: Start,
     scales: KktScales,
-    outcome: Outcome,
+    outcome: MethodResult,
     /// What the linear algebra had done before and after it.
     work: [Statistics; 2],
     /// Its wall time so far.
@@ -40,20 +40,20 @@ struct Pending {
 
 /// Increments in a row that are to be judged.
 pub(in crate::history) struct Bundle {
-    pending: VecDeque<(Pending, Balanced)>,
+    pending: VecDeque<(SolvedIncrement, RecoveredState)>,
     /// Whether there is only one.
     alone: bool,
     /// Whether the method is where the last one ends.
     is_current: bool,
     /// Whether all were good as they stood.
-    pub sound: bool,
+    pub needs_no_refinement: bool,
 }
 
 /// A judged increment.
-pub(in crate::history) struct Judged {
+pub(in crate::history) struct JudgedIncrement {
     pub time: f64,
     /// How far it came; it has not ended where equations lack contact nodes.
-    pub walk: Walk,
+    pub walk: IncrementProgress,
     pub began: Instant,
     /// What the linear algebra had done before and after it.
     pub work: [Statistics; 2],
@@ -61,16 +61,16 @@ pub(in crate::history) struct Judged {
     pub seconds: f64,
 }
 
-impl Path<'_> {
+impl IncrementDriver<'_> {
     /// How many increments may go together.
-    pub(in crate::history) fn together(&self) -> usize {
-        let operations = |whole: Whole<'_>| {
+    pub(in crate::history) fn batch_size(&self) -> usize {
+        let operations = |whole: InteriorRecovery<'_>| {
             let free = whole.condensed.problem.displacements() as f64;
             4.0 * whole.condensed.info().entries as f64 + ITERATIONS * 2.0 / 3.0 * free.powi(3)
         };
         // A body that contact alone holds is carried first, to where the state of the whole says.
         let many =
-            self.whole().is_some_and(|whole| operations(whole) < OPERATIONS) && self.problem.free_motions().is_empty();
+            self.whole().is_some_and(|whole| operations(whole) < OPERATIONS) && self.problem.rigid_modes().is_empty();
         if many { MOST } else { 1 }
     }
 
@@ -78,19 +78,19 @@ impl Path<'_> {
     pub(in crate::history) fn ahead(
         &mut self,
         times: &[f64],
-        linear: &mut Direct,
-        told: &mut Told<'_>,
+        linear: &mut RefinedSolver,
+        progress: &mut Progress<'_>,
     ) -> Result<Bundle, LinearError> {
         let alone = times.len() == 1;
         let at = (!alone).then(|| self.at.clone());
-        let first = told.index;
+        let first = progress.index;
         let (mut solved, mut states, mut forces) = (Vec::new(), Vec::new(), Vec::new());
         let mut is_current = true;
         for (k, &time) in times.iter().enumerate() {
             let (clock, before, start) = (Instant::now(), *linear.statistics(), self.start());
-            told.index = first + k;
-            let posed = self.pose(time);
-            let outcome = match self.solve(time, &posed, linear, &mut |iteration| told.iteration(iteration)) {
+            progress.index = first + k;
+            let input = self.pose(time);
+            let outcome = match self.solve(time, &input, linear, &mut |iteration| progress.iteration(iteration)) {
                 Err(_) if k > 0 => {
                     // It will come again, when those before it are judged.
                     self.go_back(start);
@@ -99,21 +99,21 @@ impl Path<'_> {
                 }
                 outcome => outcome?,
             };
-            let (state, goes_on) = (self.method.state(), outcome.stop == Stop::Met);
+            let (state, goes_on) = (self.method.state(), outcome.stop == Termination::Converged);
             if let (Some(whole), true) = (self.whole(), k + 1 < times.len()) {
                 let w = whole.condensed.problem.contact_motion(&state.u).map(|w| whole.condensed.of_all_nodes(w));
-                self.move_on(time, w, posed.scales.with_state(&state));
+                self.move_on(time, w, input.scales.with_state(&state));
             }
             let work = [before, *linear.statistics()];
             let seconds = clock.elapsed().as_secs_f64();
-            solved.push(Pending { time, began: clock, start, scales: posed.scales, outcome, work, seconds });
+            solved.push(SolvedIncrement { time, began: clock, start, scales: input.scales, outcome, work, seconds });
             states.push((time, state));
             forces.push(self.force.clone());
             if !goes_on {
                 break;
             }
         }
-        told.index = first;
+        progress.index = first;
         let clock = Instant::now();
         let balanced = match self.whole() {
             Some(whole) => whole.states(&states, &forces)?,
@@ -126,45 +126,46 @@ impl Path<'_> {
         if let Some(at) = at {
             *self.at = at;
         }
-        Ok(Bundle { pending: solved.into_iter().zip(balanced).collect(), alone, is_current, sound: true })
+        Ok(Bundle { pending: solved.into_iter().zip(balanced).collect(), alone, is_current, needs_no_refinement: true })
     }
 
     /// Judges the next increment of a bundle; `None` when there is none left, be it that the rest was taken back.
     pub(in crate::history) fn judge(
         &mut self,
-        bundle: &mut Bundle,
-        linear: &mut Direct,
-        told: &mut Told<'_>,
-    ) -> Result<Option<Judged>, LinearError> {
-        let Some((pending, balanced)) = bundle.pending.pop_front() else { return Ok(None) };
+        batch: &mut Bundle,
+        linear: &mut RefinedSolver,
+        progress: &mut Progress<'_>,
+    ) -> Result<Option<JudgedIncrement>, LinearError> {
+        let Some((pending, balanced)) = batch.pending.pop_front() else { return Ok(None) };
         let clock = Instant::now();
-        let Pending { time, began, start, mut scales, outcome, work: [before, mut after], seconds } = pending;
-        if !bundle.alone {
+        let SolvedIncrement { time, began, start, mut scales, outcome, work: [before, mut after], seconds } = pending;
+        if !batch.alone {
             scales = self.pose(time).scales;
         }
-        let is_sound = |whole: Whole<'_>| whole.is_sound(&balanced, &scales.with_state(&balanced.state));
-        bundle.sound &= self.whole().is_none_or(is_sound);
-        let is_current = bundle.is_current && bundle.pending.is_empty();
-        let attempt = if is_current {
+        let needs_no_refinement =
+            |whole: InteriorRecovery<'_>| whole.needs_no_refinement(&balanced, &scales.with_state(&balanced.state));
+        batch.needs_no_refinement &= self.whole().is_none_or(needs_no_refinement);
+        let is_current = batch.is_current && batch.pending.is_empty();
+        let substep = if is_current {
             self.conclude(scales, outcome, balanced, linear)?
         } else {
-            let attempt = self.judged(scales, outcome, balanced);
-            bundle.sound &= attempt.status == Status::Converged;
-            if !bundle.sound {
+            let substep = self.judged(scales, outcome, balanced);
+            batch.needs_no_refinement &= substep.status == Status::Converged;
+            if !batch.needs_no_refinement {
                 self.go_back(start);
-                bundle.pending.clear();
+                batch.pending.clear();
                 return Ok(None);
             }
-            attempt
+            substep
         };
-        let walk = self.increment(time, (start, attempt), linear, told)?;
-        if let Walk::Ended(walked) = &walk {
-            bundle.sound &= walked.status == Status::Converged && walked.ends.len() == 1;
+        let walk = self.increment(time, (start, substep), linear, progress)?;
+        if let IncrementProgress::Ended(walked) = &walk {
+            batch.needs_no_refinement &= walked.status == Status::Converged && walked.ends.len() == 1;
         }
         if is_current {
             after = *linear.statistics();
         }
         let seconds = seconds + clock.elapsed().as_secs_f64();
-        Ok(Some(Judged { time, walk, began, work: [before, after], seconds }))
+        Ok(Some(JudgedIncrement { time, walk, began, work: [before, after], seconds }))
     }
 }

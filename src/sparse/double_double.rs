@@ -2,12 +2,12 @@
 
 /// A sum as `high + low`, with about 106 bits; Dekker (1971), Knuth.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Twofold {
+pub struct DoubleDouble {
     high: f64,
     low: f64,
 }
 
-impl Twofold {
+impl DoubleDouble {
     /// Adds `x`.
     pub fn add(&mut self, x: f64) {
         let sum = self.high + x;
@@ -45,7 +45,7 @@ fn halves(x: f64) -> (f64, f64) {
 
 /// `x + y` as the rounded sum and what rounding left off.
 pub fn sum(x: f64, y: f64) -> (f64, f64) {
-    let mut sum = Twofold { high: x, low: 0.0 };
+    let mut sum = DoubleDouble { high: x, low: 0.0 };
     sum.add(y);
     (sum.high, sum.low)
 }
@@ -56,14 +56,14 @@ mod tests {
 
     #[test]
     fn cancellation_leaves_the_small_terms() {
-        let mut sum = Twofold::default();
+        let mut sum = DoubleDouble::default();
         sum.add(1e16);
         sum.add(1.0);
         sum.add(-1e16);
         assert_eq!(sum.value(), 1.0);
         // (1 + 2⁻³⁰)² - 1 - 2⁻²⁹ = 2⁻⁶⁰.
         let x = 1.0 + 2.0_f64.powi(-30);
-        let mut square = Twofold::default();
+        let mut square = DoubleDouble::default();
         square.add_product(x, x);
         square.add(-1.0);
         square.add(-(2.0_f64.powi(-29)));

@@ -26,7 +26,7 @@ const ENTRIES_OF_FACTOR: usize = 32;
 
 /// What condensed equations begin with.
 #[derive(Debug, Default)]
-pub struct Reach {
+pub struct InitialWorkingSet {
     /// The contact nodes that they hold, ascending, if not all.
     pub nodes: Option<Vec<usize>>,
     /// The factors of `K` with the displacements of all contact nodes last, where they were made to find that all stay.
@@ -46,11 +46,11 @@ pub fn working_set(
     times: &[f64],
     affordable: f64,
     condensing: Option<SparseCholesky>,
-) -> Result<Reach, LinearError> {
+) -> Result<InitialWorkingSet, LinearError> {
     let (nodes, factor) = within(problem, loading, times, affordable, condensing)?;
     // With fewer nodes other displacements come last.
     let factor = factor.filter(|_| nodes.is_none()).map(Arc::new);
-    Ok(Reach { nodes, factor })
+    Ok(InitialWorkingSet { nodes, factor })
 }
 
 /// The nodes, if not all, and the factors of `K` with all contact displacements last, if they were needed.
@@ -62,7 +62,7 @@ fn within(
     condensing: Option<SparseCholesky>,
 ) -> Result<(Option<Vec<usize>>, Option<Cholesky>), LinearError> {
     let all = problem.contacts();
-    if all == 0 || !problem.free_motions().is_empty() {
+    if all == 0 || !problem.rigid_modes().is_empty() {
         return Ok((None, None));
     }
     let (m, increments) = (problem.contact_displacements().len(), times.len());

@@ -9,7 +9,7 @@ use std::fmt::Debug;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("{key}: {message}")]
 #[diagnostic(help("{help}"))]
-pub struct Fault {
+pub struct InputError {
     /// The path of the value that is wrong.
     pub key: String,
     /// What is wrong with it.
@@ -18,34 +18,34 @@ pub struct Fault {
     pub help: String,
 }
 
-impl Fault {
+impl InputError {
     /// The fault of the value at `key`.
     pub fn new(key: impl Into<String>, message: impl Into<String>, help: impl Into<String>) -> Self {
-        Fault { key: key.into(), message: message.into(), help: help.into() }
+        InputError { key: key.into(), message: message.into(), help: help.into() }
     }
 
     /// The same fault of a number that was converted to SI units.
     #[must_use]
     pub fn in_si(self) -> Self {
-        Fault { message: format!("in SI units {}", self.message), ..self }
+        InputError { message: format!("in SI units {}", self.message), ..self }
     }
 
     /// The same fault, told by whom holds the value under `parent`.
     #[must_use]
-    pub fn under(self, parent: &str) -> Self {
-        Fault { key: format!("{parent}.{}", self.key), ..self }
+    pub fn with_key(self, parent: &str) -> Self {
+        InputError { key: format!("{parent}.{}", self.key), ..self }
     }
 }
 
 /// Fails unless `sound`, saying what the `value` of `key` is and what it must be.
 ///
 /// # Errors
-/// [`Fault`] of `key`.
-pub fn demand(sound: bool, key: &str, value: &impl Debug, must: &str, help: &str) -> Result<(), Fault> {
+/// [`InputError`] of `key`.
+pub fn ensure(sound: bool, key: &str, value: &impl Debug, must: &str, help: &str) -> Result<(), InputError> {
     if sound {
         return Ok(());
     }
-    Err(Fault::new(key, format!("{key} is {value:?}, but must be {must}"), help))
+    Err(InputError::new(key, format!("{key} is {value:?}, but must be {must}"), help))
 }
 
 /// Numbers beyond this are refused: up to it the square of a product of three of them is finite.
@@ -54,32 +54,32 @@ const LARGEST: f64 = 1e50;
 /// Fails unless the `value` of `key` is finite, and not so large that what is computed from it overflows.
 ///
 /// # Errors
-/// [`Fault`] of `key`.
-pub fn finite(key: &str, value: f64) -> Result<(), Fault> {
-    demand(value.is_finite(), key, &value, "a finite number", "give a number other than nan or inf")?;
+/// [`InputError`] of `key`.
+pub fn finite(key: &str, value: f64) -> Result<(), InputError> {
+    ensure(value.is_finite(), key, &value, "a finite number", "give a number other than nan or inf")?;
     not_huge(key, [value])
 }
 
 /// Fails unless the `value` of `key` is above 0, and neither so large nor so small that what is computed from it is lost.
 ///
 /// # Errors
-/// [`Fault`] of `key`.
-pub fn positive(key: &str, value: f64, help: &str) -> Result<(), Fault> {
+/// [`InputError`] of `key`.
+pub fn positive(key: &str, value: f64, help: &str) -> Result<(), InputError> {
     finite(key, value)?;
-    demand(value > 0.0, key, &value, "positive", help)?;
-    demand(value >= 1.0 / LARGEST, key, &value, "1e-50 or more, so that products of it are not lost", help)
+    ensure(value > 0.0, key, &value, "positive", help)?;
+    ensure(value >= 1.0 / LARGEST, key, &value, "1e-50 or more, so that products of it are not lost", help)
 }
 
 /// Fails if one of the `numbers` at `key` is so large that what is computed from it overflows.
 ///
 /// # Errors
-/// [`Fault`] of `key`.
-pub fn not_huge(key: &str, numbers: impl IntoIterator<Item = f64>) -> Result<(), Fault> {
+/// [`InputError`] of `key`.
+pub fn not_huge(key: &str, numbers: impl IntoIterator<Item = f64>) -> Result<(), InputError> {
     match numbers.into_iter().find(|x| x.is_finite() && x.abs() > LARGEST) {
         None => Ok(()),
         Some(x) => {
             let message = format!("{key} has the number {x:e}, but products of numbers beyond {LARGEST:e} overflow");
-            Err(Fault::new(key, message, "give numbers in SI units or as [units] says, and smaller ones"))
+            Err(InputError::new(key, message, "give numbers in SI units or as [units] says, and smaller ones"))
         }
     }
 }

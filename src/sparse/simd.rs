@@ -8,10 +8,10 @@ use super::Symmetric;
 pub const LANES: usize = 4;
 
 /// The entries that these vectors have in one place.
-pub type Lanes = [f64; LANES];
+pub type SimdPack = [f64; LANES];
 
 /// Up to four vectors of length `n` as one; the entries of those that are missing are 0.
-pub fn side_by_side<'a>(n: usize, vectors: impl IntoIterator<Item = &'a [f64]>) -> Vec<Lanes> {
+pub fn side_by_side<'a>(n: usize, vectors: impl IntoIterator<Item = &'a [f64]>) -> Vec<SimdPack> {
     let mut lanes = vec![[0.0; LANES]; n];
     for (k, vector) in vectors.into_iter().take(LANES).enumerate() {
         lanes.iter_mut().zip(vector).for_each(|(lanes, value)| lanes[k] = *value);
@@ -20,13 +20,13 @@ pub fn side_by_side<'a>(n: usize, vectors: impl IntoIterator<Item = &'a [f64]>) 
 }
 
 /// Vector `k` of them.
-pub fn lane(lanes: &[Lanes], k: usize) -> Vec<f64> {
+pub fn lane(lanes: &[SimdPack], k: usize) -> Vec<f64> {
     lanes.iter().map(|lanes| lanes[k]).collect()
 }
 
 impl Symmetric {
     /// `A x` and `|A| |x|` of four vectors `x`, each as if it were alone.
-    pub(crate) fn products(&self, x: &[Lanes]) -> (Vec<Lanes>, Vec<Lanes>) {
+    pub(crate) fn products(&self, x: &[SimdPack]) -> (Vec<SimdPack>, Vec<SimdPack>) {
         Arch::new().dispatch(Products { of: self, x })
     }
 }
@@ -34,11 +34,11 @@ impl Symmetric {
 /// Compiled for each kind of processor, with the same result.
 struct Products<'a> {
     of: &'a Symmetric,
-    x: &'a [Lanes],
+    x: &'a [SimdPack],
 }
 
 impl WithSimd for Products<'_> {
-    type Output = (Vec<Lanes>, Vec<Lanes>);
+    type Output = (Vec<SimdPack>, Vec<SimdPack>);
 
     #[allow(clippy::inline_always)] // Only what is inlined is compiled for more than the least processor.
     #[inline(always)]
@@ -47,9 +47,11 @@ impl WithSimd for Products<'_> {
         let lower = of.lower();
         let (pattern, values) = (lower.pattern(), lower.values());
         let (mut products, mut sizes) = (vec![[0.0; LANES]; x.len()], vec![[0.0; LANES]; x.len()]);
-        let add = |to: &mut Lanes, value: f64, x: &Lanes| to.iter_mut().zip(x).for_each(|(to, x)| *to += value * x);
-        let add_size =
-            |to: &mut Lanes, value: f64, x: &Lanes| to.iter_mut().zip(x).for_each(|(to, x)| *to += (value * x).abs());
+        let add =
+            |to: &mut SimdPack, value: f64, x: &SimdPack| to.iter_mut().zip(x).for_each(|(to, x)| *to += value * x);
+        let add_size = |to: &mut SimdPack, value: f64, x: &SimdPack| {
+            to.iter_mut().zip(x).for_each(|(to, x)| *to += (value * x).abs())
+        };
         for column in 0..of.order() {
             let slots = pattern.column(column);
             let (mut product, mut size) = ([0.0; LANES], [0.0; LANES]);

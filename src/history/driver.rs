@@ -2,29 +2,29 @@
 
 use std::time::Instant;
 
-use super::held::HeldBody;
-use super::observer::{Observer, Step};
-use super::path::{Judged, Path, Walk};
-use super::position::Position;
+use super::clamped::ClampedBody;
+use super::increment_result::IncrementResult;
+use super::observer::{IncrementView, Observer};
+use super::path::{IncrementDriver, IncrementProgress, JudgedIncrement};
+use super::progress::{Progress, record};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
 use super::saved::{Done, RunOf, Saved, SavedStage};
 use super::settings::HistorySettings;
+use super::state::HistoryState;
 use super::system::statistics;
 use super::task::Algorithm;
-use super::told::{Told, record};
-use super::walked::Walked;
 use super::working_set::WorkingSet;
 use super::{Error, HistoryOutcome};
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::condense::{Condensation, Condensed};
 use crate::laws::{Violation, rounding_level, statuses_of};
-use crate::linear::{Dense, Direct, LinearError, Statistics};
+use crate::linear::{Dense, LinearError, RefinedSolver, Statistics};
 use crate::loading::Loading;
-use crate::nonlinear::{Flow, Stop};
+use crate::nonlinear::Termination;
 use crate::problem::ContactProblem;
 
 /// A history on its way, from stage to stage.
-pub(super) struct Stages<'a> {
+pub(super) struct HistoryDriver<'a> {
     pub problem: &'a ContactProblem,
     pub loading: &'a Loading,
     /// The ends of all increments, s.
@@ -32,7 +32,7 @@ pub(super) struct Stages<'a> {
     pub settings: &'a HistorySettings,
     pub observer: &'a mut dyn Observer,
     pub outcome: HistoryOutcome,
-    pub position: Position,
+    pub position: HistoryState,
     /// When the history began.
     pub start: Instant,
     /// When the increment on the way began, and what the linear algebra had done by then.
@@ -47,7 +47,7 @@ pub(super) struct Stages<'a> {
     pub saved: Option<SavedStage>,
 }
 
-impl<'a> Stages<'a> {
+impl<'a> HistoryDriver<'a> {
     /// A history with this `outcome` so far, that began at `start`, or goes on from where the settings say.
     ///
     /// # Errors
@@ -62,14 +62,14 @@ impl<'a> Stages<'a> {
         start: Instant,
     ) -> Result<Self, Error> {
         let saved = settings.from.as_ref().map(|from| Saved::read(from, problem, times, settings)).transpose()?;
-        let mut stages = Stages {
+        let mut stages = HistoryDriver {
             problem,
             loading,
             times,
             settings,
             observer,
             outcome,
-            position: Position::start(problem),
+            position: HistoryState::start(problem),
             start,
             begun: None,
             done: Statistics::default(),
@@ -90,7 +90,7 @@ impl<'a> Stages<'a> {
     /// As [`super::run`].
     pub(super) fn condensed(&mut self, algorithm: &dyn Algorithm, condensation: &Condensation) -> Result<(), Error> {
         let all = self.problem.contacts();
-        let asked_for = self.settings.working_set.as_ref().filter(|_| self.problem.free_motions().is_empty());
+        let asked_for = self.settings.working_set.as_ref().filter(|_| self.problem.rigid_modes().is_empty());
         let mut nodes = asked_for.filter(|nodes| nodes.len() < all).cloned();
         let mut resumes = self.saved.is_some();
         if let Some(saved) = &mut self.saved {
@@ -141,7 +141,7 @@ impl<'a> Stages<'a> {
             }
             Err(error) => return Err(error.into()),
         };
-        let mut dense = Direct::from(Dense::default()).after(self.done);
+        let mut dense = RefinedSolver::from(Dense::default()).after(self.done);
         self.stage(own.as_deref().unwrap_or(algorithm), Some(&condensed), &mut dense)
     }
 
@@ -154,16 +154,16 @@ impl<'a> Stages<'a> {
         &mut self,
         algorithm: &dyn Algorithm,
         condensed: Option<&Condensed>,
-        linear: &mut Direct,
+        linear: &mut RefinedSolver,
     ) -> Result<Option<Vec<usize>>, Error> {
-        let Stages { problem, loading, times, settings, .. } = *self;
+        let HistoryDriver { problem, loading, times, settings, .. } = *self;
         let (small, loads, body) = match condensed {
             Some(condensed) => (&condensed.problem, &condensed.loading, Some(condensed.info())),
             None => (problem, loading, None),
         };
         let mut method = algorithm.start(small, loads);
         linear.analyze(method.matrix())?;
-        let held = HeldBody::new(method.as_mut(), small, loads, &settings.scaling, linear)?;
+        let held = ClampedBody::new(method.as_mut(), small, loads, &settings.scaling, linear)?;
         self.outcome.linear = statistics(*linear.statistics(), body, self.position.worst_backward_error);
         let held = match held {
             Ok(held) => held,
@@ -177,31 +177,31 @@ impl<'a> Stages<'a> {
             self.outcome.setup_seconds = self.start.elapsed().as_secs_f64();
             self.observer.ready();
         }
-        let mut path = Path::new(problem, loading, settings, condensed, method, held, &mut self.position);
+        let mut path = IncrementDriver::new(problem, loading, settings, condensed, method, held, &mut self.position);
         let (outcome, observer) = (&mut self.outcome, &mut *self.observer);
 
         // How many increments go together: more and more, as long as all is well.
-        let mut together = 1;
+        let mut batch_size = 1;
         if let Some(saved) = self.saved.take() {
-            together = path.take_up(saved, linear)?;
+            batch_size = path.restore_stage(saved, linear)?;
             // As it was, should nothing be left to solve.
             outcome.linear.factor = statistics(self.done, body, 0.0).factor;
         }
         while outcome.tally.increments < times.len() {
             let done = outcome.tally.increments;
-            let (first, to_come) = (done + 1, &times[done..]);
-            let most = together.min(to_come.len());
+            let (first, pending) = (done + 1, &times[done..]);
+            let most = batch_size.min(pending.len());
             let many = (1..most).find(|&k| observer.waits_for(first + k - 1)).unwrap_or(most);
-            let mut told = Told { problem, index: first, observer: &mut *observer };
-            let mut bundle = match path.ahead(&to_come[..many], linear, &mut told) {
-                Ok(bundle) => bundle,
+            let mut progress = Progress { problem, index: first, observer: &mut *observer };
+            let mut batch = match path.ahead(&pending[..many], linear, &mut progress) {
+                Ok(batch) => batch,
                 Err(error) => return outcome.end_by(error).map(|()| None),
             };
             loop {
                 let index = outcome.tally.increments + 1;
-                told.index = index;
-                let Judged { time, walk, began, work: [before, after], seconds } =
-                    match path.judge(&mut bundle, linear, &mut told) {
+                progress.index = index;
+                let JudgedIncrement { time, walk, began, work: [before, after], seconds } =
+                    match path.judge(&mut batch, linear, &mut progress) {
                         Ok(Some(judged)) => judged,
                         Ok(None) => break,
                         Err(error) => return outcome.end_by(error).map(|()| None),
@@ -211,34 +211,36 @@ impl<'a> Stages<'a> {
                     None => (seconds, before),
                 };
                 let increment = match walk {
-                    Walk::Ended(increment) => increment,
-                    Walk::Lacks(nodes) => {
+                    IncrementProgress::Ended(increment) => increment,
+                    IncrementProgress::NeedsNodes(nodes) => {
                         self.begun = Some((began, before));
                         self.done = *linear.statistics();
                         return Ok(Some(nodes));
                     }
                 };
-                let statuses = statuses_of(problem, &path.data(), &increment.attempt.state, &increment.attempt.scales);
+                let statuses = statuses_of(problem, &path.data(), &increment.substep.state, &increment.substep.scales);
                 let seconds = Seconds::between(&before, &after, increment.solved.assembly_seconds, all);
                 let counts = ContactCounts::of(&statuses);
                 let joined = std::mem::take(&mut self.joined);
                 let record = record(problem, path.data().force, index, time, &increment, counts, seconds);
                 let record = IncrementRecord { joined, ..record };
-                let Walked { solved, attempt, status, .. } = *increment;
-                let (flow, state) = path.show(&attempt.state, |increment, state| {
-                    let step = Step { record: &record, increment, state, statuses: &statuses };
-                    (told.observer.increment(&step), state.clone())
+                let IncrementResult { solved, substep, status, .. } = *increment;
+                let (flow, state) = path.show(&substep.state, |increment, state| {
+                    let step = IncrementView { record: &record, increment, state, statuses: &statuses };
+                    (progress.observer.increment(&step), state.clone())
                 });
                 outcome.push(record, settings.keeps_records);
                 outcome.linear = statistics(*linear.statistics(), body, path.at.worst_backward_error);
                 if status != Status::Converged || index == times.len() {
-                    outcome.rounding = rounding_level(problem, &attempt.state, &attempt.scales);
+                    outcome.rounding = rounding_level(problem, &substep.state, &substep.scales);
                 }
                 outcome.status = status;
                 outcome.reached = path.at.reached.unwrap_or(0.0);
                 if status != Status::Converged {
-                    outcome.violation = Some(Violation::worst(problem, &path.data(), &attempt.state, &attempt.scales));
-                    if let Stop::Unheld(motion) | Stop::NoEquilibrium(motion) | Stop::EdgeFriction(motion) = solved.stop
+                    outcome.violation = Some(Violation::worst(problem, &path.data(), &substep.state, &substep.scales));
+                    if let Termination::Unconstrained(motion)
+                    | Termination::NoEquilibrium(motion)
+                    | Termination::EdgeFriction(motion) = solved.stop
                     {
                         outcome.free_motion = Some(motion);
                     }
@@ -246,26 +248,26 @@ impl<'a> Stages<'a> {
                 }
                 outcome.state = state;
                 outcome.increment_error = path.increment_error();
-                outcome.scales = attempt.scales;
-                if flow == Flow::Stop && index < times.len() {
+                outcome.scales = substep.scales;
+                if flow.is_break() && index < times.len() {
                     outcome.status = Status::Interrupted;
                     return Ok(None);
                 }
             }
-            together = if bundle.sound { path.together().min(2 * together) } else { 1 };
-            observer.rest(&|| outcome.checkpoint(settings, &path, condensed, linear, together));
+            batch_size = if batch.needs_no_refinement { path.batch_size().min(2 * batch_size) } else { 1 };
+            observer.rest(&|| outcome.checkpoint(settings, &path, condensed, linear, batch_size));
         }
         Ok(None)
     }
 }
 
-impl Path<'_> {
+impl IncrementDriver<'_> {
     /// Takes a stage up that was put away: the method is as it was then. How many increments go together.
-    fn take_up(&mut self, saved: SavedStage, linear: &mut Direct) -> Result<usize, Error> {
-        if !self.recall(saved.memory, linear)? {
+    fn restore_stage(&mut self, saved: SavedStage, linear: &mut RefinedSolver) -> Result<usize, Error> {
+        if !self.restore(saved.memory, linear)? {
             return Err(CheckpointError::Other { what: "the method" }.into());
         }
-        Ok(saved.together.clamp(1, self.together()))
+        Ok(saved.batch_size.clamp(1, self.batch_size()))
     }
 }
 
@@ -274,17 +276,17 @@ impl HistoryOutcome {
     fn checkpoint(
         &self,
         settings: &HistorySettings,
-        path: &Path<'_>,
+        path: &IncrementDriver<'_>,
         condensed: Option<&Condensed>,
-        linear: &Direct,
-        together: usize,
+        linear: &RefinedSolver,
+        batch_size: usize,
     ) -> Checkpoint {
         let nodes = condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec);
         let saved = Saved {
             run: RunOf::new(&self.layout, settings),
             outcome: Done::of(self),
             position: path.at.clone(),
-            stage: SavedStage { memory: path.memory(linear), nodes, together },
+            stage: SavedStage { memory: path.memory(linear), nodes, batch_size },
             statistics: *linear.statistics(),
         };
         Checkpoint::new(self.tally.increments, self.reached, &saved)

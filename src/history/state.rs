@@ -2,15 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::carried::Carried;
 use super::increment_error::IncrementErrors;
+use super::rigid_offset::RigidOffset;
 use crate::laws::{KktErrors, KktScales};
-use crate::nonlinear::Outcome;
+use crate::nonlinear::MethodResult;
 use crate::problem::{ContactProblem, State};
 
 /// How far a history has come: all that one stage of it leaves to the next.
 #[derive(Clone, Serialize, Deserialize)]
-pub(super) struct Position {
+pub(super) struct HistoryState {
     /// The time reached; `None` stands for the unloaded body.
     pub reached: Option<f64>,
     /// The length of the last part, s.
@@ -21,7 +21,7 @@ pub(super) struct Position {
     pub worst_backward_error: f64,
     pub scales: KktScales,
     /// Where the body has been carried, from where all displacements and gaps of a part count.
-    pub carried: Carried,
+    pub offset: RigidOffset,
     /// The normal displacements at the end of the last part.
     pub w_n: Vec<f64>,
     /// `w̄_t` and `w̄_o` of the next part.
@@ -29,7 +29,7 @@ pub(super) struct Position {
     pub w_o: Vec<f64>,
     /// The increment that the last stage could not end.
     #[serde(skip)]
-    pub underway: Option<Underway>,
+    pub in_progress: Option<IncrementInProgress>,
     /// What the increments left until the last stage ended, and the contact nodes that it had.
     #[serde(skip)]
     pub errors: Option<(IncrementErrors, Vec<usize>)>,
@@ -40,13 +40,13 @@ pub(super) struct Position {
 
 /// An increment that has begun.
 #[derive(Clone)]
-pub(super) struct Underway {
+pub(super) struct IncrementInProgress {
     /// Where it began, s.
     pub start: f64,
     /// The ends of the parts to come, s, the nearest last.
-    pub to_come: Vec<f64>,
+    pub pending: Vec<f64>,
     /// What the method has done in it.
-    pub solved: Option<Outcome>,
+    pub solved: Option<MethodResult>,
     /// The largest errors of the parts that converged.
     pub kkt: KktErrors,
     /// The ends (s) of these.
@@ -55,42 +55,42 @@ pub(super) struct Underway {
     pub friction_work: f64,
 }
 
-impl Position {
+impl HistoryState {
     /// The unloaded body.
     pub(super) fn start(problem: &ContactProblem) -> Self {
         let zeros = || vec![0.0; problem.contacts()];
-        Position {
+        HistoryState {
             reached: None,
             length: None,
             state: None,
             worst_backward_error: 0.0,
             scales: KktScales::default(),
-            carried: Carried::nowhere(problem),
+            offset: RigidOffset::nowhere(problem),
             w_n: zeros(),
             w_t: zeros(),
             w_o: zeros(),
-            underway: None,
+            in_progress: None,
             errors: None,
             estimate: None,
         }
     }
 }
 
-impl Position {
+impl HistoryState {
     /// Whether it is one of `problem`, by what a `state` must be.
     pub(super) fn fits(&self, problem: &ContactProblem, state: impl Fn(&State) -> bool) -> bool {
         let contacts = problem.contacts();
         let all = [&self.w_n, &self.w_t, &self.w_o].iter().all(|w| w.len() == contacts);
-        all && self.state.as_ref().is_none_or(state) && self.carried.fits(problem)
+        all && self.state.as_ref().is_none_or(state) && self.offset.fits(problem)
     }
 }
 
-impl Underway {
+impl IncrementInProgress {
     /// An increment from `start` to `end` (s).
     pub(super) fn new(start: f64, end: f64) -> Self {
-        Underway {
+        IncrementInProgress {
             start,
-            to_come: vec![end],
+            pending: vec![end],
             solved: None,
             kkt: KktErrors::default(),
             ends: Vec::new(),

@@ -2,24 +2,24 @@
 
 use super::Status;
 use crate::laws::{KktErrors, KktScales};
-use crate::nonlinear::Outcome;
+use crate::nonlinear::MethodResult;
 use crate::problem::State;
 
 /// What became of one part.
-pub(super) struct Attempt {
+pub(super) struct SubstepResult {
     pub state: State,
     pub scales: KktScales,
-    pub outcome: Outcome,
+    pub outcome: MethodResult,
     pub kkt: KktErrors,
     pub status: Status,
 }
 
 /// What became of an increment.
-pub(super) struct Walked {
+pub(super) struct IncrementResult {
     /// What the method did in all its parts, the failed ones included.
-    pub solved: Outcome,
+    pub solved: MethodResult,
     /// The last part.
-    pub attempt: Attempt,
+    pub substep: SubstepResult,
     /// The largest errors of the parts that count: all that converged, or the one that failed.
     pub kkt: KktErrors,
     pub status: Status,

@@ -2,12 +2,12 @@
 
 /// The numbers 0 to n - 1 in disjoint sets.
 #[derive(Debug)]
-pub struct Sets(Vec<usize>);
+pub struct UnionFind(Vec<usize>);
 
-impl Sets {
+impl UnionFind {
     /// Each of `n` numbers in a set of its own.
     pub fn new(n: usize) -> Self {
-        Sets((0..n).collect())
+        UnionFind((0..n).collect())
     }
 
     /// The least number of the set that `k` is in, which stands for it.
@@ -28,11 +28,11 @@ impl Sets {
 
 #[cfg(test)]
 mod tests {
-    use super::Sets;
+    use super::UnionFind;
 
     #[test]
     fn the_least_stands_for_a_set() {
-        let mut sets = Sets::new(7);
+        let mut sets = UnionFind::new(7);
         for (i, j) in [(5, 6), (3, 1), (6, 3), (1, 1), (4, 2)] {
             sets.join(i, j);
         }

@@ -11,7 +11,7 @@ use super::task::IncrementSolver;
 use crate::condense::Condensed;
 use crate::formulation::Layout;
 use crate::laws::KktScales;
-use crate::linear::{Direct, LinearError, componentwise_error};
+use crate::linear::{LinearError, RefinedSolver, componentwise_error};
 use crate::problem::{ContactProblem, State};
 use crate::sparse::{LANES, lane, side_by_side, sum};
 use crate::units::Scaling;
@@ -24,7 +24,7 @@ const REFINEMENTS: usize = 4;
 
 /// A condensed body, and the whole one that it stands for.
 #[derive(Clone, Copy)]
-pub(super) struct Whole<'a> {
+pub(super) struct InteriorRecovery<'a> {
     pub problem: &'a ContactProblem,
     pub condensed: &'a Condensed,
     pub settings: &'a HistorySettings,
@@ -32,7 +32,7 @@ pub(super) struct Whole<'a> {
 
 /// A state of the whole body.
 #[derive(Default)]
-pub(super) struct Balanced {
+pub(super) struct RecoveredState {
     pub state: State,
     /// [`ContactProblem::imbalance`], N.
     pub imbalance: Vec<f64>,
@@ -40,16 +40,20 @@ pub(super) struct Balanced {
     pub backward_error: f64,
 }
 
-impl Balanced {
+impl RecoveredState {
     /// The largest imbalance, N.
     fn violation(&self) -> f64 {
         self.imbalance.iter().fold(0.0_f64, |m, r| m.max(r.abs()))
     }
 }
 
-impl Whole<'_> {
+impl InteriorRecovery<'_> {
     /// The states at these times (s), by those of the condensed problem and the external forces there.
-    pub(super) fn states(&self, ends: &[(f64, State)], forces: &[Vec<f64>]) -> Result<Vec<Balanced>, LinearError> {
+    pub(super) fn states(
+        &self,
+        ends: &[(f64, State)],
+        forces: &[Vec<f64>],
+    ) -> Result<Vec<RecoveredState>, LinearError> {
         let states = self.condensed.states(ends)?;
         let balances = |(states, forces): (&[State], &[Vec<f64>])| self.balances(states, forces);
         let balances: Vec<(Vec<f64>, f64)> = if states.len() <= LANES {
@@ -57,7 +61,7 @@ impl Whole<'_> {
         } else {
             states.par_chunks(LANES).zip(forces.par_chunks(LANES)).flat_map_iter(balances).collect()
         };
-        let balanced = |(state, (imbalance, backward_error))| Balanced { state, imbalance, backward_error };
+        let balanced = |(state, (imbalance, backward_error))| RecoveredState { state, imbalance, backward_error };
         Ok(states.into_iter().zip(balances).map(balanced).collect())
     }
 
@@ -79,7 +83,7 @@ impl Whole<'_> {
     }
 
     /// Whether a state needs no refinement; `scales` are those that include it.
-    pub(super) fn is_sound(&self, balanced: &Balanced, scales: &KktScales) -> bool {
+    pub(super) fn needs_no_refinement(&self, balanced: &RecoveredState, scales: &KktScales) -> bool {
         balanced.backward_error <= BACKWARD_ERROR && balanced.violation() <= self.allowed(scales)
     }
 
@@ -91,15 +95,15 @@ impl Whole<'_> {
     /// The state that the method has reached under `force`, refined where it needs that by how its contact nodes respond.
     pub(super) fn refined(
         &self,
-        balanced: Balanced,
+        balanced: RecoveredState,
         force: &[f64],
         scales: &KktScales,
         contact: &mut dyn Responds,
-    ) -> Result<Balanced, LinearError> {
+    ) -> Result<RecoveredState, LinearError> {
         let mut reached = balanced;
         for refinement in 0..REFINEMENTS {
             let scales = scales.with_state(&reached.state);
-            if self.is_sound(&reached, &scales) || refinement == 0 && !contact.is_regular()? {
+            if self.needs_no_refinement(&reached, &scales) || refinement == 0 && !contact.is_regular()? {
                 break;
             }
             let mut state = reached.state.clone();
@@ -120,7 +124,7 @@ impl Whole<'_> {
             if backward_error.is_nan() || backward_error > 0.5 * reached.backward_error {
                 break;
             }
-            reached = Balanced { state, imbalance, backward_error };
+            reached = RecoveredState { state, imbalance, backward_error };
             contact.go_on();
         }
         Ok(reached)
@@ -160,7 +164,7 @@ pub(super) trait Responds {
 /// The response of a method's linearisation.
 pub(super) struct Linearized<'m> {
     method: &'m mut dyn IncrementSolver,
-    linear: &'m mut Direct,
+    linear: &'m mut RefinedSolver,
     problem: &'m ContactProblem,
     scaling: Scaling,
     change: Vec<f64>,
@@ -170,7 +174,7 @@ impl<'m> Linearized<'m> {
     /// That of the state that the `method` has reached, of a condensed `problem`.
     pub(super) fn new(
         method: &'m mut dyn IncrementSolver,
-        linear: &'m mut Direct,
+        linear: &'m mut RefinedSolver,
         problem: &'m ContactProblem,
         scaling: Scaling,
     ) -> Self {
