@@ -142,7 +142,6 @@ pub const MAY_USE: &[(&str, &[&str])] = &[
             "loading",
             "local",
             "memory",
-            "nonlinear",
             "problem",
             "report",
             "sparse",
